@@ -3,22 +3,25 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import Any
 
+import numpy as np
 from flint import arb
 
 from ...models.linear.balanced import CannotBalance, balanced_angles
 from ...models.papers.window import LiquidWindow
-from ...models.proof.balanced import WeightBalls, seen
-from ...models.proof.equations import Equations, equations
+from ...models.proof.balanced import Seen, WeightBalls, seen
+from ...models.proof.equations import Equations, matrices
 from ...models.proof.rotors import KINDS, RotorBalls, Unproved
+from ...models.proof.slopes import Exact, Number, Sloped, ball
 from ...models.proof.window import WindowBalls
 from ...models.weights import KAPPA
 from ..errors import UserError
 from ..scene import Scene
-from ..scene.replace import SPEED, in_full
+from ..scene.replace import in_full
 from ..units import si_number
 
 _UNITS = arb(2) ** -48  # relative: what the conversion of units rounds in a dozen operations
@@ -33,16 +36,23 @@ class Change:
         path: as for `Scene.replace`.
         low, high: of the value, or of what is added to it.
         kind: "value"; "relative" to the value, or "added" to it.
+        number: which one of different numbers that the path names.
     """
 
     path: str
     low: float
     high: float
     kind: str = "value"
+    number: int = 0
 
-    def __call__(self, value: arb) -> arb:
-        """The interval of a value."""
-        span = arb(repr(self.low)).union(arb(repr(self.high)))
+    def __call__(self, value: Number, place: int, count: int) -> Number:
+        """The interval of a value, as parameter e_place of `count`."""
+        low, high, middle = (arb(repr(x)) for x in (self.low, self.high, self.middle.low))
+        span: Any = low
+        if self.low != self.high:
+            slopes = np.array([arb(0)] * count, object)
+            slopes[place] = (high - middle).max(middle - low)
+            span = Sloped(low.union(high), slopes)
         return {"value": span, "relative": value * (1 + span), "added": value + span}[self.kind]
 
     def halves(self) -> tuple[Change, Change]:
@@ -75,8 +85,8 @@ def tolerances(text: str, scene: Scene) -> tuple[Change, ...]:
         if not 0.0 <= size < 1e60:
             raise UserError(f"within {item!r}: {size:g} must be 0 or more")
         kind = "relative" if percent != amount else "added"
-        changes.append(Change(in_full(path), -size, size, kind))
-    Tables(scene).change(changes)
+        count = len(Tables(scene).numbers(in_full(path)))
+        changes += [Change(in_full(path), -size, size, kind, k) for k in range(count)]
     return tuple(changes)
 
 
@@ -121,32 +131,46 @@ class Tables:
             for table, each in zip(scene.balancer, given, strict=True)
         }
 
-    def change(self, changes: Iterable[Change]) -> None:
+    def numbers(self, path: str) -> dict[int, Number]:
+        """The different numbers that a path names.
+
+        Raises:
+            UserError: it names no number of the rotor or of a balancer.
+        """
+        known: dict[int, Number] = {}
+        with suppress(KeyError, IndexError, TypeError):
+            holder, key = self._place(path)
+            _mapped(holder[key], known)
+        if not known:
+            raise UserError(
+                f"{path}: an interval needs a number that the scene gives the rotor or a balancer, "
+                f"such as rotor.stiffness or {next(iter(self.balancers), 'balls')}.mass"
+            )
+        return known
+
+    def _place(self, path: str) -> tuple[Any, Any]:
+        """What holds a path's value, and its key or index."""
+        first, *rest = path.split(".")
+        keys: list[Any] = []
+        for part in rest:
+            keys += [re.sub(r"\[.*", "", part), *(int(n) - 1 for n in re.findall(r"\d+", part))]
+        holder: Any = {"rotor": self.rotor, **self.balancers}.get(first)
+        for key in keys[:-1]:
+            holder = holder[key]
+        return holder, keys[-1]
+
+    def change(self, changes: Sequence[Change]) -> None:
         """Put intervals into the place of numbers.
 
         Raises:
             UserError: a path names no number of the rotor or of a balancer.
         """
-        for change in changes:
-            first, *rest = change.path.split(".")
-            holder: Any = {"rotor": self.rotor, **self.balancers}.get(first)
-            keys: list[Any] = []
-            for part in rest:
-                keys += [re.sub(r"\[.*", "", part), *(int(n) - 1 for n in re.findall(r"\d+", part))]
-            try:
-                for key in keys[:-1]:
-                    holder = holder[key]
-                known: dict[int, arb] = {}
-                changed = _mapped(holder[keys[-1]], change, known)
-            except (KeyError, IndexError, TypeError):
-                known = {}
-            if not known:
-                raise UserError(
-                    f"{change.path}: an interval needs a number that the scene gives the rotor or "
-                    "a balancer, such as rotor.stiffness or "
-                    f"{next(iter(self.balancers), 'balls')}.mass"
-                )
-            holder[keys[-1]] = changed
+        for place, change in enumerate(changes):
+            known = self.numbers(change.path)
+            one = list(known)[change.number]
+            known[one] = change(known[one], place, len(changes))
+            holder, key = self._place(change.path)
+            holder[key] = _mapped(holder[key], known)
 
     def damp(self) -> None:
         """Damping that `damping_ratio` stands for, 2 ratio sqrt(k m) of every support."""
@@ -178,8 +202,8 @@ class Tables:
             rows.append(row)
         table[key] = rows[0] if kind == "planar" else rows
 
-    def equations(self) -> Equations:
-        """Small motions about the balanced motion.
+    def matrices(self) -> tuple[Exact, list[Seen]]:
+        """Of small motions about the balanced motion, and its balancers.
 
         Raises:
             Unproved: a balanced motion is not proved to exist.
@@ -201,17 +225,17 @@ class Tables:
                 kappa = _exact(KAPPA[table["kind"]])
                 weights.append(WeightBalls(plane, count, each, radius, drag, kappa, stand))
             mass = mass + row[:, None] * row * added
-        return equations(rotor, mass, seen(rotor, weights))
+        found = seen(rotor, weights)
+        return matrices(rotor, mass, found), found
 
 
-def _mapped(value: Any, change: Callable[[arb], arb], known: dict[int, arb]) -> Any:
+def _mapped(value: Any, known: dict[int, Number]) -> Any:
+    """A value with its numbers as in `known`, which gets those that it lacks."""
     if isinstance(value, list):
-        return [_mapped(each, change, known) for each in value]
-    if not isinstance(value, arb):
+        return [_mapped(each, known) for each in value]
+    if not isinstance(value, arb | Sloped):
         raise TypeError
-    if id(value) not in known:
-        known[id(value)] = change(value)
-    return known[id(value)]
+    return known.setdefault(id(value), value)
 
 
 def _angles(scene: Scene) -> Iterator[float]:
@@ -240,7 +264,7 @@ def refuse_unproved(scene: Scene) -> None:
             raise Unproved(f"{mounted.name}: its track is off centre, where no rotor rests")
 
 
-def system(scene: Scene, changes: Iterable[Change] = ()) -> Equations:
+def system(scene: Scene, changes: Sequence[Change] = ()) -> Equations:
     """The equations of a scene whose parameters take intervals.
 
     Raises:
@@ -248,11 +272,16 @@ def system(scene: Scene, changes: Iterable[Change] = ()) -> Equations:
     """
     refuse_unproved(scene)
     tables = Tables(scene)
-    tables.change(c for c in changes if c.path != SPEED)
-    return tables.equations()
+    tables.change([change.middle for change in changes])
+    middle, weights = tables.matrices()
+    if all(change.low == change.high for change in changes):
+        return Equations.of(middle, middle, weights)
+    tables = Tables(scene)
+    tables.change(changes)
+    return Equations.of(middle, *tables.matrices())
 
 
-def window(scene: Scene, changes: Iterable[Change] = ()) -> WindowBalls | None:
+def window(scene: Scene, changes: Sequence[Change] = ()) -> WindowBalls | None:
     """Dubovik's window; None where it does not apply.
 
     Raises:
@@ -270,10 +299,10 @@ def window(scene: Scene, changes: Iterable[Change] = ()) -> WindowBalls | None:
     if damping[0] is not damping[1] or stiffness[0] is not stiffness[1]:
         return None  # axes that tolerances make different
     (liquid,) = tables.balancers.values()
-    added = _liquid_mass(liquid)
-    return WindowBalls.of(rotor["mass"], added, stiffness[0], damping[0], rotor["internal_damping"])
+    used = rotor["mass"], _liquid_mass(liquid), stiffness[0], damping[0], rotor["internal_damping"]
+    return WindowBalls.of(*map(ball, used))
 
 
-def _liquid_mass(table: dict[str, Any]) -> arb:
+def _liquid_mass(table: dict[str, Any]) -> Number:
     radius = table["chamber_radius"]
-    return table["density"] * arb.pi() * radius * radius * table["height"]
+    return arb.pi() * radius * radius * table["density"] * table["height"]

@@ -17,7 +17,6 @@ import flint
 
 from ...models.linear.boundaries import Crossing
 from ...models.proof.certificate import Certificate, State
-from ...models.proof.modes import POWERS
 from ...models.proof.rotors import Unproved
 from ...models.proof.window import WindowBalls, ends
 from ..output.workers import Progress
@@ -222,10 +221,10 @@ class _Search:
         yield from self._bands(low, middle, boxes, vain)
         yield from self._bands(middle, high, boxes, vain)
 
-    def _certificate(self, box: Box, speed: float, powers: int = POWERS) -> Certificate | None:
+    def _certificate(self, box: Box, speed: float, degree: int | None = None) -> Certificate | None:
         self.certificates += 1
         try:
-            return Certificate.of(self.system(box), speed, powers)
+            return Certificate.of(self.system(box), speed, degree)
         except Unproved:
             return None
 
@@ -233,7 +232,7 @@ class _Search:
         """Whether one machine within the tolerances is stable and another one not."""
         states: set[str] = set()
         for corner in self._corners:
-            states.add(_state([self._certificate(corner, speed, 1)], speed, speed))
+            states.add(_state([self._certificate(corner, speed, 0)], speed, speed))
             if {"stable", "unstable"} <= states:
                 return True
         return False
@@ -263,7 +262,7 @@ class _Search:
         weights = []
         for k, change in enumerate(self.whole):
             one = (*middle[:k], change, *middle[k + 1 :])
-            found = self._certificate(one, 0.5 * sum(self.range), 1)
+            found = self._certificate(one, 0.5 * sum(self.range), 0)
             weights.append(float(found.residual[0].max()) if found else math.inf)
         return weights
 

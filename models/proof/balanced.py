@@ -14,9 +14,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from flint import acb, arb
+from flint import arb
 
-from .rotors import Exact, RotorBalls, Unproved, balls
+from .rotors import RotorBalls, Unproved, balls
+from .slopes import Exact, Number, ball
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,10 +33,10 @@ class WeightBalls:
 
     plane: int
     count: int
-    mass: arb
-    track_radius: arb
-    drag: arb
-    kappa: arb
+    mass: Number
+    track_radius: Number
+    drag: Number
+    kappa: Number
     angles: tuple[float, ...]
 
 
@@ -52,7 +53,7 @@ class Seen:
     """
 
     plane: int
-    rate: arb
+    rate: Number
     basis: Exact
     drive: Exact
     free: int
@@ -68,32 +69,37 @@ def seen(rotor: RotorBalls, weights: Sequence[WeightBalls]) -> list[Seen]:
         return []
     pairs = _pairs(rotor, weights)
     loads = list(rotor.unbalances)
-    squares = [acb(0) for _ in weights]
+    squares = [balls([0, 0]) for _ in weights]
+    paired = list(itertools.chain.from_iterable(pairs.values()))
     for b, device in enumerate(weights):
         for k, angle in enumerate(device.angles):
-            if (b, k) not in itertools.chain.from_iterable(pairs.values()):
-                unit = acb(arb(angle).cos(), arb(angle).sin())
-                squares[b] += unit * unit
+            if (b, k) not in paired:
+                squares[b] = squares[b] + _unit(2 * arb(angle))
                 moment = device.mass * device.track_radius
-                loads.append((rotor.places[device.plane], unit * moment))
+                loads.append((rotor.places[device.plane], _unit(arb(angle)) * moment))
     in_line: dict[int, Exact] = {}
     for (plane, pair), load in zip(pairs.items(), rotor.at_planes(list(pairs), loads), strict=True):
-        device = weights[pair[0][0]]
-        z = -load / (device.mass * device.track_radius)
-        size = z.real * z.real + z.imag * z.imag
-        if size.is_zero() and len(device.angles) == 2:
+        first, device = pair[0][0], weights[pair[0][0]]
+        x, y = -load / (device.mass * device.track_radius)
+        size = x * x + y * y
+        if ball(size).is_zero() and len(device.angles) == 2:
             t = arb(device.angles[0])
-            squares[pair[0][0]] += 2 * acb((2 * t).cos(), (2 * t).sin())
-            in_line[pair[0][0]] = balls([[-t.sin()], [t.cos()]])
+            squares[first] = squares[first] + 2 * _unit(2 * t)
+            in_line[first] = balls([[-t.sin()], [t.cos()]])
             continue
         if not size < 4 or not size > 0:
             raise Unproved(
                 f"plane {plane + 1}: two weights are not proved to carry what the others leave of "
-                f"the unbalance: {float(size.abs_upper().sqrt()):.6g} times the moment of one, "
-                "must be more than 0 and less than 2"
+                f"the unbalance: {float(ball(size).abs_upper().sqrt()):.6g} times the moment of "
+                "one, must be more than 0 and less than 2"
             )
-        squares[pair[0][0]] += (size - 2) * z * z / size
+        along = np.array([x * x - y * y, 2 * x * y], object)
+        squares[first] = squares[first] + along * ((size - 2) / size)
     return [_of(weights[b], squares[b], in_line.get(b)) for b in range(len(weights))]
+
+
+def _unit(angle: arb) -> Exact:
+    return balls([angle.cos(), angle.sin()])
 
 
 def _pairs(
@@ -116,17 +122,13 @@ def _pairs(
     return {plane: best[plane][1] for plane in list(best)[:most]}
 
 
-def _of(device: WeightBalls, square: acb, line: Exact | None) -> Seen:
+def _of(device: WeightBalls, square: Exact, line: Exact | None) -> Seen:
     share, count = device.mass / device.kappa, device.count
     rate = device.drag / (device.kappa * device.mass)
     if line is not None:
         return Seen(device.plane, rate, line, line.T * (count * share), count - 1)
-    across = balls(
-        [
-            [(count - square.real) / 2, -square.imag / 2],
-            [-square.imag / 2, (count + square.real) / 2],
-        ]
-    )
-    if not abs(square) < count:
+    x, y = square
+    across = balls([[(count - x) / 2, -y / 2], [-y / 2, (count + x) / 2]])
+    if not x * x + y * y < count * count:
         raise Unproved(f"plane {device.plane + 1}: its weights are not proved to be out of line")
     return Seen(device.plane, rate, balls(np.eye(2)), across * share, count - 2)

@@ -1,4 +1,4 @@
-"""What approximate modes prove about all speeds of an interval.
+"""What approximate modes prove about all speeds of an interval and all machines of a set.
 
 With x = F y and an approximate inverse G, G F = 1 + E, the system reads y' = (T + D) y,
 |D| <= (1 - |E|)^-1 |G (A F - F' - F T)| entry by entry.  Let c be its matrix.  If numbers sigma > 0
@@ -11,17 +11,22 @@ multipliers outside is that of the diagonal.  For c - tau, tau > 0, it proves a 
 
 from __future__ import annotations
 
+import functools
+import operator
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Literal
 
 import numpy as np
+from numpy.typing import NDArray
 
 from .equations import Equations
-from .modes import POWERS, Modes, derived, modes
+from .modes import DEGREE, DEGREES, Modes, derived, modes
 from .rotors import Unproved
-from .series import UP, Array, Series
+from .series import UP, Array, Series, degree_of, monomials
 
+_NEAR = 1.0 + 2.0**-40  # of a product of powers: covers its rounding
 State = Literal["stable", "unstable", "undecided"]
 
 
@@ -32,8 +37,9 @@ class Certificate:
     Attributes:
         speed: w0 [rad/s].
         found: the modes.
-        residual: bounds of G (A F - F' - F T), (Q, d, d) by powers of s.
+        residual: bounds of G (A F - F' - F T), (Q, d, d) by monomials, for all beta.
         error: of G F - 1, (P, d, d).
+        orders: (Q, n) exponents of s, e_1, ... in the monomials.
         decays: `Equations.decays`.
     """
 
@@ -41,45 +47,54 @@ class Certificate:
     found: Modes
     residual: Array
     error: Array
+    orders: NDArray[np.int64]
     decays: tuple[float, ...]
 
     @classmethod
-    def of(cls, system: Equations, speed: float, powers: int = POWERS) -> Certificate:
+    def of(cls, system: Equations, speed: float, degree: int | None = None) -> Certificate:
         """Modes around a speed [rad/s] and what they leave.
+
+        Args:
+            degree: of the polynomial in speed and parameters.
 
         Raises:
             Unproved: no modes were found.
         """
-        a = system.around(speed)
+        a, n = system.around(speed), system.variables
+        if degree is None:
+            degree = (*DEGREES, DEGREE)[min(n - 1, len(DEGREES))]
         try:
-            found = modes(a.mid, speed, powers)
+            found = modes(a.mid, speed, n, degree)
         except np.linalg.LinAlgError as failure:
             raise Unproved(str(failure)) from failure
-        f, t, g = (Series.exact(x) for x in (found.shapes, found.rates, found.inverse))
+        f, t, g = (Series.exact(x, n) for x in (found.shapes, found.rates, found.inverse))
         left, right = a @ f, f @ t
         # each of the products by a turn rounds, and so does their sum
-        slope = derived(found.shapes, speed)
-        turned = Series(-slope, 8.0 * 2.0**-53 * np.abs(derived(np.abs(found.shapes), speed)) * UP)
-        most = max(len(left.mid), len(right.mid), len(turned.mid))
-        parts = [x.widened(most, left.mid.shape[1]) for x in (left, turned)]
-        minus = Series(-right.mid, right.rad).widened(most, left.mid.shape[1])
-        rest = g @ (parts[0] + parts[1] + minus)
-        near = g @ f
+        slope, sizes = (derived(x, speed, n, degree) for x in (f.mid, np.abs(f.mid)))
+        turned = Series(-slope, 8.0 * 2.0**-53 * np.abs(sizes) * UP, n)
+        most = max(len(left.mid), len(right.mid))
+        minus = Series(-right.mid, right.rad, n)
+        wide = (x.widened(most, left.mid.shape[1]) for x in (left, turned, minus))
+        rest, near = g @ functools.reduce(operator.add, wide), g @ f
         one = np.zeros(near.mid.shape, complex)
         one[0, near.mid.shape[1] // 2] = -np.eye(system.size)
-        error = near + Series.exact(one)
-        return cls(
-            speed, found, rest.size.sum(axis=1) * UP, error.size.sum(axis=1) * UP, system.decays
-        )
+        error = near + Series.exact(one, n)
+        orders = np.array(monomials(n, degree_of(len(rest.mid), n)))
+        residual, size = (x.size.sum(axis=1) * UP for x in (rest, error))
+        return cls(speed, found, residual, size, orders, system.decays)
 
     @cached_property
     def growth(self) -> float:
         """Approximate largest growth rate at w0 [1/s]."""
         return float(self.found.rates[0, 0].diagonal().real.max())
 
-    def state(self, low: float, high: float) -> State:
-        """What is proved of all speeds from `low` to `high` [rad/s]."""
-        bounds = self._bounds(low, high)
+    def state(self, low: float, high: float, part: Sequence[tuple[float, float]] = ()) -> State:
+        """What is proved of all speeds from `low` to `high` [rad/s].
+
+        Args:
+            part: of the machines: from and to in each e_j; default: all, -1 to 1.
+        """
+        bounds = self._bounds(low, high, part)
         if bounds is None:
             return "undecided"
         least, most, beside = bounds
@@ -94,33 +109,39 @@ class Certificate:
                 return "unstable"
         return "undecided"
 
-    def _bounds(self, low: float, high: float) -> tuple[Array, Array, Array] | None:
+    def _bounds(
+        self, low: float, high: float, part: Sequence[tuple[float, float]]
+    ) -> tuple[Array, Array, Array] | None:
         """Least and largest Re c_ii (d,), and bounds of |c_ij| off the diagonal (d, d)."""
-        from_middle = max(self.speed - low, high - self.speed, 0.0) * UP
-        powers = from_middle ** np.arange(len(self.residual)) * UP
-        residual = np.tensordot(powers, self.residual, 1) * UP
-        error = np.tensordot(powers[: len(self.error)], self.error, 1) * UP
-        size = len(error)
+        parts = part or [(-1.0, 1.0)] * (self.orders.shape[1] - 1)
+        ends = np.array([(low - self.speed, high - self.speed), *parts])
+        middle, size = ends.mean(axis=1), np.abs(ends).max(axis=1)
+        half = 0.5 * np.ptp(ends, axis=1) + 2.0**-50 * size
+        reach = np.prod((np.abs(middle) + half) ** self.orders, axis=1) * _NEAR
+        residual, error = (
+            np.tensordot(reach[: len(x)], x, 1) * UP for x in (self.residual, self.error)
+        )
         with np.errstate(all="ignore"):
             try:
-                rest = np.linalg.solve(np.eye(size) - error, residual) * (1.0 + 1e-6) + 1e-280
+                rest = np.linalg.solve(np.eye(len(error)) - error, residual) * (1.0 + 1e-6) + 1e-280
             except np.linalg.LinAlgError:
                 return None
         # X > 0 and X > N + E X: then no power of E grows, and X bounds (1 - E)^-1 N
         if not ((rest > 0.0) & (rest > (residual + error @ rest * UP) * UP)).all():
             return None
         rates = self.found.rates[:, 0]
-        sizes = np.abs(rates) * powers[: len(rates), None, None] * UP
-        rounding = sizes.sum(axis=0) * 2.0**-48
-        middle, half = 0.5 * (low + high) - self.speed, 0.5 * (high - low) * UP
+        orders, reach = self.orders[: len(rates)], reach[: len(rates)]
+        sizes = np.abs(rates) * reach[:, None, None] * UP
+        rounding = sizes.sum(axis=0) * 2.0**-46
         diagonal = rates.diagonal(axis1=1, axis2=2).real
-        value = np.polynomial.polynomial.polyval(middle, diagonal)
-        orders = np.arange(1, len(rates))
-        slope = np.abs(diagonal[1:] * (orders * powers[: len(orders)])[:, None]).sum(axis=0) * UP
-        reach = (half * slope + (rest + rounding).diagonal()) * UP + 2.0**-50 * np.abs(value)
+        places = np.prod(middle**orders, axis=1)
+        value = places @ diagonal
+        # |x^p - y^p| is at most (|y| + |x - y|)^p - |y|^p
+        moved = (reach - np.abs(places) / _NEAR) @ np.abs(diagonal)
+        away = (moved + (rest + rounding).diagonal()) * UP
         beside = (sizes.sum(axis=0) + rest) * UP
         np.fill_diagonal(beside, 0.0)
-        return value - reach, value + reach, beside
+        return value - away, value + away, beside
 
 
 def _dominant(least: Array, most: Array, beside: Array, shift: float) -> bool:

@@ -18,8 +18,9 @@ from numpy.typing import NDArray
 from scipy.linalg import matrix_balance
 
 from .balanced import Seen
-from .rotors import Exact, RotorBalls, balls, product, solve
-from .series import UP, Series
+from .rotors import RotorBalls, balls, product, solve
+from .series import UP, Series, monomials
+from .slopes import Exact, Sloped, ball, slopes_of
 
 _AXES = np.eye(2, dtype=int)
 _TURN = np.array([[0, -1], [1, 0]])  # i
@@ -31,41 +32,71 @@ class Equations:
     """A = sum_k w^k steady[k] + cosine cos 2 beta + sine sin 2 beta, scaled.
 
     Attributes:
-        mid, rad: (5, d, d) of steady (3), cosine, sine.
-        periodic: whether the last two are not 0.
+        mid, rad: (5, d, d) of steady (3), cosine, sine, in the middle of a set of machines.
+        slopes: (m, 5, d, d) what each parameter e_j adds, |e_j| <= 1; `rad` bounds what more does.
         decays: drag rates of the turns that the rotor does not see: lower bounds [1/s].
     """
 
     mid: NDArray[np.float64]
     rad: NDArray[np.float64]
-    periodic: bool
+    slopes: NDArray[np.float64]
     decays: tuple[float, ...]
+
+    @classmethod
+    def of(cls, middle: Exact, machines: Exact, weights: Sequence[Seen]) -> Equations:
+        """Doubles and bounds, in units that balance the sizes of rows and columns.
+
+        Args:
+            middle, machines: `matrices` of the machine in the middle, and of a set.
+            weights: of the set.
+        """
+        count = max((len(x.slopes) for x in machines.flat if isinstance(x, Sloped)), default=0)
+        values = np.zeros((1 + count, *machines.shape))
+        rad = np.zeros(machines.shape)
+        for at, value in np.ndenumerate(middle):
+            for k, part in enumerate([value, *slopes_of(machines[at], count)]):
+                if not part.is_zero():
+                    values[k][at] = float(part)
+                    rad[at] += float((part - arb(values[k][at])).abs_upper()) * UP
+        _, (scale, _) = matrix_balance(np.abs(values[0]).sum(axis=0), permute=False, separate=True)
+        factor = scale / scale[:, None]  # powers of 2: exact
+        decays = tuple(float(ball(w.rate).lower()) / UP for w in weights if w.free)
+        return cls(values[0] * factor, rad * factor * UP, values[1:] * factor, decays)
 
     @property
     def size(self) -> int:
         """Order d of the system."""
         return self.mid.shape[1]
 
+    @property
+    def variables(self) -> int:
+        """Number of s, e_1, e_2, ..."""
+        return 1 + len(self.slopes)
+
     def around(self, speed: float) -> Series:
-        """A in powers of w - speed (3) and in harmonics e^{2 i k beta}, k = -1, 0, 1 (or 0)."""
-        steady = Series(self.mid[:3, None].astype(complex), self.rad[:3, None])
-        zero, one, two = (steady.order(k) for k in range(3))
+        """A in s = w - speed and the e_j, degree 3, by harmonics e^{2 i k beta}, |k| <= 1 or 0."""
+        mid = np.concatenate([self.mid[None], self.slopes]).astype(complex)
+        rad = np.concatenate([self.rad[None], np.zeros(self.slopes.shape)])
+        zero, one, two = (Series(mid[:, k], rad[:, k]) for k in range(3))
         linear, square = Series.number(speed), Series.number(speed) * Series.number(speed)
         rows = zero + linear * one + square * two, one + Series.number(2.0) * linear * two, two
-        expanded = Series.stack(rows)
-        if not self.periodic:
-            return expanded
-        mid = np.zeros((3, 3, self.size, self.size), complex)
-        rad = np.zeros(mid.shape)
-        mid[:, 1:2], rad[:, 1:2] = expanded.mid, expanded.rad
-        mid[0, 2] = (self.mid[3] - 1j * self.mid[4]) / 2.0
-        mid[0, 0] = mid[0, 2].conj()
-        rad[0, 0] = rad[0, 2] = (self.rad[3] + self.rad[4]) / 2.0 * UP
-        return Series(mid, rad)
+        orders = monomials(self.variables, 3)
+        by_one = np.eye(self.variables, dtype=int)[:, 1:].tolist()  # 1, e_1, e_2, ...
+        places = [[orders.index((p, *each)) for each in by_one] for p in range(3)]
+        side = int(mid[:, 3:].any())
+        out = np.zeros((len(orders), 1 + 2 * side, self.size, self.size), complex)
+        bound = np.zeros(out.shape)
+        for at, row in zip(places, rows, strict=True):
+            out[at, side], bound[at, side] = row.mid, row.rad
+        bound[0, [0, -1]] += (self.rad[3] + self.rad[4]) / (1.0 + side) * UP
+        if side:
+            out[places[0], 2] = (mid[:, 3] - 1j * mid[:, 4]) / 2.0
+            out[places[0], 0] = (mid[:, 3] + 1j * mid[:, 4]) / 2.0
+        return Series(out, bound, self.variables)
 
 
-def equations(rotor: RotorBalls, mass: Exact, weights: Sequence[Seen]) -> Equations:
-    """The system of a rotor with its balancers.
+def matrices(rotor: RotorBalls, mass: Exact, weights: Sequence[Seen]) -> Exact:
+    """The matrices (5, d, d) of a rotor with its balancers, as `Equations` has them, not scaled.
 
     Args:
         mass: the rotor's mass matrix with all balancers.
@@ -94,24 +125,23 @@ def equations(rotor: RotorBalls, mass: Exact, weights: Sequence[Seen]) -> Equati
         forces[k, :, q] = -np.kron(mirror, rotor.half_stiffness)
         forces[k, :, u] = -np.kron(mirror, rotor.half_damping)
     acceleration = solve(effective, np.hstack(list(forces)))
-    matrices = balls(np.zeros((5, size, size)))
+    result = balls(np.zeros((5, size, size)))
     for k, part in enumerate(np.split(acceleration, 5, axis=1)):
-        matrices[k, u] = part
+        result[k, u] = part
         for drive, at in zip(drives, v, strict=True):
-            matrices[k, at] = -product(drive, part)
-    matrices[0, q, u] += np.eye(2 * n, dtype=int)
+            result[k, at] = -product(drive, part)
+    result[0, q, u] += np.eye(2 * n, dtype=int)
     for feed, w, at in zip(feeds, weights, v, strict=True):
-        matrices[0, g, at] += feed
+        result[0, g, at] += feed
         for k in range(at.start, at.stop):
-            matrices[0, k, k] -= w.rate
+            result[0, k, k] -= w.rate
     if weights:
-        matrices[1, q, q] -= turn
-        matrices[1, u, u] -= turn
+        result[1, q, q] -= turn
+        result[1, u, u] -= turn
     else:  # in fixed axes, where beta stays 0
-        matrices[0] += matrices[3]
-        matrices[3:] = balls(np.zeros((2, size, size)))
-    decays = tuple(float(w.rate.lower()) / UP for w in weights if w.free)
-    return _in_floats(matrices, decays)
+        result[0] += result[3]
+        result[3:] = balls(np.zeros((2, size, size)))
+    return result
 
 
 def _turns(
@@ -140,16 +170,3 @@ def _turns(
         feed[begin : begin + basis.shape[1]] = product(basis.T, w.basis)
         feeds.append(feed)
     return np.hstack(columns), feeds
-
-
-def _in_floats(matrices: Exact, decays: tuple[float, ...]) -> Equations:
-    """Balls of doubles, in units that balance the sizes of rows and columns."""
-    mid, rad = np.zeros(matrices.shape), np.zeros(matrices.shape)
-    for index, value in np.ndenumerate(matrices):
-        if not value.is_zero():
-            mid[index] = float(value)
-            rad[index] = float((value - arb(mid[index])).abs_upper()) * UP
-    sizes = np.abs(mid).sum(axis=0)
-    _, (scale, _) = matrix_balance(sizes, permute=False, separate=True)  # powers of 2: exact
-    factor = scale / scale[:, None]
-    return Equations(mid * factor, rad * factor, bool(mid[3:].any() or rad[3:].any()), decays)

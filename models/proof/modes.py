@@ -1,9 +1,9 @@
 """Coordinates in which A(w, beta) is nearly diagonal: approximate, for `certificate` to judge.
 
-x = F(s, beta) y with F a polynomial in s = w - w0 and in harmonics of 2 beta.  At s = 0 its columns
-are Floquet modes: eigenvectors of the truncated harmonic problem (Hill's), refined by Newton's
-method; the powers of s follow by perturbation.  y' = T(s) y, where T is diagonal but for blocks of
-modes too near to each other to be told apart.
+x = F y with F a polynomial in s = w - w0 and in the parameters e_j, and in harmonics of 2 beta.
+Where all of them are 0 its columns are Floquet modes: eigenvectors of the truncated harmonic
+problem (Hill's), refined by Newton's method; higher degrees follow by perturbation.  In
+y' = T y, T is diagonal but for blocks of modes too near to each other to be told apart.
 """
 
 from __future__ import annotations
@@ -14,9 +14,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .rotors import Unproved
-from .series import Complex, convolved, widened
+from .series import Complex, convolved, count, products, widened
 
-POWERS = 5  # of s, 0 to 4: F for a tenth of the speed has some 8 digits
+DEGREES = (4, 4, 3, 3)  # of F by number of parameters: 4 for a tenth of the speed: some 8 digits
+DEGREE = 2  # of F with more parameters
 _HILL = 3  # harmonics on either side of the first approximation
 _MOST_HARMONICS = 40
 _TAIL = 1e-13  # of the modes: harmonics smaller than this may be left out
@@ -31,9 +32,9 @@ class Modes:
     """Approximate modes around a speed.
 
     Attributes:
-        shapes: F (P, K, d, d).
+        shapes: F (P, K, d, d) by monomials.
         rates: T (P, 1, d, d).
-        inverse: of F at s = 0, (1, K, d, d).
+        inverse: of F where s and the parameters are 0, (1, K, d, d).
     """
 
     shapes: Complex
@@ -41,29 +42,28 @@ class Modes:
     inverse: Complex
 
 
-def modes(a: Complex, speed: float, powers: int = POWERS) -> Modes:
+def modes(a: Complex, speed: float, variables: int, degree: int) -> Modes:
     """Modes of a system.
 
     Args:
-        a: A (3, 3, d, d) in powers of s and harmonics -1, 0, 1; (3, 1, d, d) if constant.
+        a: A (P, 3, d, d) by monomials and harmonics -1, 0, 1; (P, 1, d, d) if constant.
         speed: w0 [rad/s].
+        variables, degree: of the polynomial F.
 
     Raises:
         Unproved: none were found.
     """
-    swings = a.shape[1] > 1 and bool(a[0, 2].any())
-    steady = a if a.shape[1] == 1 else a[:, 1:2]
-    start = _hill(a[0], speed, _HILL) if swings else _eigen(steady[0, 0])
-    shapes, rates, same = _blocks(*start, speed)
-    parts = a if swings else steady
+    swings = a.shape[1] > 1
+    start = _hill(a[0], speed, _HILL) if swings else _eigen(a[0, 0])
+    shapes, rates, same = _blocks(*start)
     while True:
-        shapes, rates, inverse = _refined(parts[:1], speed, shapes, rates, same)
+        shapes, rates, inverse = _refined(a[:1], speed, shapes, rates, same)
         tail = np.abs(shapes[0, [0, -1]]).max() if swings else 0.0
         side = shapes.shape[1] // 2
         if tail < _TAIL * np.abs(shapes).max() or side >= _MOST_HARMONICS:
             break
         shapes = widened(shapes, 1, 2 * (2 * side) + 1)
-    return _expanded(parts, speed, shapes, rates, inverse, same, powers)
+    return _expanded(a, speed, shapes, rates, inverse, same, variables, degree)
 
 
 def _eigen(a: Complex) -> tuple[NDArray, Complex]:
@@ -100,9 +100,7 @@ def _hill(a: Complex, speed: float, side: int) -> tuple[NDArray, Complex]:
     raise Unproved("the modes of the system cannot be told apart")
 
 
-def _blocks(
-    values: NDArray, vectors: Complex, speed: float
-) -> tuple[Complex, Complex, NDArray[np.bool_]]:
+def _blocks(values: NDArray, vectors: Complex) -> tuple[Complex, Complex, NDArray[np.bool_]]:
     """F, T and which modes share a block: orthonormal vectors in each, T triangular."""
     decay = np.abs(values.real)
     near = np.abs(values[:, None] - values) <= _ALIKE * np.minimum(decay[:, None], decay)
@@ -121,12 +119,12 @@ def _blocks(
     return shapes.reshape(1, count, d, d), rates, same
 
 
-def derived(shapes: NDArray, speed: float) -> NDArray:
-    """F' = 2 i k (w0 + s) F, with one power more."""
+def derived(shapes: NDArray, speed: float, variables: int, degree: int) -> NDArray:
+    """F' = 2 i k (w0 + s) F, with one degree more."""
     side = shapes.shape[1] // 2
     turns = 2j * np.arange(-side, side + 1)[:, None, None]
-    out = widened(turns * shapes * speed, len(shapes) + 1, shapes.shape[1])
-    out[1:] += turns * shapes
+    out = widened(turns * shapes * speed, count(variables, degree + 1), shapes.shape[1])
+    out[products(variables, 1, degree)[1]] += turns * shapes
     return out
 
 
@@ -167,14 +165,15 @@ def _inverse(shapes: Complex) -> Complex:
     return back[np.arange(-side, side + 1) % points][None]
 
 
-def _residual(a: Complex, speed: float, shapes: Complex, rates: Complex, power: int) -> Complex:
-    """Coefficient of s^power of A F - F' - F T, with all its harmonics."""
-    left = convolved(a[: power + 1], shapes)
-    right = convolved(shapes, rates)
-    total = left[power : power + 1].copy()
-    for other in (derived(shapes, speed), right):
-        if power < len(other):
-            total -= widened(other[power : power + 1], 1, total.shape[1])
+def _residual(
+    a: Complex, speed: float, shapes: Complex, rates: Complex, variables: int, degree: int
+) -> Complex:
+    """Coefficients of one degree of A F - F' - F T, with all its harmonics."""
+    at = slice(count(variables, degree - 1) if degree else 0, count(variables, degree))
+    total = convolved(a[: count(variables, degree)], shapes, variables)[at]
+    right = convolved(shapes, rates, variables)
+    for other in (derived(shapes, speed, variables, degree), right):
+        total -= widened(other[at], len(total), total.shape[1])
     return total
 
 
@@ -185,7 +184,7 @@ def _refined(
     kept, least = None, np.inf
     for _ in range(_NEWTON):
         inverse = _inverse(shapes)
-        z = convolved(inverse, _residual(a, speed, shapes, rates, 0))
+        z = convolved(inverse, _residual(a, speed, shapes, rates, 1, 0))
         size = float(np.abs(z).max())
         if not size < 0.5 * least:
             break
@@ -200,16 +199,16 @@ def _refined(
 
 def _expanded(
     a: Complex, speed: float, shapes: Complex, rates: Complex, inverse: Complex,
-    same: NDArray, powers: int,
+    same: NDArray, variables: int, degree: int,
 ) -> Modes:  # fmt: skip
-    """The powers of s above 0, one after the other."""
+    """The degrees above 0, one after the other."""
     first, harmonics = shapes, shapes.shape[1]
-    for power in range(1, powers):
-        shapes = widened(shapes, power + 1, harmonics)
-        rates = widened(rates, power + 1, 1)
-        left = _residual(a, speed, shapes, rates, power)
-        z = widened(convolved(inverse, left), 1, harmonics)
+    for power in range(1, degree + 1):
+        done, more = count(variables, power - 1), count(variables, power)
+        shapes, rates = widened(shapes, more, harmonics), widened(rates, more, 1)
+        left = _residual(a, speed, shapes, rates, variables, power)
+        z = widened(convolved(inverse, left), more - done, harmonics)
         y, change = _solved(z, rates, same, speed)
-        rates[power] = change[0]
-        shapes[power] = widened(convolved(first, y), 1, harmonics)[0]
+        rates[done:] = change
+        shapes[done:] = widened(convolved(first, y), more - done, harmonics)
     return Modes(shapes, rates, inverse)

@@ -1,22 +1,20 @@
 """Matrices of the rotor in ball arithmetic: `rotor_kinds` derived once more, without rounding.
 
-Arrays hold python-flint's `arb`.  A parameter that both axes share is one object: its difference is
-0, not an interval around 0.
+Arrays hold python-flint's `arb`, or `Sloped` where the machines of a set differ.
 """
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from flint import acb, arb, arb_mat
-from numpy.typing import NDArray
+from flint import arb, arb_mat
 
 from ..constants import SAME_PLACE
-
-Exact = NDArray[np.object_]
+from .slopes import Exact, Number, Sloped, ball, largest
 
 
 class Unproved(ValueError):
@@ -29,7 +27,7 @@ class RotorBalls:
 
     Attributes:
         places: (p,) of the planes [m].
-        unbalances: (place [m], complex moment [kg m]).
+        unbalances: (place [m], moment [kg m] along and across).
         rigid: the displacement at a place follows from those at two others.
     """
 
@@ -41,40 +39,40 @@ class RotorBalls:
     internal: Exact
     gyroscopic: Exact
     planes: Exact
-    places: tuple[arb, ...]
-    unbalances: tuple[tuple[arb, acb], ...]
+    places: tuple[Number, ...]
+    unbalances: tuple[tuple[Number, Exact], ...]
     rigid: bool = False
 
-    def with_added_mass(self, plane: int, mass: arb) -> Exact:
+    def with_added_mass(self, plane: int, mass: Number) -> Exact:
         """The mass matrix with `mass` [kg] at a plane."""
         row = self.planes[plane]
         return self.mass + np.outer(row, row) * mass
 
-    def at_planes(self, used: Sequence[int], loads: Sequence[tuple[arb, acb]]) -> list[acb]:
+    def at_planes(self, used: Sequence[int], loads: Sequence[tuple[Number, Exact]]) -> list[Exact]:
         """Moments at `used` planes that do what `loads` at their places do.
 
         Raises:
             Unproved: no moments there do.
         """
-        total = [acb(0) for _ in used]
-        span = max((abs(place).abs_upper() for place in self.places), default=arb(0))
+        total = [balls([0, 0]) for _ in used]
+        span = max((ball(place).abs_upper() for place in self.places), default=arb(0))
         slack = arb(0) if self.rigid else span * SAME_PLACE
         for place, moment in loads:
             same = [
                 k for k, p in enumerate(used)
-                if self.places[p] is place or _at_most(self.places[p] - place, slack)
+                if self.places[p] is place or _at_most(ball(self.places[p] - place), slack)
             ]  # fmt: skip
             if same:
-                total[same[0]] += moment
+                total[same[0]] = total[same[0]] + moment
             elif self.rigid and len(used) == 2:
                 first, second = (self.places[p] for p in used)
                 share = (place - first) / (second - first)
-                total[0] += moment * (1 - share)
-                total[1] += moment * share
-            elif not moment.is_zero():
+                total[0] = total[0] + moment * (1 - share)
+                total[1] = total[1] + moment * share
+            elif not all(ball(part).is_zero() for part in moment):
                 raise Unproved(
-                    f"an unbalance at {float(place):g} m is not proved to be one in the planes "
-                    "that carry weights: put it in such a plane, or weights in two planes"
+                    f"an unbalance at {float(ball(place)):g} m is not proved to be one in the "
+                    "planes that carry weights: put it in such a plane, or weights in two planes"
                 )
         return total
 
@@ -94,10 +92,10 @@ def balls(values: Any) -> Exact:
 
 def product(*factors: Exact) -> Exact:
     """Matrix product."""
-    result = arb_mat(factors[0].tolist())
+    result = factors[0]
     for factor in factors[1:]:
-        result = result * arb_mat(factor.tolist())
-    return balls(result.tolist())
+        result = result @ factor
+    return result
 
 
 def solve(matrix: Exact, right: Exact) -> Exact:
@@ -106,35 +104,38 @@ def solve(matrix: Exact, right: Exact) -> Exact:
     Raises:
         Unproved: the matrix is not proved to be regular.
     """
+    value = arb_mat([[ball(x) for x in row] for row in matrix])
     try:
-        return balls(arb_mat(matrix.tolist()).solve(arb_mat(right.tolist())).tolist())
+        inverse = balls(value.inv().tolist())
     except ZeroDivisionError:
         raise Unproved("a mass or compliance matrix is not proved to be regular") from None
+    found = inverse @ np.vectorize(ball, otypes=[object])(right)
+    rest = inverse @ (right - matrix @ found)  # its slopes are those of the solution
+    for at in np.ndindex(found.shape):
+        if isinstance(rest[at], Sloped):
+            found[at] = Sloped(found[at], rest[at].slopes)
+    return found
 
 
-def _axes(pairs: Sequence[Sequence[arb]]) -> tuple[Exact, Exact]:
+def _axes(pairs: Sequence[Sequence[Number]]) -> tuple[Exact, Exact]:
     """Diagonal matrices: mean of x and y, and half their difference."""
-    mean, half = ([(x + y) / 2 for x, y in pairs], [(x - y) / 2 for x, y in pairs])
-    same = [x is y for x, y in pairs]
-    mean = [x if one else m for one, m, (x, _) in zip(same, mean, pairs, strict=True)]
-    half = [arb(0) if one else h for one, h in zip(same, half, strict=True)]
-    return _diagonal(mean), _diagonal(half)
+    return _diagonal([(x + y) / 2 for x, y in pairs]), _diagonal([(x - y) / 2 for x, y in pairs])
 
 
-def _diagonal(values: Sequence[arb]) -> Exact:
+def _diagonal(values: Sequence[Number]) -> Exact:
     result = balls(np.zeros((len(values), len(values))))
     for k, value in enumerate(values):
         result[k, k] = value
     return result
 
 
-def _moments(unbalances: Sequence[Mapping[str, arb]]) -> tuple[tuple[arb, acb], ...]:
+def _moments(unbalances: Sequence[Mapping[str, Any]]) -> tuple[tuple[Number, Exact], ...]:
     return tuple((u["position"], rotated(u["amount"], u["angle"])) for u in unbalances)
 
 
-def rotated(length: arb, angle: arb) -> acb:
-    """length e^{i angle}."""
-    return acb(length * angle.cos(), length * angle.sin())
+def rotated(length: Any, angle: Any) -> Exact:
+    """length e^{i angle}, both parts."""
+    return balls([length * angle.cos(), length * angle.sin()])
 
 
 def planar(table: Mapping[str, Any]) -> RotorBalls:
@@ -184,12 +185,10 @@ def flexible(table: Mapping[str, Any]) -> RotorBalls:
             cubes = balls([[abs(a - b) * (a - b) * (a - b) for b in z] for a in z])
             delta = product(rows, cubes, rows.T) / (12 * table["bending_stiffness"])
         shaft = product(rows.T, solve(delta, rows))
-        softest = delta[0, 0]
-        for entry in delta.diagonal()[1:]:
-            softest = softest.max(entry)
+        softest = functools.reduce(largest, delta.diagonal())
         internal = shaft * (table["internal_damping"] * softest)
 
-    def at_supports(pairs: Sequence[Sequence[arb]]) -> tuple[Exact, Exact]:
+    def at_supports(pairs: Sequence[Sequence[Number]]) -> tuple[Exact, Exact]:
         mean, half = _axes(pairs)
         both = zero.copy(), zero.copy()
         for matrix, small in zip(both, (mean, half), strict=True):

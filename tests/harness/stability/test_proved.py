@@ -17,7 +17,7 @@ from autobalancer.harness import UserError, load_scene, speeds  # noqa: E402
 from autobalancer.harness.checks.filimonikhina import TABLES, variant  # noqa: E402
 from autobalancer.harness.checks.proved import bracket_rows  # noqa: E402
 from autobalancer.harness.checks.row import Rows  # noqa: E402
-from autobalancer.harness.stability.exact import Tables  # noqa: E402
+from autobalancer.harness.stability.exact import Tables, tolerances  # noqa: E402
 from autobalancer.harness.stability.proved import Band, Proof, prove  # noqa: E402
 from autobalancer.models.linear.boundaries import balancing_boundaries  # noqa: E402
 from autobalancer.models.stability import growth_rates  # noqa: E402
@@ -93,15 +93,17 @@ def test_an_empty_and_an_unbounded_window_are_proved(name, state):
 
 
 @pytest.mark.parametrize(
-    ("name", "low", "high", "within"),
+    ("name", "low", "high", "within", "undecided"),
     [
-        ("liquid_disc", 50.0, 500.0, "rotor.damping=10%, rotor.internal_damping=10%"),
-        ("centrifuge", 11.0, 14.0, "rotor.stiffness=2%"),
+        ("liquid_disc", 50.0, 500.0, "rotor.damping=10%, rotor.internal_damping=10%", 0.35),
+        ("centrifuge", 11.0, 14.0, "rotor.stiffness=2%", 0.2),
+        ("filimonikhina", 0.5, 12.0, "rotor.stiffness[1]=1%, rotor.stiffness[2]=1%", 0.02),
     ],
 )
-def test_no_machine_within_the_tolerances_contradicts_a_band(name, low, high, within):
+def test_no_machine_within_the_tolerances_contradicts_a_band(name, low, high, within, undecided):
     scene = load_scene(name)
     proof = proof_of(scene, low, high, within=within)
+    assert proof.undecided < undecided
     assert {"stable", "unstable"} <= {b.state for b in proof.bands}
     assert all(a.high == b.low for a, b in pairwise(proof.bands))
     random = np.random.default_rng(5)
@@ -109,9 +111,10 @@ def test_no_machine_within_the_tolerances_contradicts_a_band(name, low, high, wi
         machine = {}
         for item in within.split(","):
             path, amount = (part.strip() for part in item.split("="))
-            table, key = path.removesuffix("[1]").split(".")
+            table, key = path.split("[")[0].split(".")
             value = getattr(scene.rotor if table == "rotor" else scene.balancer[0], key)
-            value = value[0] if isinstance(value, tuple) else value
+            if isinstance(value, tuple):
+                value = value[int(path[-2]) - 1 if "[" in path else 0]
             size = float(amount.rstrip("%").split()[0])
             part = size / 100.0 * value if "%" in amount else size
             machine[path] = value + random.choice([-1.0, random.uniform(-1, 1), 1.0]) * part
@@ -120,6 +123,12 @@ def test_no_machine_within_the_tolerances_contradicts_a_band(name, low, high, wi
             places, growth_rates(scene.replace(machine).assembly(), places), strict=True
         ):
             assert not refuted(proof.bands, speed, growth), (machine, speed)
+
+
+def test_numbers_of_both_axes_are_parameters_of_their_own():
+    changes = tolerances("rotor.stiffness=5%, front.drag=9%", load_scene("drum"))
+    assert [change.number for change in changes] == [0, 1, 2, 3, 0]
+    assert len(tolerances("rotor.stiffness=5%", load_scene("liquid_disc"))) == 1
 
 
 def test_narrowest_is_the_width_of_undecided_bands():
