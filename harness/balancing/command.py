@@ -30,7 +30,7 @@ def command(
         Path | None, options.picture("Draw the corrections.", "--output", "-o")
     ] = None,
     json_file: Annotated[Path | None, options.json("all")] = None,
-    changes: Annotated[list[str] | None, options.changes("balancing.noise=1e-7")] = None,
+    changes: Annotated[list[str] | None, options.changes("balancing.grade=G1")] = None,
     at_most: Annotated[str, options.AT_MOST] = costs.DEFAULT,
     correct: Annotated[
         str | None, typer.Option(metavar="RUN", help="Measured run to correct; default: the first.")

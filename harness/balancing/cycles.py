@@ -31,6 +31,7 @@ from ..scene import Scene
 from ..scene.grade import permissible
 from .machine import Machine
 
+MOST_CYCLES = 20  # until a technology that does not converge is given up
 TRIAL = 10.0  # times what is permissible: seen clearly, and as harmless as the unbalance itself
 
 
@@ -142,7 +143,7 @@ def balance(scene: Scene, *, progress: Progress | None = None) -> BalancingRepor
         setup = machine.setup
         levers = support_levers(scene, machine.planes)
         total, shares = permissible(scene, setup)
-        trial = setup.trial_unbalance or TRIAL * total
+        trial = TRIAL * total
         analytic, unbalance = _by_equations(scene, machine.planes, setup.axis)
         first, measured, uncertainty = trial_runs(machine, trial)
         report(0.3)
@@ -197,7 +198,7 @@ def _cycles(
     cycles: list[Cycle] = []
     reading, meets = first, False
     try:
-        while not meets and len(cycles) < machine.setup.most_cycles:
+        while not meets and len(cycles) < MOST_CYCLES:
             if cycles:
                 mounted = mounted - cycles[-1].found
                 reading = machine.measure(mounted)

@@ -31,7 +31,7 @@ from .recorder import REPORTED, Recorder
 from .resolution import Resolution
 from .runtime import runtime
 from .scales import largest_force
-from .schedule import brief_step, end_time, fewest_chosen, milestones, schedule, step_size
+from .schedule import FEWEST_CHOSEN, brief_step, end_time, milestones, schedule, step_size
 from .schemes import Scheme, choose
 from .simulation import Repeated, refuse_loose_tolerance
 from .system import System
@@ -47,7 +47,7 @@ FINER_FIRST = 4  # times as many steps in a first run where fewer were too few
 class CoSimulation(Closing):
     """The units of a scene, loaded and connected; restarted and stepped as often as wanted.
 
-    With a tolerance a run has `fewest_steps_per_rev`, and the runs after it divide these
+    With a tolerance a run has the fewest steps, and the runs after it divide these
     (`global_error.Controlled`), each watched as one with given steps is (`resolution`).
 
     Args:
@@ -116,7 +116,7 @@ class CoSimulation(Closing):
         self.steps = self.unconverged = 0
         first, self._parts = None, again.parts if again else 1
         if self.scene.coupling.tolerance is not None and self.coupled:
-            first = fewest_chosen(self.scene) * FINER_FIRST ** (attempt or 0)
+            first = FEWEST_CHOSEN * FINER_FIRST ** (attempt or 0)
         self._schedule = schedule(self.scene, first)
         step = step or step_size(self.scene, first) / self._parts
         self.system.restart(changes or {})

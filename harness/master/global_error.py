@@ -30,7 +30,7 @@ from .names import kin, stations
 from .plan import MOTOR
 from .recorder import Recorder, Signal
 from .scales import least_motion
-from .schedule import SLIVER, fewest_chosen, step_size
+from .schedule import FEWEST_CHOSEN, SLIVER, step_size
 from .simulation import Repeated, Simulation
 
 if TYPE_CHECKING:
@@ -236,7 +236,7 @@ def _fastest(scene: Scene) -> float:
 def _first_held(scene: Scene, grid: Signal) -> int:
     """The first point that a step with held signals led to; the number of points if none did."""
     lengths = np.append(np.diff(grid), math.inf)
-    longest = BEYOND_LONGEST_STEP * step_size(scene, fewest_chosen(scene))
+    longest = BEYOND_LONGEST_STEP * step_size(scene, FEWEST_CHOSEN)
     return int(np.argmax(lengths > longest)) + 1
 
 

@@ -26,9 +26,9 @@ from .names import readable
 from .one_file import composition_in_c, model_name
 from .recorder import Recorder, Signal
 from .schedule import (
+    FEWEST_CHOSEN,
     as_run,
     end_time,
-    fewest_chosen,
     meets_events,
     milestones,
     schedule,
@@ -125,7 +125,7 @@ class OneFileRun(Closing):
             self.time = stretch.end
 
     def _stretches(self) -> Iterator[Stretch]:
-        longest = step_size(self.scene, fewest_chosen(self.scene))
+        longest = step_size(self.scene, FEWEST_CHOSEN)
         for (step, count), bound in zip(schedule(self.scene), milestones(self.scene), strict=True):
             given = (0.0, longest, 0) if self.chooses_steps else (step, step, count)
             yield Stretch(self.time, bound, *given)

@@ -12,9 +12,12 @@ from ...models.constants import (
     SMALLEST_BRIEF_SHARE,
 )
 from ..scene import Scene
-from ..scene.run import FEWEST_CHOSEN, UNCORRECTED
+from ..scene.run import UNCORRECTED
 from .runtime import runtime
 
+# steps a revolution with a tolerance, until all rests in the rotor: fewer would not show one in a
+# record
+FEWEST_CHOSEN = 8
 SLIVER = 1e-12  # of a time: rounding, not a step
 # tolerance from which on quintic signals cost less than cubic ones, at a constant speed; and in a
 # run-up, where the rotor's own step is the larger part
@@ -87,11 +90,6 @@ def at_fixed_steps(scene: Scene) -> Scene:
 def steps_per_rev(scene: Scene) -> int:
     """Communication steps in a revolution at the highest speed."""
     return scene.coupling.steps_per_rev or DEFAULT_STEPS
-
-
-def fewest_chosen(scene: Scene) -> int:
-    """Steps a revolution that a tolerance chooses at least, until all rests in the rotor."""
-    return scene.coupling.fewest_steps_per_rev or FEWEST_CHOSEN
 
 
 def step_size(scene: Scene, steps: int | None = None) -> float:

@@ -7,7 +7,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field, field_validator
 
-from .quantities import SI, Angle, NotNegative, Positive, Table, Text, Whole
+from .quantities import SI, Angle, Positive, Table, Text, Whole
 from .rotor_table import RotorTable
 
 _GRADE = re.compile(r"^G\s?(\d+(?:\.\d+)?)$")
@@ -22,9 +22,6 @@ class Balancing(Table):
     """The grade's w; default: the speed on the machine."""
     planes: Annotated[tuple[Whole, ...] | None, Field(min_length=1)] = None
     """Numbers of the planes that take corrections; default: all planes of the rotor."""
-    trial_unbalance: Annotated[Positive | None, SI("kg m")] = None
-    """Added in one plane after the other to find the coefficients; default: ten times what is
-    permissible in all."""
     technology: Literal["complex", "scalar", "both"] = "both"
     """Kind of the coefficients; both: one after the other."""
     lag: Annotated[Angle | None, SI("rad")] = None
@@ -34,12 +31,6 @@ class Balancing(Table):
     """Direction in which the supports are watched."""
     revolutions: Annotated[Whole, Field(ge=1, le=100_000)] = 8
     """Measured after steady state is reached."""
-    noise: Annotated[NotNegative, SI("m")] = 0.0
-    """Rms of what is added to every sample of displacement."""
-    seed: Annotated[Whole, Field(ge=0)] = 1
-    """Of the noise."""
-    most_cycles: Annotated[Whole, Field(ge=2, le=1000)] = 20
-    """Where a technology that does not converge is given up."""
 
     @field_validator("grade")
     @classmethod

@@ -21,7 +21,7 @@ _ALTERNATIVES = {
     "rotor.damping": ("damping_ratio",),
     "rotor.support_damping": ("damping_ratio",),
     "rotor.damping_ratio": ("damping", "support_damping"),
-    "coupling.steps_per_rev": ("tolerance", "fewest_steps_per_rev"),
+    "coupling.steps_per_rev": ("tolerance",),
     "coupling.tolerance": ("steps_per_rev", "corrections"),
 }
 SPEED = "operation.speed"

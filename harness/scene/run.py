@@ -26,7 +26,6 @@ UNCORRECTED = ("jacobi", "gauss-seidel", "compensated")  # schemes that take one
 STEPS = ("steps_per_rev", "tolerance")  # one or the other
 DRIVES = ("speed", "run_up", "profile", "motor")  # one of them
 MOST_CORNERS = 1000  # of a profile; the text of a one-file FMU holds them all
-FEWEST_CHOSEN = 8  # steps a revolution with a tolerance: fewer would not show one in a record
 LOOSEST_TOLERANCE = 0.1
 FEWEST_REVOLUTIONS = 1e-9  # a step's square must stay a number
 
@@ -197,9 +196,6 @@ class Coupling(Table):
     1e-4, unless another scheme, an order or corrections are given."""
     steps_per_rev: Annotated[Whole | None, Field(ge=FEWEST_STEPS, le=1_000_000)] = None
     """Communication steps in the fastest revolution; default: 40 where no tolerance is kept."""
-    fewest_steps_per_rev: Annotated[Whole | None, Field(ge=1, le=1_000_000)] = None
-    """With a tolerance: steps in the fastest revolution where longer ones would do, until all rests
-    in the rotor; default: 8."""
     order: Annotated[Literal[0, 1, 3, 5], BeforeValidator(_whole_choice)] = 3
     """Of the signals over a step: 0 held, 1 linear, 3 cubic, 5 quintic Hermite; the last takes a
     speed that is prescribed, supports without dry friction, and weights that cannot meet or stick;
@@ -241,8 +237,6 @@ class Coupling(Table):
                 f"with tolerance = {self.tolerance:g} a step takes as many passes as it needs: "
                 "leave corrections out, or give steps_per_rev instead",
             )
-        if self.fewest_steps_per_rev is not None and self.tolerance is None:
-            raise refusal("fewest_steps_per_rev", "needs a tolerance, which chooses the steps")
         if self.order < 3 and self.scheme == "compensated":
             raise refusal(
                 "order", 'must be 3 or 5 with scheme = "compensated", which exchanges slopes'

@@ -163,7 +163,6 @@ def test_synchronous_part_is_found_among_other_vibration():
 
 def test_stated_uncertainty_is_that_of_repeated_measurements():
     """Real and imaginary part scatter by sigma sqrt(2/N), N samples; 400 measurements."""
-    scene = load_scene("balancing_machine").replace({"balancing.noise": 1e-5})
     rng, angle = np.random.default_rng(7), 2.0 * math.pi * np.arange(320) / 40
     clean = np.real((3e-4 + 1e-4j) * np.exp(1j * angle))
     found = [synchronous(angle, clean + 1e-5 * rng.standard_normal((1, 320))) for _ in range(400)]
@@ -171,21 +170,6 @@ def test_stated_uncertainty_is_that_of_repeated_measurements():
     stated = np.mean([reading.uncertainty[0] for reading in found])
     assert stated == pytest.approx(1e-5 * math.sqrt(2.0 / 320.0), rel=0.02)
     assert scatter == pytest.approx(stated, rel=0.1)
-    with Machine(scene) as units:
-        assert units.measure().uncertainty == pytest.approx(stated, rel=0.2)
-
-
-def test_noise_is_repeatable_by_its_seed_and_errs_within_its_uncertainty():
-    scene = load_scene("balancing_machine").replace({"balancing.noise": 1e-6})
-    one, same = balance(scene), balance(scene)
-    other = balance(scene.replace({"balancing.seed": 2}))
-    assert np.array_equal(one.measured, same.measured)
-    assert not np.array_equal(one.measured, other.measured)
-    for result in (one, other):
-        error = np.abs(result.measured - result.analytic)
-        assert np.all(error < 5.0 * result.uncertainty)
-        assert np.all(error > 0.0)
-        assert all(t.actually_met for t in result.technologies)
 
 
 def test_machine_reaches_steady_state_from_any_transient():
@@ -236,11 +220,8 @@ def test_unstable_rotor_is_refused():
         ({"planes": [2, 2]}, r"balancing.planes = \[2, 2\]: must all be different"),
         ({"planes": [2]}, r"balancing.planes = \[2\]: must be 2 of the rotor's 2 planes"),
         ({"planes": []}, r"balancing.planes = \[\]: must have at least 1 value"),
-        ({"noise": -1e-6}, r"balancing.noise = -1e-06 m: must be 0 or more"),
-        ({"trial_unbalance": 0.0}, r"balancing.trial_unbalance = 0.0 kg m: must be greater than 0"),
         ({"technology": "magic"}, r'balancing.technology = "magic": must be one of'),
         ({"axis": "z"}, r'balancing.axis = "z": must be one of'),
-        ({"most_cycles": 1}, r"balancing.most_cycles = 1: must be 2 or more"),
         ({"revolutions": 0.5}, r"balancing.revolutions = 0.5: must be a whole number"),
         ({"service_speed": -3.0}, r"balancing.service_speed = -3.0 rad/s: must be greater than 0"),
         ({"grad": "G1"}, r'balancing.grad: unknown key \(did you mean "grade"\?\)'),

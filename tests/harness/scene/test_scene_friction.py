@@ -11,7 +11,7 @@ from autobalancer.harness.errors import SceneError, SimulationError, UserError
 from autobalancer.harness.master.many import cosimulate_many
 from autobalancer.harness.master.plan import plan
 from autobalancer.harness.master.revolution import Revolution
-from autobalancer.harness.master.schedule import fewest_chosen, step_size
+from autobalancer.harness.master.schedule import FEWEST_CHOSEN, step_size
 from autobalancer.harness.rotor.study import campbell_of, modes_at
 from autobalancer.harness.stability.axis import Axis
 from autobalancer.harness.stability.map import stability_map
@@ -119,7 +119,7 @@ def test_events_draw_communication_points_no_further_apart(separate):
         {"rotor.friction": [{"limit": [4.0, 3.0], "stiffness": 4e4}], "run.revolutions": 10}
     )
     run = cosimulate(scene, separate=separate)
-    assert np.diff(run.time).max() < 0.501 * step_size(scene, fewest_chosen(scene))
+    assert np.diff(run.time).max() < 0.501 * step_size(scene, FEWEST_CHOSEN)
 
 
 def test_a_tolerance_is_met_across_a_jump():

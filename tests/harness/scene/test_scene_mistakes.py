@@ -172,11 +172,6 @@ VALUES = [
         '"auto"\nsteps_per_rev = 20\ntolerance = 1e-4',
         "coupling.steps_per_rev = 20: give either steps_per_rev or tolerance = 0.0001, not both",
     ),
-    (
-        '"auto"',
-        '"auto"\nsteps_per_rev = 20\nfewest_steps_per_rev = 2',
-        "coupling.fewest_steps_per_rev = 2: needs a tolerance, which chooses the steps",
-    ),
     ('"auto"', '"auto"\ntolerance = 0.5', "coupling.tolerance = 0.5: must be 0.1 or less"),
     ('"auto"', '"auto"\ncorrections = -1', "coupling.corrections = -1: must be 0 or more"),
     ("revolutions = 5", "revolutions = 0", "run.revolutions = 0: must be greater than 0"),
