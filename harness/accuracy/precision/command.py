@@ -20,9 +20,6 @@ def command(
     output: Annotated[
         Path | None, options.picture("Draw it (png, svg, pdf).", "--output", "-o")
     ] = None,
-    csv_file: Annotated[
-        Path | None, options.output("", "Also write the rows as CSV.", "--csv")
-    ] = None,
     json_file: Annotated[Path | None, options.json("the rows")] = None,
     markdown_file: Annotated[Path | None, options.markdown("the tables")] = None,
     seconds: Annotated[
@@ -45,8 +42,6 @@ def command(
     show(report.table(study))
     say(report.reference_words(study))
     say(machine())
-    if csv_file is not None:
-        study.to_csv(csv_file)
     if json_file is not None:
         write_json(study.as_json(), json_file)
     if markdown_file is not None:

@@ -9,7 +9,7 @@ import typer
 
 from ...errors import UserError
 from ...output import costs, options
-from ...output.files import write_json, write_whole
+from ...output.files import write_whole
 from ...output.terminal import progress_bar, say, show
 
 
@@ -17,7 +17,6 @@ def command(
     only: Annotated[
         str | None, typer.Argument(metavar="WORDS", help="Only cases whose name has these words.")
     ] = None,
-    json_file: Annotated[Path | None, options.json("the rows")] = None,
     markdown_file: Annotated[Path | None, options.markdown("the table")] = None,
     at_most: Annotated[str, options.AT_MOST] = costs.DEFAULT,
 ) -> None:
@@ -25,7 +24,7 @@ def command(
 
     Each must be right or clearly refused; exit code 1 if not.
     """
-    from .run import all_cases, as_json, markdown, stress, table
+    from .run import all_cases, markdown, stress, table
 
     names = [name for name in all_cases() if only is None or only.lower() in name.lower()]
     if not names:
@@ -37,8 +36,6 @@ def command(
     bad = [row for row in rows if not row.holds]
     held = f"All {len(rows)} cases hold." if not bad else f"{len(bad)} of {len(rows)} do NOT hold."
     say(held, style="bold")
-    if json_file is not None:
-        write_json(as_json(rows), json_file)
     if markdown_file is not None:
         with write_whole(markdown_file) as stream:
             stream.write(markdown(rows))

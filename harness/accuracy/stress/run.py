@@ -7,8 +7,7 @@ import time
 import warnings
 from collections.abc import Sequence
 from contextlib import closing
-from dataclasses import asdict, dataclass
-from typing import Any
+from dataclasses import dataclass
 
 from ...output.table import BAD, GOOD, Sheet
 from ...output.workers import ItemProgress, Workers, as_they_come
@@ -72,11 +71,6 @@ def stress(
             if progress:
                 progress(row.case, len(rows) / len(names))
     return [rows[index] for index in range(len(names))]
-
-
-def as_json(rows: Sequence[StressRow]) -> dict[str, Any]:
-    """`{"rows": [{"case", "expected", "outcome", "holds", "seconds"}]}`."""
-    return {"rows": [asdict(row) for row in rows]}
 
 
 def table(rows: Sequence[StressRow]) -> Sheet:

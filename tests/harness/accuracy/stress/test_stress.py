@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import json
-
 import numpy as np
 import pytest
 
@@ -16,7 +14,7 @@ from autobalancer.harness.accuracy.stress.case import (
     stated_error,
 )
 from autobalancer.harness.accuracy.stress.cases_weights import two_pendulums
-from autobalancer.harness.accuracy.stress.run import as_json, run_case, stress
+from autobalancer.harness.accuracy.stress.run import run_case, stress
 from autobalancer.harness.errors import SimulationError
 from autobalancer.harness.master import facts
 from autobalancer.harness.master.cosimulation import CoSimulation, doubling_steps
@@ -230,15 +228,12 @@ def test_cases_run_in_parallel_and_give_the_pinned_rows():
     assert [row.case for row in rows] == names
     assert sorted(seen) == names
     assert sorted(seen.values()) == [0.5, 1.0]
-    for row in as_json(rows)["rows"]:
-        assert set(row) == {"case", "expected", "outcome", "holds", "seconds"}
+    assert all(row.holds for row in rows)
 
 
-def test_command_exits_with_one_when_a_case_does_not_hold(invoke, tmp_path, monkeypatch):
-    target = tmp_path / "rows.json"
-    done = invoke("stress", "damping ratio 0.1", "--json", str(target))
+def test_command_exits_with_one_when_a_case_does_not_hold(invoke, monkeypatch):
+    done = invoke("stress", "damping ratio 0.1")
     assert done.exit_code == 0, done.output
-    assert json.loads(target.read_text(encoding="utf-8"))["rows"][0]["holds"] is True
     assert invoke("stress", "no such case").exit_code == 2
     from autobalancer.harness.accuracy.stress import case
 
