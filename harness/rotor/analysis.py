@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from ..output.picture import Picture
     from ..output.plot import Drawing
 
-Kind = Literal["modes", "campbell", "response", "polar", "orbit", "run-up"]
+Kind = Literal["modes", "campbell", "response", "polar", "run-up"]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -62,15 +62,6 @@ class RotorAnalysis(Outcome):
         (400, 2, 2)
         """
         return study.response_of(self.scene, self.low, self.high)
-
-    def orbits(self) -> study.Orbits:
-        """Orbits of the stations at the operating speed.
-
-        >>> found = ab.load("drum").rotor(5.0, 200.0)
-        >>> found.orbits().run.shape  # points, stations, axes
-        (81, 2, 2)
-        """
-        return study.orbits_of(self.scene)
 
     def run_up(self) -> study.RunUpMotion:
         """Displacement while the speed rises through the range, with and without balancers.
@@ -129,23 +120,21 @@ def analyse(scene: Scene, low: float | str | None, high: float | str | None) -> 
 def draw(
     found: RotorAnalysis, path: Path | None, kind: Kind = "campbell"
 ) -> Path | Drawing | Picture:
-    """A picture of a kind: modes, campbell, response, polar, orbit, or run-up.
+    """A picture of a kind: modes, campbell, response, polar, or run-up.
 
     Raises:
         UserError: the kind is unknown, or the rotor has nothing of it to show.
     """
     from ..master.pictures.in_space import mode_shapes
-    from . import plot, plot_motion
+    from . import plot
 
     if kind == "campbell":
         curves = study.campbell_of(found.scene, found.low, found.high)
         return plot.plot_campbell(*curves, found.scene.heading, path)
     if kind == "response":
         return plot.plot_response(found.response(), path)
-    if kind == "orbit":
-        return plot_motion.plot_orbits(found.orbits(), path)
     if kind == "run-up":
-        return plot_motion.plot_run_up(found.run_up(), path)
+        return plot.plot_run_up(found.run_up(), path)
     if kind not in ("modes", "polar"):
         raise UserError(f"kind {kind!r}: must be one of {', '.join(get_args(Kind))}")
     in_space = kind == "modes"

@@ -25,7 +25,6 @@ def command(
     response: Annotated[
         Path | None, options.picture("Amplitude and phase by unbalance against speed.")
     ] = None,
-    orbit: Annotated[Path | None, options.picture("Orbits of the stations.")] = None,
     run_up: Annotated[Path | None, options.picture("Displacement while the speed rises.")] = None,
     modes: Annotated[
         Path | None, options.picture("Mode shapes along the shaft, with their whirl.")
@@ -39,8 +38,8 @@ def command(
     at_most: Annotated[str, options.AT_MOST] = costs.DEFAULT,
 ) -> None:
     """Find modes and critical speeds of the rotor, draw its motion."""
-    wanted = {"campbell": campbell, "response": response, "orbit": orbit, "run-up": run_up}
-    wanted |= {"modes": modes, "polar": polar}
+    wanted = {"campbell": campbell, "response": response, "run-up": run_up, "modes": modes}
+    wanted |= {"polar": polar}
     loaded = changed_scene(scene, changes)
     found = loaded.rotor(*((limits and options.speed_range(limits)) or ()))
     show(_modes(found))

@@ -1,4 +1,4 @@
-"""Pictures of a rotor over its speed: Campbell diagram and unbalance response."""
+"""Pictures of a rotor over its speed: Campbell diagram, unbalance response, run-up."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from ..master.pictures.over_speed import polar_picture
 from ..output.picture import Picture, PlotAxis
 from ..output.plot import Drawing, metres, save
 from ..units import in_words
-from .study import UnbalanceResponse
+from .study import RunUpMotion, UnbalanceResponse
 
 COLOURS = ("tab:blue", "tab:orange", "tab:green", "tab:purple", "tab:brown", "tab:pink")
 CRITICAL = "tab:red"
@@ -154,3 +154,30 @@ def mark_critical(axes: Any, critical: Array, label: str) -> None:
     """A line at every critical speed, the first one labelled."""
     for number, speed in enumerate(critical):
         axes.axvline(speed, color=CRITICAL, ls="--", lw=0.9, label=None if number else label)
+
+
+def plot_run_up(data: RunUpMotion, path: Path | None) -> Path | Drawing:
+    """Displacement of every station while the speed rises, with and without balancers."""
+    parts = [("without balancers", data.run)]
+    if data.alone is not None:
+        parts = [("with balancers", data.run), ("without balancers", data.alone)]
+    figure = Figure(figsize=(9.5, 1.2 + 3.4 * len(parts)), layout="constrained")
+    grid = figure.subplots(len(parts), 1, sharex=True, sharey=True, squeeze=False)[:, 0]
+    factor, unit = metres(max(float(part.max()) for _, (_, part) in parts))
+    for axes, (name, (speeds, part)) in zip(grid, parts, strict=True):
+        for j, station in enumerate(data.stations):
+            peak = float(part[:, j].max()) * factor
+            axes.plot(
+                speeds, part[:, j] * factor, color=COLOURS[j % len(COLOURS)], lw=0.8,
+                label=f"{station}, largest {peak:.3g} {unit}",
+            )  # fmt: skip
+        mark_critical(axes, data.critical, "critical speeds of the rotor alone")
+        axes.set_title(name, fontsize="medium")
+        axes.set_ylabel(f"displacement $\\sqrt{{x^2 + y^2}}$, 0-peak [{unit}]")
+        axes.grid(alpha=0.3)
+        axes.legend(fontsize="small", loc="upper right")
+    grid[-1].set_ylim(bottom=0.0)  # of all panels, now that every line is drawn
+    grid[-1].set_xlabel("speed [rad/s]")
+    rise = f"{data.run[0][0]:.3g} to {data.run[0][-1]:.4g} rad/s within {data.seconds:.4g} s"
+    figure.suptitle(f"{data.title}\nrun-up by co-simulation, {rise}")
+    return save(figure, path)

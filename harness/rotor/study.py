@@ -1,4 +1,4 @@
-"""What a rotor person asks first: natural frequencies, unbalance response, orbits, a run-up.
+"""What a rotor person asks first: natural frequencies, unbalance response, a run-up.
 
 Curves come from the rotor's equations, points and motions from its co-simulated unit.
 """
@@ -23,9 +23,7 @@ from ..scene import Scene
 
 CURVE_POINTS = 400
 MEASURED_POINTS = 16
-LAST_REVOLUTIONS = 2  # of a run: shown as its orbit
 RUN_UP_REVOLUTIONS = 100  # slow enough for resonances to show, short enough to wait for
-ORBIT_STEPS = 120  # a revolution: straight lines of 3 degrees look round
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,27 +46,6 @@ class UnbalanceResponse:
     points: Array
     measured: NDArray[np.complexfloating]
     critical: Array
-
-
-@dataclass(frozen=True, eq=False)
-class Orbits:
-    """Orbits of the stations.
-
-    Attributes:
-        title: of the scene.
-        speed: [rad/s].
-        stations: names of the stations.
-        alone: (m, 2, n) x and y over one revolution of the rotor without balancers, steady [m].
-        run: (m, 2, n) over the last revolutions of the scene's run; empty without balancers.
-        revolutions: how many those are.
-    """
-
-    title: str
-    speed: float
-    stations: tuple[str, ...]
-    alone: Array
-    run: Array
-    revolutions: int
 
 
 @dataclass(frozen=True, eq=False)
@@ -143,7 +120,7 @@ def response_of(scene: Scene, low: float, high: float) -> UnbalanceResponse:
     except ValueError as error:
         raise UserError(str(error)) from error
     with Revolution(scene.without_balancers()) as units:
-        measured = [_steady(units, float(w))[0] for w in points]
+        measured = [_steady(units, float(w)) for w in points]
     return UnbalanceResponse(
         title=scene.heading,
         stations=station_names(scene),
@@ -155,30 +132,14 @@ def response_of(scene: Scene, low: float, high: float) -> UnbalanceResponse:
     )
 
 
-def _steady(units: Revolution, speed: float) -> tuple[NDArray[np.complexfloating], Array]:
-    """Synchronous amplitude (2, n) and orbit (m, 2, n) of the revolution that repeats itself."""
+def _steady(units: Revolution, speed: float) -> NDArray[np.complexfloating]:
+    """Synchronous amplitude (2, n) of the revolution that repeats itself."""
     rest = np.zeros(len(units.states))
     # the rotor alone is linear: its map is the same everywhere
     state, _ = units.steady(speed, rest, units.monodromy(rest, speed))
     n = units.scene.assembly().rotor.stations
     table = units.record(state, speed, ["angle", *_outputs(n)])
-    amplitude = synchronous(table[:, 0], table[:, 1:].T).amplitude
-    return amplitude.reshape(2, n), table[:, 1:].reshape(-1, 2, n)
-
-
-def orbits_of(scene: Scene) -> Orbits:
-    """Orbits at the operating speed: of the rotor alone, and at the end of the scene's run."""
-    speed = scene.profile().end
-    names = station_names(scene)
-    with Revolution(scene.without_balancers(), steps=ORBIT_STEPS) as units:
-        alone = _steady(units, speed)[1]
-    alone = np.concatenate([alone, alone[:1]])
-    run = np.empty((0, 2, len(names)))
-    if scene.balancer:
-        time, motion = _run(scene)
-        period = 2.0 * math.pi / speed
-        run = motion[time >= time[-1] - LAST_REVOLUTIONS * period * (1.0 + 1e-9)]
-    return Orbits(scene.heading, speed, names, alone, run, LAST_REVOLUTIONS)
+    return synchronous(table[:, 0], table[:, 1:].T).amplitude.reshape(2, n)
 
 
 def _run(scene: Scene) -> tuple[Array, Array]:

@@ -13,7 +13,6 @@ from autobalancer.harness import UserError, load_scene
 from autobalancer.harness.balancing import plot as rotor_polar
 from autobalancer.harness.balancing.cycles import balance
 from autobalancer.harness.rotor import plot as pictures
-from autobalancer.harness.rotor import plot_motion as rotor_motion
 from autobalancer.harness.rotor import study as rotor_study
 from autobalancer.harness.scene import Scene
 
@@ -36,7 +35,7 @@ def drawn(monkeypatch):
         figures.append(figure)
         return path
 
-    for module in (pictures, rotor_motion, rotor_polar):
+    for module in (pictures, rotor_polar):
         monkeypatch.setattr(module, "save", keep)
     return figures
 
@@ -105,20 +104,6 @@ def test_response_needs_an_unbalance():
         rotor_study.response_of(disc(unbalance=0.0), 0.1, 3.0)
 
 
-def test_orbits_are_closed_and_balancing_makes_them_smaller(drawn):
-    scene = load_scene("three_mass_shaft")
-    data = rotor_study.orbits_of(scene)
-    assert data.alone.shape[1:] == (2, 3)
-    np.testing.assert_allclose(data.alone[-1], data.alone[0], rtol=1e-9, atol=1e-12)
-    radius = np.hypot(data.alone[:, 0], data.alone[:, 1])
-    np.testing.assert_allclose(radius, radius[:1].repeat(len(radius), 0), rtol=1e-6)  # circles
-    assert len(data.run) == 2 * 40 + 1
-    assert np.abs(data.run).max() < 0.05 * radius.max()
-    rotor_motion.plot_orbits(data, None)
-    labels = [text for text in texts(drawn[0]) if text]
-    assert all("[mm]" in text or "0-peak" in text for text in labels)
-
-
 def test_run_up_passes_the_resonance_and_stays_below_its_steady_height(drawn):
     """Acceleration through a resonance: the peak comes late and is lower than u w/c."""
     data = rotor_study.run_up_of(disc(), 0.05, 3.0)
@@ -129,7 +114,7 @@ def test_run_up_passes_the_resonance_and_stays_below_its_steady_height(drawn):
     assert speeds[-1] == pytest.approx(3.0)
     # far above it the disc turns about its centre of mass
     assert displacement[-1, 0] == pytest.approx(0.005 / (1 - 1 / 9), rel=0.05)
-    rotor_motion.plot_run_up(data, None)
+    pictures.plot_run_up(data, None)
     assert drawn[0].axes[-1].get_xlabel().startswith("speed [rad/s]")
     assert drawn[0].axes[0].get_ylabel().endswith("0-peak [mm]")
 
@@ -137,7 +122,7 @@ def test_run_up_passes_the_resonance_and_stays_below_its_steady_height(drawn):
 def test_a_run_up_with_and_without_balancers_has_times_of_its_own_each(drawn):
     data = rotor_study.run_up_of(load_scene("run_up"), 20.0, 60.0)
     assert len(data.run[0]) != len(data.alone[0])
-    rotor_motion.plot_run_up(data, None)
+    pictures.plot_run_up(data, None)
     for axes, (speeds, _) in zip(drawn[0].axes, (data.run, data.alone), strict=True):
         np.testing.assert_array_equal(axes.lines[0].get_xdata(), speeds)
 
@@ -145,7 +130,7 @@ def test_a_run_up_with_and_without_balancers_has_times_of_its_own_each(drawn):
 def test_the_larger_peak_of_a_run_up_is_within_the_picture_wherever_it_is(drawn):
     data = rotor_study.run_up_of(load_scene("run_up"), 20.0, 60.0)
     smaller = (data.run[0], 0.1 * data.run[1])
-    rotor_motion.plot_run_up(replace(data, run=smaller), None)
+    pictures.plot_run_up(replace(data, run=smaller), None)
     top = max(line.get_ydata().max() for line in drawn[0].axes[1].lines[: len(data.stations)])
     assert all(axes.get_ylim()[1] > top and axes.get_ylim()[0] == 0.0 for axes in drawn[0].axes)
 
@@ -172,7 +157,7 @@ def test_moments_and_files_have_readable_units(tmp_path):
 
 def test_command_prints_modes_and_writes_what_is_asked_for(invoke, tmp_path):
     data = tmp_path / "modes.json"
-    paths = {name: tmp_path / f"{name}.png" for name in ("campbell", "response", "orbit", "run-up")}
+    paths = {name: tmp_path / f"{name}.png" for name in ("campbell", "response", "run-up")}
     options = [part for name, path in paths.items() for part in (f"--{name}", str(path))]
     scene = tmp_path / "disc.toml"
     scene.write_text(
@@ -195,7 +180,7 @@ def test_command_prints_modes_and_writes_what_is_asked_for(invoke, tmp_path):
     [
         (["--range", "3.0", "1.0"], "--range 3 1: must be two speeds"),
         (["--campbell", "picture.bmp"], "pictures end in .png, .svg, .pdf"),
-        (["--orbit", "no/such/place.png"], "there is no directory no/such"),
+        (["--run-up", "no/such/place.png"], "there is no directory no/such"),
     ],
 )
 def test_command_refuses_what_it_cannot_draw(invoke, options, message):
