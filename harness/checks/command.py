@@ -4,15 +4,13 @@ from __future__ import annotations
 
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
-from urllib.parse import quote
 
 import typer
 
 from ..errors import SimulationError
 from ..output import costs, options
-from ..output.files import write_json, write_whole
+from ..output.files import write_json
 from ..output.terminal import directory_to_fill, progress_bars, say, say_facts, show
-from ..output.words import in_link, in_markdown
 
 if TYPE_CHECKING:
     from ..scene import Scene
@@ -30,12 +28,7 @@ def command(
         ),
     ] = None,
     json_file: Annotated[Path | None, options.json("the rows")] = None,
-    report: Annotated[
-        Path | None,
-        typer.Option(
-            metavar="DIR", help="Also write report.html, a page to pass on, tables and pictures."
-        ),
-    ] = None,
+    report: Annotated[Path | None, options.REPORT] = None,
     changes: Annotated[list[str] | None, options.changes("coupling.steps_per_rev=80")] = None,
     at_most: Annotated[str, options.AT_MOST] = costs.DEFAULT,
 ) -> None:
@@ -74,9 +67,9 @@ def _write_report(
 ) -> None:
     from ..output.report import Report
     from .pictures import draw_pictures
-    from .report import as_json, by_scene, markdown, sourced, verdict
+    from .report import by_scene, sourced, verdict
 
-    text, page = markdown(rows), Report(directory, "Checks", scenes)
+    page = Report(directory, "Checks", scenes)
     page.parts += [verdict(rows), *map(sourced, by_scene(rows).values())]
     page.parts += [f"{r.scene} left out: {'; '.join(r.left_out)}" for r in results if r.left_out]
     with progress_bars() as bars:
@@ -84,14 +77,8 @@ def _write_report(
             task = bars.add_task(f"drawing {scene.name}", total=None)
             if all(row.quantity != "run" for row in result.rows):
                 try:
-                    for picture in draw_pictures(scene, directory, result.scene):
-                        text += f"\n![{in_link(scene.title)}]({quote(picture.name)})\n"
-                        page.pictures.append(picture)
+                    page.pictures += draw_pictures(scene, directory, result.scene)
                 except SimulationError as error:  # the rows stand all the same
-                    text += f"\nNo picture of {in_markdown(scene.heading)}: {error}\n"
+                    page.parts.append(f"No picture of {scene.heading}: {error}")
             bars.remove_task(task)
-    with write_whole(directory / "report.md") as stream:
-        stream.write(text)
-    write_json(as_json(rows), directory / "report.json")
-    say(f"Report: {directory / 'report.md'}")
     page.write()

@@ -64,16 +64,8 @@ def tables(rows: Sequence[Row]) -> list[Sheet]:
     ]
 
 
-def sourced(rows: Sequence[Row], no: str = "NO") -> Sheet:
-    """The rows of one scene with time and source; `no` is the word for what does not hold."""
-    cells = [[*_cells(r), "yes" if r.holds else no, f"{r.seconds:.2f}", r.source] for r in rows]
-    columns, colours = (*COLUMNS, "seconds", "source"), {"holds": {"yes": GOOD, no: BAD}}
+def sourced(rows: Sequence[Row]) -> Sheet:
+    """The rows of one scene with time and source."""
+    cells = [[*_cells(r), "yes" if r.holds else "NO", f"{r.seconds:.2f}", r.source] for r in rows]
+    columns, colours = (*COLUMNS, "seconds", "source"), {"holds": {"yes": GOOD, "NO": BAD}}
     return Sheet(columns, cells, "llrrrrlrl", rows[0].scene, colours)
-
-
-def markdown(rows: Sequence[Row]) -> str:
-    """The rows as Markdown, with sources."""
-    lines = ["# Checks", "", verdict(rows)]
-    for scene, members in by_scene(rows).items():
-        lines += ["", f"## {scene}", "", sourced(members, "**NO**").markdown()]
-    return "\n".join(lines) + "\n"

@@ -12,7 +12,6 @@ _CONTROL = re.compile(
 )
 _TAG = re.compile(r"<(?=[A-Za-z/!?])")  # what CommonMark takes for HTML
 _NUMBER = re.compile(r"-?\d+(?:\.\d+)?(?:e[+-]?\d+)?")
-_LINK = re.compile(r"([\[\]])")
 
 
 def printable(text: str) -> str:
@@ -23,11 +22,6 @@ def printable(text: str) -> str:
 def in_markdown(text: str) -> str:
     """On one line, with no HTML in it."""
     return _TAG.sub("&lt;", printable(" ".join(text.split("\n"))))
-
-
-def in_link(text: str) -> str:
-    """As the words of a link or of a picture."""
-    return _LINK.sub(r"\\\1", in_markdown(text))
 
 
 def kinds_of(texts: Iterable[str]) -> list[tuple[int, str]]:

@@ -117,10 +117,9 @@ def test_a_picture_that_cannot_be_measured_does_not_cost_the_report(tmp_path, mo
     report = tmp_path / "report"
     outcome = CliRunner().invoke(program(), ["check", "liquid_touch", "--report", str(report)])
     assert outcome.exit_code == 0, outcome.output
-    text = (report / "report.md").read_text(encoding="utf-8")
+    text = (report / "report.html").read_text(encoding="utf-8")
     assert "All 9 rows hold." in text
     assert "no steady state" in text
-    assert (report / "report.json").exists()
 
 
 def test_a_title_neither_commands_the_terminal_nor_writes_html():
