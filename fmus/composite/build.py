@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 
 from ..build import COMPOSITION, native_contents, written
@@ -19,6 +19,7 @@ def build_composite(
     name: str,
     fmi: int = 2,
     platforms: Iterable[str] | None = None,
+    extra: Mapping[str, bytes] | None = None,
 ) -> Path:
     """Build the FMU of coupled units.
 
@@ -28,6 +29,7 @@ def build_composite(
         name: model name and file name.
         fmi: 2 or 3.
         platforms: default: all.
+        extra: more files, by their names in the FMU.
 
     Returns:
         The file.
@@ -37,7 +39,8 @@ def build_composite(
         NotCompiled: a native library is not of the present sources, and there is no compiler.
         OSError: the file cannot be written; nothing is left behind.
     """
-    return written(_contents(composition, name, fmi, platforms), destination, name)
+    files = {**_contents(composition, name, fmi, platforms), **(extra or {})}
+    return written(files, destination, name)
 
 
 def _contents(

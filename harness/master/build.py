@@ -53,6 +53,7 @@ def build_files(
     ssp: bool = False,
     plain: bool = False,
     flat: bool = False,
+    reference: bool = False,
     progress: Progress | None = None,
 ) -> Built:
     """See `Scene.build`; without a scene, every unit there is.
@@ -61,8 +62,8 @@ def build_files(
     >>> len(ab.build_files(None, Path("units"), platforms=["x86_64-linux"]).files)
     4
     """
-    if (plain or flat) and (ssp or not one_file):
-        raise UserError("--plain, --flat-names: give --one-file and leave out --ssp")
+    if (plain or flat or reference) and (ssp or not one_file):
+        raise UserError("--plain, --flat-names, --reference: give --one-file and leave out --ssp")
     if ssp:
         if scene is None or fmi != 2 or (one_file and python):
             raise UserError(
@@ -76,6 +77,7 @@ def build_files(
         if python:
             raise UserError("--one-file: has no Python units; leave out --python")
         form: dict[str, Any] = {"fmi": fmi, "platforms": platforms, "plain": plain, "flat": flat}
+        form["reference"] = reference
         return _build_one_file(scene, output, form)
     from ...fmus.build import build
 

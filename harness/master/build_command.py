@@ -43,6 +43,13 @@ def command(
         bool,
         typer.Option("--flat-names", help="With --one-file: rotor_plane_1_F_x, without dots."),
     ] = False,
+    reference: Annotated[
+        bool,
+        typer.Option(
+            "--reference",
+            help="With --one-file: also the right motion, by an independent integration.",
+        ),
+    ] = False,
     ssp: Annotated[
         bool, typer.Option("--ssp", help="The scene as a system structure package, ready to run.")
     ] = False,
@@ -61,7 +68,7 @@ def command(
     from .release import build_release
 
     form: dict[str, Any] = {"python": python, "one_file": one_file, "ssp": ssp}
-    form |= {"plain": plain, "flat": flat}
+    form |= {"plain": plain, "flat": flat, "reference": reference}
     if scene is None and changes:
         raise UserError("--set: give the scene in which the value is to be replaced")
     loaded = None if scene is None else changed_scene(scene, changes)

@@ -137,15 +137,18 @@ def build_one_file(
     *,
     plain: bool = False,
     flat: bool = False,
+    reference: bool = False,
 ) -> Path:
     """Build a scene's composite FMU; its model is named after the scene.
 
     Args:
         fmi, platforms: as `build_composite`.
         plain, flat: as `Composition`.
+        reference: with `reference_files`.
 
     Raises:
         SceneError: as `composition`.
+        SimulationError: as `reference_files`.
         ValueError, NotCompiled, OSError: as `build_composite`.
     """
     made = composition(scene)
@@ -157,4 +160,11 @@ def build_one_file(
         plain=plain,
         flat=flat,
     )
-    return build_composite(made, path, name=model_name(scene), fmi=fmi, platforms=platforms)
+    extra = None
+    if reference:
+        from ..accuracy.reference_files import reference_files
+
+        extra = reference_files(scene, made.described(scene.name).label)
+    return build_composite(
+        made, path, name=model_name(scene), fmi=fmi, platforms=platforms, extra=extra
+    )

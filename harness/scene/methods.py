@@ -280,6 +280,7 @@ class Methods:
         ssp: bool = False,
         plain: bool = False,
         flat: bool = False,
+        reference: bool = False,
         progress: Progress | None = None,
     ) -> Built:
         """Write the FMUs of the scene.
@@ -293,6 +294,7 @@ class Methods:
             ssp: a system structure package instead of single files.
             plain: with `one_file`, without slopes and figures of the coupling.
             flat: with `one_file`, names without dots and brackets.
+            reference: with `one_file`, also the right motion, by an independent integration.
 
         Raises:
             UserError: the options do not go together, or a file cannot be written.
@@ -304,7 +306,7 @@ class Methods:
         from ..master.build import build_files
 
         form: dict[str, Any] = {"python": python, "one_file": one_file, "ssp": ssp}
-        form |= {"plain": plain, "flat": flat}
+        form |= {"plain": plain, "flat": flat, "reference": reference}
         wanted = None if platforms is None else list(platforms)
         return build_files(self._scene, Path(output), fmi, wanted, progress=progress, **form)
 

@@ -17,6 +17,7 @@ from lxml import etree
 
 from autobalancer.fmus.unit import LONGEST_NAME
 from autobalancer.harness import load_scene
+from autobalancer.harness.accuracy.reference_files import FOLDER
 from autobalancer.harness.master.one_file import build_one_file, composition
 
 SCENES = ["two_balls", "sommerfeld"]
@@ -118,3 +119,31 @@ def test_the_documentation_shows_this_machine(tmp_path, name):
     kept = [line for line in lines.splitlines() if "plot" not in line]
     code = "\n".join(["from fmpy import simulate_fmu", *kept]).replace(f"{name}.fmu", str(path))
     exec(code.replace("stop_time=", "stop_time=0.01*"), {})
+
+
+@pytest.mark.parametrize("form", [{}, {"flat": True, "fmi": 3}], ids=["FMI 2", "flat, FMI 3"])
+def test_the_reference_inside_is_what_the_file_computes(tmp_path, form):
+    """By FMI-LS-REF: the manifest names a table, and a tight run has its values."""
+    scene = load_scene("two_balls")
+    path = build_one_file(
+        scene, tmp_path / "one.fmu", platforms=[platform_tuple], reference=True, **form
+    )
+    assert validate_fmu(str(path)) == []
+    with zipfile.ZipFile(path) as archive:
+        manifest = etree.fromstring(archive.read(f"{FOLDER}/fmi-ls-manifest.xml"))
+        related = manifest.find("Related")
+        assert related.get("role") == "result"
+        table = archive.read(f"{FOLDER}/{related.get('source')}").decode()
+    names, *rows = [line.split(",") for line in table.splitlines()]
+    expected = np.array(rows, float)
+    step, end = expected[1, 0], expected[-1, 0]
+    run = fmpy.simulate_fmu(
+        str(path),
+        stop_time=end,
+        output_interval=step,
+        output=names[1:],
+        start_values={"coupling_tolerance" if "flat" in form else "coupling.tolerance": 1e-11},
+    )
+    found = np.array([run[name] for name in names[1:]]).T
+    assert found.shape == expected[:, 1:].shape
+    assert np.abs(found - expected[:, 1:]).max() < 1e-7 * np.abs(expected[:, 1:]).max()
