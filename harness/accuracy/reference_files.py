@@ -9,6 +9,7 @@ from xml.etree.ElementTree import SubElement
 import numpy as np
 
 from ...fmus.xml.description import text_of
+from ...models.arrays import Array
 from ..master.recorder import recorded
 from ..master.schedule import end_time, step_size
 from ..scene import Scene
@@ -36,11 +37,11 @@ def reference_files(scene: Scene, label: Callable[[str], str]) -> dict[str, byte
     """
     refuse_without_reference(scene)
     step, names = step_size(scene), recorded(scene)
-    times = np.arange(1, round(end_time(scene) / step) + 1) * step
+    times: Array = np.arange(1.0, round(end_time(scene) / step) + 1.0) * step
     right, error = right_motion(scene, names, [times])
-    columns = np.column_stack([right.time, *(right.signal(name) for name in names)])
+    columns = [right.time.tolist(), *(right.signal(name).tolist() for name in names)]
     lines = [",".join(["time", *map(label, names)])]
-    lines += [",".join(map(repr, row)) for row in columns.tolist()]
+    lines += [",".join(map(repr, row)) for row in zip(*columns, strict=True)]
     said = (
         "Motion from the start values of this FMU, by an independent integration of all equations "
         f"in one piece; two methods differ by {error:.0e} of the range of a signal"
