@@ -15,9 +15,9 @@ _STYLE = 'font-family="sans-serif" font-size="12" fill="none" stroke="#1f3b57" s
 
 def page(made: Composition, name: str) -> str:
     """HTML: title, sketch, five lines that run it."""
-    motion = [v.name for v in made.described(name).shown if v.quantity == "Displacement"]
-    first = next(v for v in motion if not v.endswith("0"))
-    label = made.described(name).label(first)
+    unit = made.described(name)
+    shown = [v for v in unit.shown if v.causality == "output" and v.quantity == "Displacement"]
+    label = unit.label(shown[0].name)
     lines = (
         "from fmpy import plot_result, simulate_fmu",
         f'run = simulate_fmu("{name}.fmu", stop_time={made.stop:.6g}, output=["{label}"])',

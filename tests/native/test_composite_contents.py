@@ -117,6 +117,7 @@ def test_the_documentation_shows_this_machine(tmp_path, name):
     assert " rpm</td>" in page
     lines = page[page.index("<pre>") + 5 : page.index("</pre>")].replace("&quot;", '"')
     kept = [line for line in lines.splitlines() if "plot" not in line]
+    assert 'output=["rotor.' in lines
     code = "\n".join(["from fmpy import simulate_fmu", *kept]).replace(f"{name}.fmu", str(path))
     exec(code.replace("stop_time=", "stop_time=0.01*"), {})
 
