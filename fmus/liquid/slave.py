@@ -23,12 +23,12 @@ class LiquidBalancer(Slave):
         self.memory = []
 
     def step(self, step: float) -> None:
-        self._put(step)
+        self._set_outputs(step)
 
     def outputs(self) -> None:
-        self._put(0.0)
+        self._set_outputs(0.0)
 
-    def _put(self, t: float) -> None:
+    def _set_outputs(self, t: float) -> None:
         """Outputs with the input signals taken t after the start of the step."""
         layout, real = self.layout, self.real
         *signal, x, y = real[layout.inputs]

@@ -50,11 +50,11 @@ class RotorOnSupports(Slave):
         motion, planes = self._propagate(step)
         angle = turned(self.memory[:3], step * (speed + 0.5 * spin_up * step))
         self.memory = [*angle, *motion]
-        self._put(planes, angle[1], speed + spin_up * step)
+        self._set_outputs(planes, angle[1], speed + spin_up * step)
 
     def outputs(self) -> None:
         _, planes = self._propagate(0.0)
-        self._put(planes, self.memory[1], self._drive()[0])
+        self._set_outputs(planes, self.memory[1], self._drive()[0])
 
     def observe(self) -> None:
         angle, *motion = total(self.memory[:3]), *self.memory[3:]
@@ -125,7 +125,7 @@ class RotorOnSupports(Slave):
         planes = np.concatenate(method.plane_motion(state, drive, step))
         return _from_axes(state, method.axes), _from_axes(planes, method.axes)
 
-    def _put(self, planes: list[float], angle: float, speed: float) -> None:
+    def _set_outputs(self, planes: list[float], angle: float, speed: float) -> None:
         """Computed outputs from what the planes do in fixed axes, see `_propagate`."""
         if self.turning:
             n = 2 * self.sizes.planes

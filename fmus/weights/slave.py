@@ -58,10 +58,10 @@ class BallBalancer(Slave):
             signal = (*start.motion, *cubic.hermite(*start.motion, *end.motion, step))
         angles, speeds = advance(self.model, *self._state(), signal, start.spin_up, step)
         self.memory = [*angles, *speeds]
-        self._put(end)
+        self._set_outputs(end)
 
     def outputs(self) -> None:
-        self._put(self._at(0.0))
+        self._set_outputs(self._at(0.0))
 
     def observe(self) -> None:
         angles, speeds = self._state()
@@ -85,7 +85,7 @@ class BallBalancer(Slave):
         n = self.sizes.weights
         return self.memory[:n], self.memory[n:]
 
-    def _put(self, now: _Now) -> None:
+    def _set_outputs(self, now: _Now) -> None:
         """Computed outputs."""
         force = reaction(self.model, *self._state(), *now.motion, now.speed, now.spin_up)
         if self.sent:

@@ -42,7 +42,7 @@ class Rows:
 
     scene: str
     check: str
-    begun: float = field(default_factory=time.perf_counter)
+    start_time: float = field(default_factory=time.perf_counter)
 
     def number(
         self,
@@ -81,6 +81,6 @@ class Rows:
     ) -> Row:
         """A finding whose verdict is known, mostly one in words."""
         now = time.perf_counter()
-        seconds, self.begun = now - self.begun, now
+        seconds, self.start_time = now - self.start_time, now
         verdict = (error, tolerance, bool(holds), seconds, source)
         return Row(self.scene, self.check, quantity, expected, measured, *verdict)

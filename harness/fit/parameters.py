@@ -88,7 +88,7 @@ def _separated(texts: Sequence[str]) -> list[str]:
     return [one.strip() for some in texts for one in some.split(",") if one.strip()]
 
 
-def _place(parameters: list[Parameter], path: str, said: str) -> int:
+def _index_of(parameters: list[Parameter], path: str, said: str) -> int:
     for k, one in enumerate(parameters):
         if path in one.paths:
             return k
@@ -99,7 +99,7 @@ def _with_prior(
     parameters: list[Parameter], text: str, scatter: float, scene: Scene
 ) -> list[Parameter]:
     path, _, deviation = text.partition("=")
-    k = _place(parameters, path, f"--prior {text}")
+    k = _index_of(parameters, path, f"--prior {text}")
     size = si_number(deviation, scene.unit_of(path), f"--prior {text}: must be PATH=DEVIATION:")
     if not 0.0 < size < math.inf:
         raise UserError(f"--prior {text}: must be PATH=DEVIATION, a number above 0")
@@ -109,7 +109,7 @@ def _with_prior(
 
 def _limited(parameters: list[Parameter], text: str, scene: Scene) -> list[Parameter]:
     path, _, ends = text.partition("=")
-    k = _place(parameters, path, f"--limit {text}")
+    k = _index_of(parameters, path, f"--limit {text}")
     one, example = parameters[k], f"--limit {text}: must be PATH=LOW:HIGH, numbers or nothing"
     if ends.count(":") != 1:
         raise UserError(example)
@@ -130,7 +130,7 @@ def _parameter(paths: tuple[str, ...], scene: Scene) -> Parameter:
     if start == 0.0:
         raise UserError(f"--free {paths[0]}: starts at 0, from where nothing has a size: set it")
 
-    def taken(ratio: float) -> bool:
+    def is_accepted(ratio: float) -> bool:
         try:
             scene.replace(dict.fromkeys(paths, ratio * start))
         except SceneError:
@@ -138,18 +138,18 @@ def _parameter(paths: tuple[str, ...], scene: Scene) -> Parameter:
         return True
 
     scene.replace(dict.fromkeys(paths, start))  # a path that is wrong says so
-    ends = sorted(start * _farthest(taken, end) for end in (-FARTHEST, FARTHEST))
+    ends = sorted(start * _farthest(is_accepted, end) for end in (-FARTHEST, FARTHEST))
     return Parameter(paths, start, (ends[0], ends[1]))
 
 
-def _farthest(taken: Callable[[float], bool], end: float) -> float:
+def _farthest(is_accepted: Callable[[float], bool], end: float) -> float:
     """The value next to `end` that is taken, on the way from 1; infinite where `end` is."""
-    if taken(end):
+    if is_accepted(end):
         return math.copysign(math.inf, end)
-    inside, outside = 1.0, 0.0 if not taken(0.0) and end < 0.0 else end
+    inside, outside = 1.0, 0.0 if not is_accepted(0.0) and end < 0.0 else end
     for _ in range(_LIMIT_HALVINGS):
         middle = 0.5 * (inside + outside)
-        inside, outside = (middle, outside) if taken(middle) else (inside, middle)
+        inside, outside = (middle, outside) if is_accepted(middle) else (inside, middle)
     return inside
 
 

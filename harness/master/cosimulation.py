@@ -182,7 +182,7 @@ class CoSimulation(Closing):
         for number, part in enumerate(parts):
             if number:
                 self._drive_jumps()
-            self._take(part)
+            self._advance_part(part)
         if started and len(parts) > 1:
             self.scheme.after_start(self.system, self.time, step)
         self.time = begin + step
@@ -201,14 +201,14 @@ class CoSimulation(Closing):
         self.system.drive(self.profile.speed(self.time), self._acceleration)
         return jumps or self._acceleration != before
 
-    def _take(self, step: float) -> None:
+    def _advance_part(self, step: float) -> None:
         """A part of a communication step, judged and counted."""
         residual = self.scheme.step(self.system, self.time, step)
         self._refuse_runaway(step)
         if self.resolution:
             self.resolution.check(self.time, step)
         self.worst_residual = max(self.worst_residual, residual)
-        if not self.scheme.judge(self.system, self.time, residual):
+        if not self.scheme.check_agreement(self.system, self.time, residual):
             self.unconverged += 1
         self.system.follow(self.time, step)
         self.time += step
@@ -255,9 +255,9 @@ class CoSimulation(Closing):
         Raises:
             UserError: the record will not fit into memory.
         """
-        recorder.take(self.time)
+        recorder.record(self.time)
         for count, part in enumerate(self.run(), start=1):
-            recorder.take(self.time)
+            recorder.record(self.time)
             if count % REPORTED == 0:
                 recorder.refuse_too_much(part)
                 if progress:

@@ -102,7 +102,9 @@ class Controlled:
         self.order: float = self.highest_order
         self.parts, self.error = 1, math.inf
         self._judged = math.inf  # the error by the order that is expected
-        self._apart = self._times = 0.0  # how far the last two runs were, and by how many parts
+        self._largest_difference = self._times = (
+            0.0  # how far the last two runs were, and by how many parts
+        )
         self._done = 0  # work, in first runs
         self._attempt = 0
 
@@ -131,25 +133,27 @@ class Controlled:
             points, finer = recorder.columns()
             at = np.searchsorted(points, grid * (1.0 - SLIVER))
             finer = {name: finer[name][at] for name in signals}
-            apart = _apart(signals, finer, scale, slice(held))
-            at_rest = _apart(signals, finer, scale, slice(held, None))
+            apart = _largest_difference(signals, finer, scale, slice(held))
+            at_rest = _largest_difference(signals, finer, scale, slice(held, None))
             far, signals = max(apart, at_rest) >= ASYMPTOTIC, finer
             # of motions that part no run says more than the one before
-            if self._kept(apart, at_rest, parts) or parts >= (PARTING if far else MOST_STEP_PARTS):
+            if self._keeps_tolerance(apart, at_rest, parts) or parts >= (
+                PARTING if far else MOST_STEP_PARTS
+            ):
                 return recorder
 
-    def _kept(self, apart: float, at_rest: float, parts: int) -> bool:
+    def _keeps_tolerance(self, apart: float, at_rest: float, parts: int) -> bool:
         """Whether a run keeps the tolerance so far `apart` from the one before, and `at_rest`."""
         times = parts / self.parts
         order, stated, enough = self._orders(apart, parts)
         # where a corner lies in its step, two runs can agree by chance
-        least = self._judged / times**self._steepest if self._apart else 0.0
+        least = self._judged / times**self._steepest if self._largest_difference else 0.0
         self._judged = self.error = max(apart, at_rest)
         if self.error < ASYMPTOTIC:
             rested = at_rest / (times**ORDER_HELD - 1.0)
             self._judged = max(apart / (times**order - 1.0), rested, least)
             self.error = max(apart / (times**stated - 1.0), rested, least)
-        self.parts, self._times, self._apart = parts, times, apart
+        self.parts, self._times, self._largest_difference = parts, times, apart
         # two runs that hide a fast vibration between their points can agree by chance
         watched = self.cosim.facts().estimated_error
         kept = self._judged <= enough and watched <= self.tolerance
@@ -165,8 +169,8 @@ class Controlled:
             stated = max(ORDER_OF_EVENTS, highest - self._caution)
         if self._fastest * self._longest > FOLLOWED * parts:
             return ORDER_OF_JUMPS, ORDER_OF_JUMPS, self.tolerance
-        if self._apart and apart:  # three runs show by which order errors shrink
-            shown = math.log1p(self._apart / apart) / math.log(self._times)
+        if self._largest_difference and apart:  # three runs show by which order errors shrink
+            shown = math.log1p(self._largest_difference / apart) / math.log(self._times)
             self.order = min(highest, max(shown, ORDER_OF_JUMPS))
             # by a higher one than there is: the first was no run yet whose errors shrink so
             steep = shown > highest + STEEPER
@@ -240,7 +244,7 @@ def _first_held(scene: Scene, grid: Signal) -> int:
     return int(np.argmax(lengths > longest)) + 1
 
 
-def _apart(
+def _largest_difference(
     one: Mapping[str, Signal], other: Mapping[str, Signal], least: Mapping[str, float], at: slice
 ) -> float:
     """Largest difference of signals at some common times, each over the largest value of its kind.

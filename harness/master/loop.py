@@ -21,7 +21,7 @@ from ...models.constants import (
     START_TOLERANCE,
 )
 from ..errors import SimulationError
-from .signals import Knots, begun
+from .signals import Knots, cubics_from_start
 from .system import System
 
 Vector = NDArray[np.complex128]
@@ -119,7 +119,7 @@ def rotor_response(system: System, step: float) -> NDArray[np.float64]:
     """
 
     def respond(u: Vector) -> Vector:
-        system.set_forces(begun(unpack(u, step)))
+        system.set_forces(cubics_from_start(unpack(u, step)))
         return pack(system.read_accelerations(), step)
 
     now = pack(system.forces.now, step)
@@ -145,9 +145,9 @@ def consistent_start(system: System, step: float, rounding: float = 0.0) -> NDAr
         return np.zeros((0, 0))
 
     def respond(u: Vector) -> Vector:
-        system.set_forces(begun(unpack(u, step)))
+        system.set_forces(cubics_from_start(unpack(u, step)))
         system.accelerations.now = system.read_accelerations()
-        return pack(system.answer(begun(system.accelerations.now)), step)
+        return pack(system.answer(cubics_from_start(system.accelerations.now)), step)
 
     # slopes take squares of the values, but these converge before them
     u = np.zeros(2 * len(system.forces.now), complex)

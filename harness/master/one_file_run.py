@@ -108,16 +108,16 @@ class OneFileRun(Closing):
         """As `Simulation.record`."""
         outputs = np.concatenate([np.zeros(0, np.uintc), *(g[0] for _, g in recorder.groups)])
         end, most = end_time(self.scene), FIRST_ROWS
-        recorder.take(self.time)
+        recorder.record(self.time)
         for stretch in self._stretches():
             over = False
             while not over:
-                begun = clock.perf_counter()
+                start_time = clock.perf_counter()
                 rows = self._on(stretch, outputs, np.empty((most, 1 + len(outputs))))
                 over = len(rows) < most
                 recorder.extend(rows)
                 self.time = float(rows[-1, 0]) if len(rows) else self.time
-                most = _adapted(most, clock.perf_counter() - begun)
+                most = _adapted(most, clock.perf_counter() - start_time)
                 if not over:
                     recorder.refuse_too_much(self.time / end)
                 if progress:

@@ -79,7 +79,7 @@ class Recorder:
         self.names = [name for name in self.signal_units if name in names]
         self.rows = array("d")
 
-    def take(self, time: float) -> None:
+    def record(self, time: float) -> None:
         """Record the present values."""
         self._row[0] = time
         for unit, group in self.groups:

@@ -147,7 +147,7 @@ class Resolution:
             self.estimate = worst
             if worst >= REFUSED_ERROR:
                 moved = f"moves the units {worst:.2g} times as far as they move at all"
-                self._refuse(time, f"what the cubics miss of {cause} {moved}")
+                self._refuse_run(time, f"what the cubics miss of {cause} {moved}")
         if lost:
             self._count(time, *lost)
 
@@ -167,13 +167,13 @@ class Resolution:
     def _count(self, time: float, name: str, share: float) -> None:
         self.unresolved += 1
         if self.unresolved >= PERSISTENT_STEPS:
-            self._refuse(
+            self._refuse_run(
                 time,
                 f"{name} has ended {self.unresolved} steps far from where the one before led, now "
                 f"by {share:.2g} of its largest value",
             )
 
-    def _refuse(self, time: float, why: str) -> None:
+    def _refuse_run(self, time: float, why: str) -> None:
         self.refused = True
         if not self.strict:
             return

@@ -112,7 +112,7 @@ def run_once(
     own, made_of = recorded_for([*names, *velocities(scene)] if names else [])
     refuse_unknown([*own, *made_of], plan(scene).variables_by_unit())
     with loaded(scene) as cosim:
-        begun, controlled = clock.perf_counter(), None
+        start_time, controlled = clock.perf_counter(), None
         if cosim.scene.coupling.tolerance is not None and cosim.coupled:
             controlled = Controlled(cosim, own, made_of)
             recorder = controlled.run(progress)
@@ -120,7 +120,7 @@ def run_once(
             recorder = Recorder(cosim.units, own, made_of)
             cosim.start()
             cosim.record(recorder, progress)
-        seconds = clock.perf_counter() - begun
+        seconds = clock.perf_counter() - start_time
         if progress:
             progress(1.0)
         facts = cosim.facts()

@@ -67,7 +67,7 @@ def command(
         typer.Option(
             metavar="FILE.gif",
             help="Moving picture: gif, webp, mp4.",
-            callback=drawings.place,
+            callback=drawings.check_movie,
         ),
     ] = None,
     movie_axes: Annotated[

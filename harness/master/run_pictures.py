@@ -23,7 +23,7 @@ class MovieAxes(str, Enum):
     FIXED = "fixed"
 
 
-def place(path: Path | None) -> Path | None:
+def check_movie(path: Path | None) -> Path | None:
     """Refuse a movie that cannot be made or written, before the run.
 
     Raises:

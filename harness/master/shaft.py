@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike
 from .fmu import Fmu
 from .names import derivatives
 from .plan import MOTOR, Plan
-from .signals import Knots, begun, interpolated
+from .signals import Knots, cubics_from_start, interpolated
 
 
 class Shaft:
@@ -68,7 +68,7 @@ class Shaft:
     def begin(self) -> Knots:
         """The angular acceleration of units in initialisation mode, and its slope."""
         self._now = self._end = self._torques()
-        self._torque.reals[:] = begun(self._now)[0, : self.order + 1].real
+        self._torque.reals[:] = cubics_from_start(self._now)[0, : self.order + 1].real
         self.motor.send(self._torque)
         self.motor.fetch(self._answer)
         return self._knots()

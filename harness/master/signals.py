@@ -17,7 +17,7 @@ Knots = NDArray[np.complex128]  # (n, 2)
 Cubics = NDArray[np.complex128]  # (n, 4)
 
 
-def begun(knots: Knots) -> Cubics:
+def cubics_from_start(knots: Knots) -> Cubics:
     """Signals of which the start alone is known."""
     return np.concatenate((knots, np.zeros_like(knots)), axis=1)
 
@@ -83,15 +83,15 @@ class Signals:
         """What they do on their way to these ends after a step [s]."""
         return interpolated(self.now, ends, step, order)
 
-    def move(self, cubics: Cubics, ends: Knots, step: float) -> None:
+    def accept(self, cubics: Cubics, ends: Knots, step: float) -> None:
         """Accept a finished step."""
-        values = led = ends[:, 0].tolist()
+        values = extrapolated = ends[:, 0].tolist()
         if self.last_step == step:
-            led = end_of(self.last, 2.0 * step)[:, 0].tolist()
-        self.prediction_error = [abs(a - b) for a, b in zip(values, led, strict=True)]
+            extrapolated = end_of(self.last, 2.0 * step)[:, 0].tolist()
+        self.prediction_error = [abs(a - b) for a, b in zip(values, extrapolated, strict=True)]
         self.largest = [max(a, abs(b)) for a, b in zip(self.largest, values, strict=True)]
         self.now, self.last, self.last_step = ends, cubics, step
 
     def drop_past(self) -> None:
         """Drop what they did before now: it says nothing of what comes."""
-        self.last, self.last_step = begun(self.now), 0.0
+        self.last, self.last_step = cubics_from_start(self.now), 0.0

@@ -11,8 +11,8 @@ def start_values(scene: Scene) -> dict[str, dict[str, float | bool]]:
     """Parameters, and inputs at a consistent start, of every unit of a scene."""
     with CoSimulation(scene) as cosim:
         cosim.start()
-        held = start_inputs(cosim)
-        return {unit.name: {**unit.start, **held.get(unit.name, {})} for unit in cosim.plan.units}
+        inputs = start_inputs(cosim)
+        return {unit.name: {**unit.start, **inputs.get(unit.name, {})} for unit in cosim.plan.units}
 
 
 def start_inputs(cosim: CoSimulation) -> dict[str, dict[str, float]]:
@@ -24,8 +24,8 @@ def start_inputs(cosim: CoSimulation) -> dict[str, dict[str, float]]:
             cosim.plan.variables(port, "signal"), (value.real, value.imag), strict=True
         )
     }
-    held: dict[str, dict[str, float]] = {ROTOR: dict(cosim.system.masses)}
+    inputs: dict[str, dict[str, float]] = {ROTOR: dict(cosim.system.masses)}
     for target, sources in cosim.plan.inputs("signal").items():
         value = sum(shown[source] for source in sources)
-        held.setdefault(target.unit, {})[target.variable] = value
-    return held
+        inputs.setdefault(target.unit, {})[target.variable] = value
+    return inputs

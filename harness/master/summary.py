@@ -121,7 +121,7 @@ def summarise(result: Result, scene: Scene) -> Summary:
         first = int(beyond[-1]) + 1 if len(beyond) else 0
         after = float(result.time[first]) if vibration <= BALANCED * alone else None
         reason = "" if after is not None else _reason(result, scene, speed, last, vibration / alone)
-    held = _held(result, scene)
+    held = _weight_moments(result, scene)
     return Summary(
         called,
         vibration,
@@ -155,7 +155,7 @@ def vibration_alone(scene: Scene, speed: float, end: float) -> float:
     return math.sqrt(float(squares.max()))
 
 
-def _held(result: Result, scene: Scene) -> dict[str, float] | None:
+def _weight_moments(result: Result, scene: Scene) -> dict[str, float] | None:
     """What the weights hold at the end, by its signals [kg m]; None where it is not known."""
     names = moments(scene)
     if names is None or any(name not in result for name in names):

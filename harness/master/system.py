@@ -234,8 +234,8 @@ class System:
             SimulationError: a force is not finite.
         """
         self.has_no_past = False
-        self.accelerations.move(*accelerations, step)
-        self.forces.move(*forces, step)
+        self.accelerations.accept(*accelerations, step)
+        self.forces.accept(*forces, step)
         if self.shaft:
             self.shaft.accept()
         for value, name in zip(forces[1][:, 0].tolist(), self.force_names, strict=True):

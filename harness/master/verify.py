@@ -73,7 +73,7 @@ def verified(
     Raises:
         SimulationError: the second run cannot be completed.
     """
-    begun, tolerance = clock.perf_counter(), (scene.coupling.tolerance or USUAL) / FINER
+    start_time, tolerance = clock.perf_counter(), (scene.coupling.tolerance or USUAL) / FINER
     while True:
         fine = controlled(scene, tolerance)
         again, finer = _repeated(loaded(fine), result, report)
@@ -84,7 +84,7 @@ def verified(
         if fine is scene or not finer.chosen or enough:
             break
         tolerance = max(worst / FINER, TIGHTEST)
-    verification = replace(verification, seconds=clock.perf_counter() - begun)
+    verification = replace(verification, seconds=clock.perf_counter() - start_time)
     events = (*result.events, *filter(None, [verification.note()]))
     return replace(result, verification=verification, events=events)
 
@@ -97,9 +97,9 @@ def _repeated(
         recorder = Recorder(cosim.units, *recorded_for(list(result.signals)))
         try:
             cosim.start()
-            recorder.take(0.0)
+            recorder.record(0.0)
             for number, time in enumerate(_points(cosim, result.time), start=1):
-                recorder.take(time)
+                recorder.record(time)
                 if number % REPORTED == 0:
                     report(number / len(result.time))
         except SimulationError as error:

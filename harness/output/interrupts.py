@@ -23,7 +23,7 @@ from multiprocessing import resource_tracker
 from types import FrameType
 from typing import Any
 
-_ANSWERED = (signal.SIGINT, signal.SIGTERM)
+_HANDLED = (signal.SIGINT, signal.SIGTERM)
 _AGAIN = 0.005  # s until a signal that came at a bad moment is looked at anew
 _TWICE = 0.5  # s after which a second signal is meant: `timeout` sends two at once
 _LONGEST = 1e8  # s: more does not fit the timer everywhere
@@ -149,7 +149,7 @@ def temporary_files() -> Iterator[None]:
     try:
         yield
     finally:
-        for number in _ANSWERED:
+        for number in _HANDLED:
             signal.signal(number, signal.SIG_IGN)
         tempfile.tempdir = before
         for name, place in named.items():
@@ -169,12 +169,12 @@ def interruptible() -> Iterator[None]:
     if threading.current_thread() is not threading.main_thread() or _block is not None:
         yield
         return
-    before = {n: signal.getsignal(n) for n in _ANSWERED}
-    answered = [n for n, handler in before.items() if handler not in (signal.SIG_IGN, None)]
+    before = {n: signal.getsignal(n) for n in _HANDLED}
+    handled = [n for n, handler in before.items() if handler not in (signal.SIG_IGN, None)]
     _block = block = _SignalBlock()
     block.start()
     try:
-        for number in answered:
+        for number in handled:
             signal.signal(number, block.answer)
         yield
     except Exception as error:
@@ -185,7 +185,7 @@ def interruptible() -> Iterator[None]:
     finally:
         _block = None
         block.leave()
-        for number in answered:
+        for number in handled:
             signal.signal(number, before[number])
 
 

@@ -78,14 +78,14 @@ class StoredItems:
             self._known[item] = tuple(
                 chunk.item() if chunk.size == 1 else np.moveaxis(chunk, one.axis, 0)
                 for array, one in self._arrays
-                for chunk in [array.blocks[_place(item, one)]]
+                for chunk in [array.blocks[_chunk_index(item, one)]]
             )
         return self._known[item]
 
     def __setitem__(self, item: int, outcome: tuple[Any, ...]) -> None:
         for (array, one), value in zip(self._arrays, outcome, strict=True):
             chunk = np.moveaxis(value, 0, one.axis) if np.ndim(value) else value
-            array.blocks[_place(item, one)] = chunk
+            array.blocks[_chunk_index(item, one)] = chunk
         self._done[item] = 1
         self._finished.add(item)
         self._known[item] = outcome
@@ -128,10 +128,10 @@ def open_store(
 
     made_for = {**made_for, "program": _program(program)}
     if not path.exists():
-        begun = path.with_name(f".{path.name}-begun")
-        shutil.rmtree(begun, ignore_errors=True)
-        _begin(begun, made_for, parts, coordinates)
-        os.rename(begun, path)
+        unfinished = path.with_name(f".{path.name}-begun")
+        shutil.rmtree(unfinished, ignore_errors=True)
+        _begin(unfinished, made_for, parts, coordinates)
+        os.rename(unfinished, path)
     try:
         group = zarr.open_group(path, mode="r+", use_consolidated=False)
         _refuse_foreign(path, dict(group.attrs), made_for)
@@ -192,7 +192,7 @@ def _mark(part: str) -> str:
     return f"{part}_done"
 
 
-def _place(item: int, one: StoredArray) -> tuple[int, ...]:
+def _chunk_index(item: int, one: StoredArray) -> tuple[int, ...]:
     return tuple(item if dim == one.along else 0 for dim in one.dims)
 
 

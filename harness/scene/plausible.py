@@ -22,7 +22,7 @@ FASTEST_TRACK = 100.0  # m/s of balls along their track: steel wheels burst at s
 FARTHEST = 0.1  # eccentricity over the track's radius
 FARTHEST_ALONE = 0.01  # m: eccentricity of a rotor without balancers
 LIGHTEST, DENSEST = 500.0, 20_000.0  # kg/m^3 of a ball: wood to tungsten
-_told: set[str] = set()  # warnings that this process has given
+_warnings_given: set[str] = set()  # warnings that this process has given
 WIDEST = 4.0 * math.pi  # rad: an angle beyond two turns is in degrees
 
 
@@ -156,7 +156,7 @@ def tell(scene: Scene) -> None:
         say(understood(scene))
     for line in (found := implausible(scene)):
         tell_warning(line)
-    _told.update(found)
+    _warnings_given.update(found)
 
 
 def tell_warning(line: str) -> None:
@@ -170,6 +170,6 @@ def tell_warning(line: str) -> None:
 def warn(scene: Scene) -> None:
     """Warn a caller of the library, of every value once."""
     for line in implausible(scene):
-        if line not in _told:
-            _told.add(line)
+        if line not in _warnings_given:
+            _warnings_given.add(line)
             warnings.warn(f"{scene.label}: {line}", ImplausibleWarning, stacklevel=3)

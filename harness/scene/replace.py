@@ -75,7 +75,7 @@ def replaced(
             holder = document["balancer"][balancers[first]]
         else:
             holder = document.setdefault(first, {})
-        _put(holder, tables[first], path, rest, plain(value))
+        _set_value(holder, tables[first], path, rest, plain(value))
         for other in _superseded(path, value):
             if f"{first}.{other}" not in given:
                 holder.pop(other, None)
@@ -89,7 +89,7 @@ def _superseded(path: str, value: Any) -> tuple[str, ...]:
     return _ALTERNATIVES.get(path, ()) if value is not None else ()
 
 
-def _put(holder: Document, table: TableType, path: str, rest: list[str], value: Any) -> None:
+def _set_value(holder: Document, table: TableType, path: str, rest: list[str], value: Any) -> None:
     """Follow `rest` down from a table of the document and set the value there."""
     parts = [_PART.match(part) for part in rest]
     if not parts:

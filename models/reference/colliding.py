@@ -105,7 +105,7 @@ class Colliding:
         sizes = np.asarray(np.linalg.lstsq(response, -opening, rcond=None)[0], float)
         return sizes, sizes @ pushed
 
-    def struck(self, t: float, y: Array, held: Array) -> Array:
+    def after_impact(self, t: float, y: Array, held: Array) -> Array:
         """The state after a blow that changes rates by `held` (N,) on a rotor that is held."""
         still, phi_still = self.system.accelerations(t, y)
         moved, phi_moved = self.system.accelerations(t, y, held)
@@ -141,7 +141,7 @@ class Colliding:
                 return y
             right = solve_triangular(factor, (1.0 + e) * opening, trans="T")
             impulses = nnls(factor, -right)[0]
-            y = self.struck(t, y, impulses @ pushed)
+            y = self.after_impact(t, y, impulses @ pushed)
         raise ArithmeticError(f"impacts at {t:g} s do not come to an end")
 
     def settle(self, t: float, y: Array, touching: Sequence[Pair]) -> tuple[Array, list[Pair]]:
@@ -155,7 +155,7 @@ class Colliding:
                 joined.remove(pair)
         if joined:  # what bounces no more has given its momentum to the rotor
             rates = y[self.first + self.count :]
-            y = self.struck(t, y, self._against(t, y, joined, rates, free)[1])
+            y = self.after_impact(t, y, self._against(t, y, joined, rates, free)[1])
         y = y.copy()
         phi, rates = y[self.first : self.first + self.count], y[self.first + self.count :]
         for _ in range(SHIFTS):  # back to gaps of zero, so that the next closing is seen

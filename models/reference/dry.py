@@ -200,7 +200,7 @@ class Dry:
             slips[first] = -np.sign(pushes[first])
         raise ArithmeticError(f"no weight knows which wall carries it at {t:g} s")
 
-    def begun(self, y: Array) -> Phase:
+    def start_phase(self, y: Array) -> Phase:
         """The phase of the start: what moves slips, springs are slack."""
         slips = np.sign(self.rates(0.0, y))
         slips[self.solved :] = 0.0
@@ -221,7 +221,7 @@ def integrate_dry(
     """
     grips = Dry(system)
     y, t, left = grips.initial(initial), 0.0, MOST_EVENTS
-    phase, absolute = grips.begun(y), rtol * grips.scales(initial)
+    phase, absolute = grips.start_phase(y), rtol * grips.scales(initial)
     states = np.empty((len(time), system.size))
     solved: list[tuple[Array, Array]] = []
 

@@ -75,7 +75,7 @@ def main_whirl(assembly: Assembly, speed: float) -> MainWhirl:
     for number, start in enumerate(starts):
         try:
             near = whirl_near(assembly, speed, start, () if number else drifting)
-            whirl = _apart(assembly, near)
+            whirl = _separated(assembly, near)
         except NoWhirl:
             continue
         if whirl.drift > _SLOW_DRIFT * speed:
@@ -183,7 +183,7 @@ def moment_without_weights(assembly: Assembly) -> np.ndarray:
     return moment
 
 
-def _apart(assembly: Assembly, whirl: Whirl) -> Whirl:
+def _separated(assembly: Assembly, whirl: Whirl) -> Whirl:
     """The whirl with weights of finite size side by side where points would overlap.
 
     Raises:

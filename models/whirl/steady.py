@@ -155,7 +155,7 @@ class _Equations:
         """Turns (K, m), orthonormal, of weights that may drift: they change no mean moment."""
         return unfelt_turns(self.table, self.rows, theta.mean(axis=0), self.drifting)
 
-    def held(self, theta: Array) -> Array:
+    def neutral_turns(self, theta: Array) -> Array:
         """The same as turns at all points (N K, m), orthonormal."""
         everywhere = np.full((self.count, 1), 1.0 / math.sqrt(self.count))
         return np.kron(everywhere, self.family(theta)).astype(float)
@@ -224,16 +224,16 @@ def _newton(equations: _Equations, theta: Array) -> Array | None:
     for _ in range(_NEWTON):
         residual, jacobian = equations(theta)
         if equations.drifting.any():
-            held = equations.held(theta)
-            residual = residual - held @ (held.T @ residual)
-            jacobian = jacobian - held @ (held.T @ jacobian)
-            jacobian = jacobian - (jacobian @ held) @ held.T
+            neutral_turns = equations.neutral_turns(theta)
+            residual = residual - neutral_turns @ (neutral_turns.T @ residual)
+            jacobian = jacobian - neutral_turns @ (neutral_turns.T @ jacobian)
+            jacobian = jacobian - (jacobian @ neutral_turns) @ neutral_turns.T
         turn = np.linalg.lstsq(jacobian, -residual, rcond=_RANK)[0].reshape(theta.shape)
         longest = float(np.abs(turn).max(initial=0.0))
         theta = theta + turn * min(1.0, _LONGEST_TURN / longest if longest > 0.0 else 1.0)
         if longest <= _CONVERGED:
-            left, held = equations(theta)[0], equations.held(theta)
-            left = np.abs(left - held @ (held.T @ left)).max()
+            left, neutral_turns = equations(theta)[0], equations.neutral_turns(theta)
+            left = np.abs(left - neutral_turns @ (neutral_turns.T @ left)).max()
             return theta if left <= _BALANCED * equations.speed**2 else None
     return None
 

@@ -63,15 +63,15 @@ def libraries(platforms: Iterable[str] = PLATFORMS) -> dict[str, Path]:
         NotCompiled: one is stale and ziglang is not installed.
         subprocess.CalledProcessError: the compiler refuses the sources; its words are on stderr.
     """
-    return _made(_known(platforms))
+    return _compiled_libraries(_known(platforms))
 
 
 def page_library() -> bytes:
     """The library for web pages; raises as `libraries`."""
-    return lzma.decompress(_made([PAGE])[PAGE].read_bytes())
+    return lzma.decompress(_compiled_libraries([PAGE])[PAGE].read_bytes())
 
 
-def _made(names: list[str]) -> dict[str, Path]:
+def _compiled_libraries(names: list[str]) -> dict[str, Path]:
     current = stamp()
     _compile([name for name in names if _made_from(name) != current])
     return {name: _library(name) for name in names}
@@ -253,5 +253,5 @@ def _write(path: Path, data: bytes) -> None:
 
 
 if __name__ == "__main__":
-    for platform_, path_ in _made(_known(sys.argv[1:] or TARGETS, TARGETS)).items():
+    for platform_, path_ in _compiled_libraries(_known(sys.argv[1:] or TARGETS, TARGETS)).items():
         print(f"{platform_:15} {path_.stat().st_size:7} bytes  {path_}")

@@ -176,7 +176,7 @@ class _Bench:
         opened: ExitStack,
     ) -> None:
         self._scene, self._names, self._progress, self._opened = scene, names, progress, opened
-        self._begun, self._seconds = clock.perf_counter(), seconds
+        self._start_time, self._seconds = clock.perf_counter(), seconds
         self._ready: dict[Method, Runner] = {}
         self.first: dict[Method, TimedRun] = {}
         self.status: dict[Method, str] = {}
@@ -204,14 +204,14 @@ class _Bench:
     def rounds(self) -> int:
         """Time all methods in turns until the time is used; returns how many rounds were made."""
         for done in range(1, MOST_ROUNDS + 1):
-            begun = clock.perf_counter()
+            start_time = clock.perf_counter()
             for number, (method, runner) in enumerate(self._ready.items()):
                 used = (done - 1 + number / len(self._ready)) / MOST_ROUNDS
                 self._progress(f"round {done}", 0.5 + 0.5 * used)
                 seconds = runner().seconds
                 self.best[method] = min(self.best.get(method, math.inf), seconds)
             now = clock.perf_counter()
-            late = now + (now - begun) > self._begun + self._seconds
+            late = now + (now - start_time) > self._start_time + self._seconds
             if late and done >= FEWEST_ROUNDS:
                 break
         return done

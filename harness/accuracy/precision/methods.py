@@ -113,13 +113,13 @@ def _separate(scene: Scene, names: Sequence[str], opened: ExitStack) -> Runner:
 
     def run() -> TimedRun:
         recorder = Recorder(cosim.units, names)
-        begun = clock.process_time()
+        start_time = clock.process_time()
         if cosim.coupled and cosim.scene.coupling.tolerance is not None:
             recorder = Controlled(cosim, names).run(None)
         else:
             cosim.start()
             cosim.record(recorder, None)
-        seconds = clock.process_time() - begun
+        seconds = clock.process_time() - start_time
         facts = cosim.facts()
         note = f"{facts.unconverged} steps not converged" if facts.unconverged else ""
         time, signals = recorder.columns()
@@ -138,9 +138,9 @@ def _one_file(scene: Scene, names: Sequence[str], _opened: ExitStack) -> Runner:
     runs = BatchRuns(made, [], [*names, "coupling.steps"], points, own_steps=True)
 
     def run() -> TimedRun:
-        begun = clock.process_time()
+        start_time = clock.process_time()
         records, (reason, *_) = runs(np.empty((REPEATS, 0)), end)
-        seconds = (clock.process_time() - begun) / REPEATS
+        seconds = (clock.process_time() - start_time) / REPEATS
         if reason:
             raise SimulationError(reason)
         time, *signals, steps = records[0, ~np.isnan(records[0, :, 0])].T
@@ -158,9 +158,9 @@ def _monolith(scene: Scene, names: Sequence[str], method: str, rtol: float) -> R
     system = equations(scene.assembly(), scene.operation.drive(), start.angle)
 
     def run() -> TimedRun:
-        begun = clock.process_time()
+        start_time = clock.process_time()
         time, states, work = integrate(system, end_time(scene), start, method=method, rtol=rtol)
-        seconds = clock.process_time() - begun
+        seconds = clock.process_time() - start_time
         motion = trajectory(system, time, states)
         return TimedRun(seconds, time, {name: motion.signal(name) for name in names}, work)
 

@@ -37,14 +37,14 @@ def all_cases() -> dict[str, Case]:
 def run_case(name: str) -> StressRow:
     """Run one case; an error that nobody foresaw is an outcome that does not hold."""
     case = all_cases()[name]
-    begun = time.perf_counter()
+    start_time = time.perf_counter()
     with warnings.catch_warnings():
         warnings.simplefilter("error", RuntimeWarning)  # an overflow must not pass in silence
         try:
             outcome = case.run()
         except Exception as error:
             outcome = Outcome(f"{type(error).__name__}: {error}", False)
-    seconds = time.perf_counter() - begun
+    seconds = time.perf_counter() - start_time
     # a NaN fails every comparison; said once more for outcomes that compare nothing
     holds = bool(outcome.holds) and "nan" not in outcome.text.lower().split()
     return StressRow(case.name, case.expected, outcome.text, holds, seconds)

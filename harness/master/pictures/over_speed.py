@@ -146,7 +146,7 @@ def polar_picture(
             label = name if column and len(names) > 1 else ""
             lines.append(Line(points, label, colour(j)))
             if j == largest[column]:
-                marked = _apart(curve)
+                marked = _spaced_points(curve)
                 texts = tuple(f"{across[k]:.3g} {axis.unit}" for k in marked)
                 there = points[0][marked], points[1][marked]
                 lines.append(Line(there, "", colour(j), "marks", texts=texts))
@@ -156,14 +156,14 @@ def polar_picture(
     return Picture(title, panels, columns=2, height=5.4, width=6.4)
 
 
-def _apart(curve: Any) -> list[int]:
+def _spaced_points(curve: Any) -> list[int]:
     """Points of a curve at equal distances along it, without those beside one before."""
     way = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(curve)))])
-    kept: list[int] = []
+    chosen: list[int] = []
     for k in np.searchsorted(way, np.linspace(0.0, way[-1], MARKED)).tolist():
-        if all(abs(curve[k] - curve[other]) > _BESIDE * np.abs(curve).max() for other in kept):
-            kept.append(k)
-    return kept
+        if all(abs(curve[k] - curve[other]) > _BESIDE * np.abs(curve).max() for other in chosen):
+            chosen.append(k)
+    return chosen
 
 
 def weights(motion: Motion) -> Picture:

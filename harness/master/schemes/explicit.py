@@ -51,7 +51,7 @@ class Explicit:
     def after_start(self, system: System, time: float, step: float) -> None:
         """Nothing: no Jacobian is used."""
 
-    def judge(self, system: System, time: float, residual: float) -> bool:
+    def check_agreement(self, system: System, time: float, residual: float) -> bool:
         """Always converged: there is nothing to iterate."""
         return True
 

@@ -13,7 +13,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ..signals import begun
+from ..signals import cubics_from_start
 from ..system import System
 from .explicit import Explicit
 
@@ -36,7 +36,7 @@ class GaussSeidel(Explicit):
         """One step; over a jump of the drive a line from before it to after it says nothing."""
         forces = system.forces.predicted(system.order)
         motion = system.rotor_pass(forces, time, step)
-        accelerations = begun(motion)
+        accelerations = cubics_from_start(motion)
         if not jump:
             accelerations = system.accelerations.to(motion, step, system.order)
         answers = system.balancer_pass(accelerations, time, step)

@@ -130,7 +130,7 @@ class Iterated:
         """0: the loop is solved, so that steps repeat no error, whatever its gain."""
         return 0.0
 
-    def judge(self, system: System, time: float, residual: float) -> bool:
+    def check_agreement(self, system: System, time: float, residual: float) -> bool:
         """Whether the forces agree well enough.
 
         Raises:

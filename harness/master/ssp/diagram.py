@@ -29,7 +29,7 @@ class Box:
         """Left and right edge."""
         return self.x, self.x + WIDTH
 
-    def put(self, connector: str, side: float, height: float) -> None:
+    def place_connector(self, connector: str, side: float, height: float) -> None:
         """Place a connector; one that has a place keeps it."""
         part = (height - self.bottom) / (self.top - self.bottom)
         self.places.setdefault(connector, (side, part))
@@ -52,11 +52,11 @@ def placed(structure: Structure) -> dict[str, Box]:
         for row, wire in enumerate(inner[other.name], start=1):
             for port in wire:
                 side = RIGHT if port.unit == first.name else LEFT
-                boxes[port.unit].put(port.variable, side, box.top - ROW * row)
+                boxes[port.unit].place_connector(port.variable, side, box.top - ROW * row)
     for name, connectors in free.items():
         side = LEFT if others and name == first.name else RIGHT
         for row, connector in enumerate(connectors, start=1):
-            boxes[name].put(connector, side, boxes[name].top - ROW * row)
+            boxes[name].place_connector(connector, side, boxes[name].top - ROW * row)
     return boxes
 
 

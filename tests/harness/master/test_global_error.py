@@ -187,6 +187,6 @@ def test_a_run_that_begins_again_does_not_know_what_became_of_the_one_before(nam
             recorder = Recorder(cosim.units, recorded(scene))
             for _ in range(20):
                 cosim.step(0.01, 0.001)
-            recorder.take(cosim.time)
+            recorder.record(cosim.time)
             ends.append(recorder.rows.tobytes())
     assert ends[0] == ends[1]

@@ -256,7 +256,7 @@ class Echo:
         self.acceleration_names, self.coupled = ["rotor.a"], True
         start, now = np.array([[1.0, 0.3]]), np.array([[0.8, -0.2]])
         self.forces, self.accelerations = Signals(1), Signals(1)
-        self.forces.move(interpolated(start, now, 1.0), now, 1.0)
+        self.forces.accept(interpolated(start, now, 1.0), now, 1.0)
         self.accelerations.last_step = 1.0
 
     def rotor_pass(self, forces, time, step):
@@ -267,8 +267,8 @@ class Echo:
         return self.share * self.assumed
 
     def accept(self, accelerations, forces, time, step):
-        self.forces.move(*forces, step)
-        self.accelerations.move(*accelerations, step)
+        self.forces.accept(*forces, step)
+        self.accelerations.accept(*accelerations, step)
 
 
 def test_compensated_stands_a_jacobian_that_is_wrong_by_a_thirteenth():
