@@ -18,7 +18,7 @@ from ...models.arrays import Array
 from ..errors import SimulationError
 from ..master.many import cosimulate_many
 from ..master.names import station_residuals
-from ..master.sweep import sweep_alike
+from ..master.run import cosimulate
 from ..scene import Scene
 from ..scene.balancer import WeightBalancer
 from ..units import RPM
@@ -96,20 +96,27 @@ def swept(
     Balls start where the scene has them; on the way down balanced, as far as they can.
     """
     start, end = (high, low) if falling else (low, high)
-    run_up = {"from": start * RPM, "to": end * RPM, "seconds": (high - low) / RATE}
-    scenes = []
+    profile = [[0.0, start * RPM], [(high - low) / RATE, end * RPM]]
+    curves = {}
     for number in washers:
-        one = with_washers(scene, number).replace({"operation.run_up": run_up})
+        one = with_washers(scene, number).replace({"operation.profile": profile})
         if falling and scene.balancer:
             half = _balanced_half_angle(one, number)
             one = one.replace({"balls.angles": [math.pi - half, math.pi + half]})
-        scenes.append(one)
-    found = sweep_alike(scenes, RECORD)
-    order = np.argsort(found.speeds)
-    support = [number - 1 for number in scene.rotor.supports]
-    amplitude = 1e3 * found.amplitude[:, :, support].mean(axis=2)[:, order]
-    speeds = found.speeds[order] / RPM
-    return {number: (speeds, curve) for number, curve in zip(washers, amplitude, strict=True)}
+        curves[number] = _recorded(one.replace({"run.revolutions": None}))
+    return curves
+
+
+def _recorded(scene: Scene) -> Curve:
+    """Run a scene along its profile, and take records of it as the rig did."""
+    prefixes = [f"rotor.station[{number}]." for number in scene.rotor.supports]
+    run = cosimulate(scene, record=[f"{prefix}{axis}" for prefix in prefixes for axis in "xy"])
+    sizes = np.array([np.hypot(run[f"{prefix}x"], run[f"{prefix}y"]) for prefix in prefixes])
+    begins = RECORD * np.arange(int(run.time[-1] / RECORD * (1.0 + 1e-9)))
+    amplitude = np.maximum.reduceat(sizes, np.searchsorted(run.time, begins), axis=1).mean(axis=0)
+    speeds = np.array([scene.profile().speed(t) for t in (begins + RECORD / 2.0).tolist()])
+    order = np.argsort(speeds)
+    return speeds[order] / RPM, 1e3 * amplitude[order]
 
 
 def _balanced_half_angle(scene: Scene, washers: float) -> float:
