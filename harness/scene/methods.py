@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from ..show.page import Page
     from ..stability.axis import Axis
     from ..stability.map import StabilityMap
+    from ..stability.proved_map import ProvedMap
     from ..stability.run_map import RunMap
     from ..stability.speeds import Speeds
     from .scene import Scene
@@ -88,12 +89,13 @@ class Methods:
         workers: Workers = 1,
         progress: Progress | None = None,
         store: Path | None = None,
-    ) -> StabilityMap | RunMap:
+    ) -> StabilityMap | RunMap | ProvedMap:
         """Where balancing is stable, over two values of the scene.
 
         Args:
             x, y: "PATH=LOW:HIGH:N" or "PATH=LOW:HIGH:N:log", or an `Axis`.
-            method: floquet (growth rates [1/s]), or cosim-run (vibration that a run leaves [m]).
+            method: floquet (growth rates [1/s]), cosim-run (vibration that a run leaves [m]), or
+                proved (of each of N x N cells from LOW to HIGH: stable, unstable or undecided).
             cosim: points that floquet also co-simulates.
             store: a .zarr folder that keeps every point; an interrupted map continues from it.
 
@@ -115,13 +117,32 @@ class Methods:
 
         axes = [a if isinstance(a, Axis) else Axis.parse(a, self._scene) for a in (x, y)]
         options: dict[str, Any] = {"workers": workers, "progress": progress, "store": store}
+        if method != "floquet" and cosim:
+            raise UserError(f"cosim = {cosim}: belongs to floquet")
+        if method == "proved":
+            return self._proved_map(axes, workers, progress, store)
         if method == "cosim-run":
-            if cosim:
-                raise UserError(f"cosim = {cosim}: belongs to floquet; here every point is run")
             return run_map(self._scene, *axes, **options)
         if method != "floquet":
-            raise UserError(f"method {method!r}: must be floquet or cosim-run")
+            raise UserError(f"method {method!r}: must be floquet, cosim-run or proved")
         return stability_map(self._scene, *axes, cosim=cosim, **options)
+
+    def _proved_map(
+        self, axes: list[Axis], workers: Workers, progress: Progress | None, store: Path | None
+    ) -> ProvedMap:
+        from ..errors import UserError
+        from ..stability.boundaries import refuse_missing
+
+        refuse_missing()
+        if store is not None:
+            raise UserError(f"{store}: the method proved keeps no store; name a picture, or --csv")
+        from ...models.proof.rotors import Unproved
+        from ..stability.proved_map import proved_map
+
+        try:
+            return proved_map(self._scene, *axes, workers=workers, progress=progress)
+        except Unproved as error:
+            raise UserError(f"method proved: {error}") from error
 
     def scatter(
         self,

@@ -166,8 +166,7 @@ def _by_floquet(scene: Scene, result: Speeds, narrowest: float | None) -> None:
 def _by_proof(
     scene: Scene, result: Speeds, narrowest: float | None, within: str, progress: Progress | None
 ) -> Speeds:
-    if not is_provable():
-        raise UserError('a proof needs python-flint: pip install "autobalancer[proof]"')
+    refuse_missing()
     from ...models.proof.rotors import Unproved
     from .proved import prove
 
@@ -177,6 +176,12 @@ def _by_proof(
         result.refused["proved"] = str(error)
         return result
     return replace(result, proof=proof)
+
+
+def refuse_missing() -> None:
+    """Raise UserError where python-flint is missing: with how to install it."""
+    if not is_provable():
+        raise UserError('a proof needs python-flint: pip install "autobalancer[proof]"')
 
 
 def is_provable() -> bool:

@@ -24,6 +24,7 @@ class MapMethod(str, Enum):
 
     FLOQUET = "floquet"
     COSIM_RUN = "cosim-run"
+    PROVED = "proved"
 
 
 def command(
@@ -34,7 +35,10 @@ def command(
     csv: Annotated[Path | None, options.output(".csv", "Every point.")] = None,
     method: Annotated[
         MapMethod,
-        typer.Option(help="Growth rates, or what still vibrates after the scene's run, in C."),
+        typer.Option(
+            help="Growth rates; what still vibrates after the scene's run, in C; or what is proved "
+            "of every cell."
+        ),
     ] = MapMethod.FLOQUET,
     cosim: Annotated[
         int, typer.Option(min=0, metavar="K", help="Co-simulate K points of the map, too.")
@@ -49,7 +53,7 @@ def command(
     from ..output.report import Report
     from ..scene.changes import changed_scene
     from .axis import Axis
-    from .run_map import RunMap
+    from .map import StabilityMap
 
     stores = [path for path in output or () if options.is_store(path)]
     if len(stores) > 1:
@@ -72,11 +76,11 @@ def command(
         form: dict[str, Any] = {"workers": workers, "progress": moved, "store": store}
         data = loaded.map(axes[0], axes[1], method.value, cosim=cosim, **form)
     with page.keeping():
-        if isinstance(data, RunMap):
+        if isinstance(data, StabilityMap):
+            _say(data)
+        else:
             for line in data.lines():
                 say(line)
-        else:
-            _say(data)
     if csv is not None:
         say(f"Points: {data.to_csv(csv)}")
     for store in stores:

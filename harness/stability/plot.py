@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import math
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib.artist import Artist
-from matplotlib.colors import LogNorm, SymLogNorm
+from matplotlib.colors import ListedColormap, LogNorm, SymLogNorm
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
@@ -17,6 +17,10 @@ from ..output.plot import Drawing, metres, save
 from .map import StabilityMap
 from .run_map import RunMap
 from .speeds import Speeds
+
+if TYPE_CHECKING:
+    from .proved_map import ProvedMap
+
 
 DECADES = 3.0  # of growth rates told apart on either side of zero
 
@@ -96,6 +100,23 @@ def plot_run_map(data: RunMap, path: Path | None) -> Path | Drawing:
     axes.set(xlabel=data.labels[0], ylabel=data.labels[1])
     if handles:
         figure.legend(handles=handles, loc="outside lower center", ncols=2, fontsize="small")
+    return save(figure, path)
+
+
+def plot_proved_map(data: ProvedMap, path: Path | None) -> Path | Drawing:
+    """Three colours: stable, unstable, undecided."""
+    from .proved_map import STATES, edges
+
+    figure = Figure(figsize=(8.6, 5.6), layout="constrained")
+    axes = figure.subplots()
+    colours = ("0.85", "tab:blue", "tab:red")
+    look: Any = {"cmap": ListedColormap(colours), "vmin": 0, "vmax": 2, "rasterized": True}
+    axes.pcolormesh(edges(data.x), edges(data.y), data.parts, **look)
+    scales = ["log" if axis.log else "linear" for axis in (data.x, data.y)]
+    axes.set(xscale=scales[0], yscale=scales[1], title=data.title)
+    axes.set(xlabel=data.labels[0], ylabel=data.labels[1])
+    handles = [Patch(color=c, label=state) for c, state in zip(colours, STATES, strict=True)]
+    figure.legend(handles=handles, loc="outside lower center", ncols=3, fontsize="small")
     return save(figure, path)
 
 

@@ -195,3 +195,38 @@ def test_a_check_s_row_holds_where_floquet_lies_in_the_proved_bracket_alone():
     for speeds_found, holds in ((found, True), (replace(found, methods=moved), False)):
         (row,) = bracket_rows(Rows("scene", "check"), scene, speeds_found, "", w_x)
         assert row.holds is holds
+
+
+@pytest.mark.parametrize(
+    ("name", "x", "y", "share"),
+    [
+        ("liquid_disc", "speed=50:800:6", "rotor.internal_damping=2:40:6", 0.1),
+        ("filimonikhina", "speed=2:8:12", "rotor.damping=0.1:1:8:log", 0.25),
+        ("filimonikhina", "weights.drag=0.02:0.1:3", "rotor.damping=0.1:1:3", 0.1),
+    ],
+)
+def test_no_machine_of_a_map_contradicts_its_cell(name, x, y, share):
+    scene = load_scene(name)
+    found = scene.map(x, y, "proved")
+    assert (found.parts == 0).mean() < share
+    random = np.random.default_rng(2)
+    states = set()
+    for *cell, state in found.table().rows:
+        states.add(state)
+        place = {found.x.path: random.uniform(*cell[:2]), found.y.path: random.uniform(*cell[2:])}
+        machine = scene.replace(place)
+        (growth,) = growth_rates(machine.assembly(), machine.profile().end)
+        assert state != ("stable" if growth > 0.0 else "unstable"), place
+    assert states >= ({"stable", "unstable"} if "speed" in x else {"stable"})
+
+
+def test_the_map_command_draws_cells_and_keeps_no_store(invoke, tmp_path):
+    files = tmp_path / "map.png", tmp_path / "map.csv", tmp_path / "map.zarr"
+    line = ("map", "liquid_disc", "--x", "speed=50:800:5", "--y", "rotor.mass=5:7:3")
+    line += ("--method", "proved")
+    outcome = invoke(*line, "-o", files[0], "--csv", files[1])
+    assert outcome.exit_code == 0, outcome.output
+    assert "15 cells" in outcome.output
+    assert files[0].stat().st_size > 1000
+    assert len(files[1].read_text().splitlines()) >= 16
+    assert "keeps no store" in invoke(*line, "-o", files[2]).output
