@@ -222,8 +222,8 @@ class CoSimulation(Closing):
             raise SimulationError(
                 f"coupling steps of {step:.3g} s are too long at t = {self.time:g} s: "
                 f"{self.system.force_names[forces.index(largest)]} is beyond all that the scene "
-                'can make of it: the coupling diverges; use scheme = "iterated" or "auto", or a '
-                "tolerance"
+                'can make of it: the coupling diverges; use scheme = "iterated" or "auto", '
+                "more coupling.steps_per_rev, or a tolerance"
             )
 
     def run(self) -> Iterator[float]:

@@ -71,7 +71,7 @@ def cosimulate_many(
     layout = made.layout
     columns = {str(name): np.asarray(table[name], float) for name in table}
     inputs = [v.name for v in layout.variables if v.causality != "output"]
-    outputs = [v.name for v in layout.variables if v.causality == "output"]
+    outputs = [v.name for v in layout.reals if v.causality == "output"]
     residuals = station_residuals(len(scene.rotor.stations))
     _refuse_unknown(results, [*RESULTS, *residuals, *outputs])
     shapes = {column.shape for column in columns.values()}

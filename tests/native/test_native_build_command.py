@@ -41,7 +41,7 @@ def test_a_scene_is_one_file_on_request(tmp_path, fmi):
     starts = {v.name: v.start for v in description.modelVariables}
     assert float(starts["rotor.mass"]) == 0.95
     said = {v.name: v.description for v in description.modelVariables}
-    assert said["weights.mass"].startswith("weights: ")
+    assert said["weights.mass"] == "Mass m of each weight (weights) (above 0 kg)"
     assert float(starts["coupling.steps_per_rev"]) == 20.0
 
 

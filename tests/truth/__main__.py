@@ -42,7 +42,7 @@ def command(
         float | None, typer.Option(help="Asked of every run, instead of the default coupling.")
     ] = None,
     verify: Annotated[
-        bool, options.verify("Are the errors right that runs measure themselves?")
+        bool, typer.Option("--verify", help="Judge the errors that runs measure themselves, too.")
     ] = False,
     separate: Annotated[
         bool, typer.Option("--separate", help="Judge separate FMUs, not the coupling in C.")

@@ -247,7 +247,8 @@ void composite_put_time(Text *reason, double time);
 void composite_put_gain(const Unit *unit, Text *reason);
 /* 1, with a part's reason under its name. */
 int composite_part_failed(Unit *unit, const Part *part);
-/* Names of all that a step assumes. */
+/* Names of one, and of all, that a step assumes. */
+void composite_name_force(const Composite *c, int k, Text *text);
 void composite_name_forces(const Composite *c, Text *text);
 /* One step of a part. */
 int composite_advance(Unit *unit, Part *part, double step);

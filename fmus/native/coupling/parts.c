@@ -31,7 +31,7 @@ int composite_part_failed(Unit *unit, const Part *part)
     return part_failed(unit, part, 0.0);
 }
 
-static void name_force(const Composite *c, int k, Text *text)
+void composite_name_force(const Composite *c, int k, Text *text)
 {
     const Part *part = k < c->exchanges ? c->parts + c->members[k] : c->motor;
     text_put(text, part->unit->name);
@@ -43,7 +43,7 @@ void composite_name_forces(const Composite *c, Text *text)
     int k;
     for (k = 0; k < c->unknowns; k++) {
         text_put(text, k ? ", " : "");
-        name_force(c, k, text);
+        composite_name_force(c, k, text);
     }
 }
 

@@ -241,7 +241,7 @@ int composite_accept(Unit *unit, const Knot *accelerations, const Knot *forces, 
         const Complex value = forces[k].value;
         if (!is_finite(value.re) || !is_finite(value.im)) {
             Text *reason = unit_reason(unit);
-            name_force(c, k, reason);
+            composite_name_force(c, k, reason);
             text_put(reason, " is not finite");
             composite_put_time(reason, c->course->clock.time + step);
             text_put(reason, ": the coupling diverged; use smaller steps");

@@ -74,13 +74,13 @@ static void series(int parts, int size, int upper, const double *a, double *from
         from[i] = a[i] / TAYLOR_TERMS;
     }
     for (k = TAYLOR_TERMS - 1; k; k--) { /* an odd number of products: the last one ends in `to` */
-        double *const cache = from;
+        double *const spare = from;
         for (i = 0; i < (size_t)size; i++) {
             from[(i * size + i) * parts] += 1.0;
         }
         sparse_product(parts, size, upper, a, from, k, to);
         from = to;
-        to = cache;
+        to = spare;
     }
 }
 
@@ -290,12 +290,12 @@ int step_matrix(const LinearRotor *rotor, double speed, double step, int turning
     matrix_product(parts, dof, size, size, propagated + dof * width, z, rates);
     matrix_per_axis(parts, axes, p, n, rotor->planes, planes);
     for (k = 0; k < orders / 2; k++) { /* of the acceleration, the jerk and so on */
-        double *cache = rates;
+        double *spare = rates;
         matrix_product(parts, forces, dof, size, planes, rates,
                        matrix + (2 * (size_t)dof + (size_t)k * forces) * width);
         matrix_product(parts, dof, size, size, rates, z, next);
         rates = next;
-        next = cache;
+        next = spare;
     }
     return FINE;
 }

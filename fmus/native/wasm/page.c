@@ -27,11 +27,11 @@ EXPORTED("room") void *page_room(size_t bytes)
 /* The last message since this was asked, and none if there was none. */
 EXPORTED("words") const char *page_words(void)
 {
-    static char message[MESSAGE_SIZE];
-    Text text = text_in(message, sizeof message);
+    static char last[MESSAGE_SIZE];
+    Text text = text_in(last, sizeof last);
     text_put(&text, message);
     message[0] = 0;
-    return message;
+    return last;
 }
 
 EXPORTED("instantiate") Unit *page_instantiate(const char *token)

@@ -37,7 +37,7 @@ def test_every_bundled_scene_is_a_page_that_runs(opened, name):
 def test_numbers_are_those_of_the_composite_to_the_last_bit(opened, name):
     made = composition(load_scene(name))
     layout = made.described("Composite").layout
-    asked = [v.name for v in layout.variables if v.causality == "output"]
+    asked = [v.name for v in layout.reals if v.causality == "output"]
     points, end = 200, made.stop / 4.0
     mass = next(v for v in layout.variables if v.name.endswith("mass"))
     runs = BatchRuns(made, [mass.name], asked, points)
