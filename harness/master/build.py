@@ -81,6 +81,7 @@ def build_files(
         return _build_one_file(scene, output, form)
     from ...fmus.build import build
 
+    _check_place(output / f"{next(iter(CATALOGUE))}.fmu")  # the values of a scene load a library
     form = {"backend": "python" if python else "native", "fmi": fmi, "platforms": platforms}
     wanted, left_out = _wanted(scene, python)
     files, rows = [], []
@@ -143,8 +144,7 @@ def written(path: Path, make: Callable[[Path], object]) -> Path:
     """A file made at a path; what prevents it is a UserError."""
     from ...fmus.native.build.compile import NotCompiled
 
-    there = next(folder for folder in path.parents if folder.exists())  # the others are made
-    ready_to_write(there / path.name)  # compiling can take minutes
+    _check_place(path)
     try:
         make(path)
     except OSError as error:
@@ -156,3 +156,9 @@ def written(path: Path, make: Callable[[Path], object]) -> Path:
     except NotCompiled as error:
         raise UserError(f"{error}; or build units that run Python: --python") from error
     return path
+
+
+def _check_place(path: Path) -> None:
+    """Refuse a place that takes no file before anything is compiled, which can take minutes."""
+    there = next(folder for folder in path.parents if folder.exists())  # the others are made
+    ready_to_write(there / path.name)
