@@ -156,7 +156,7 @@ def line_rows(positions: Sequence[float], span: float) -> Matrix:
 
     Polushkin 2016 (15), (17): the force's lever, for any plane, between the supports or overhung.
     """
-    share = np.asarray(positions, float) / span
+    share = np.asarray(positions) / span
     return np.stack([1.0 - share, share], axis=1)
 
 

@@ -22,9 +22,9 @@ def bending_rows(z: Sequence[float] | Matrix, supports: tuple[int, int]) -> Matr
 
     Filimonikhin 2011 (1): x_j - (1 - zt_j) x_p - zt_j x_q for every disc but p, q (from 0).
     """
-    z = np.asarray(z, float)
+    z = np.asarray(z)
     p, q = supports
-    rows = np.eye(len(z))
+    rows = np.eye(len(z), dtype=np.result_type(z, float))  # objects too: balls of a proof
     share = (z - z[p]) / (z[q] - z[p])
     rows[:, p] -= 1.0 - share
     rows[:, q] -= share
@@ -44,9 +44,10 @@ def beam_compliance(
         ValueError: `bending_stiffness` E I [N m^2] is not a positive finite number.
     """
     demand("bending_stiffness", bending_stiffness, "N m^2")
-    z = np.asarray(z, float)
+    z = np.asarray(z)
     rows = bending_rows(z, supports)
-    delta = rows @ np.abs(z[:, None] - z) ** 3 @ rows.T / (12.0 * bending_stiffness)
+    gaps = np.abs(z[:, None] - z)
+    delta = rows @ (gaps * gaps * gaps) @ rows.T / (12.0 * bending_stiffness)
     return (delta + delta.T) / 2.0
 
 

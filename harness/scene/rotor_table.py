@@ -152,27 +152,27 @@ class RotorTable(Table):
         """Damping 2 ratio sqrt(k m) of every support, which `damping_ratio` stands for."""
         if self.damping_ratio is None or not self.mass:
             return
-        key = self._damping_key
+        key = self.damping_key
         if key in self.model_fields_set:
             raise refusal("damping_ratio", f"give either {key} (N s/m) or damping_ratio, not both")
-        rows = (np.array(self.damping_ratio) * self._critical_damping()).tolist()
+        rows = (np.array(self.damping_ratio) * self.critical_damping()).tolist()
         damping = tuple(map(tuple, rows))
         self.__dict__[key] = damping[0] if len(damping) == 1 else damping  # it is frozen
 
     @property
-    def _damping_key(self) -> str:
+    def damping_key(self) -> str:
         return "damping" if "damping" in type(self).model_fields else "support_damping"
 
-    def _critical_damping(self) -> NDArray[np.float64]:
+    def critical_damping(self) -> NDArray[np.float64]:
         """2 sqrt(k m) of every support (s, 2), with the mass m that it carries at rest [N s/m]."""
-        springs = getattr(self, self._damping_key.replace("damping", "stiffness"))
-        masses = self.mass * np.abs(self.levers([self.centre]))
+        springs = getattr(self, self.damping_key.replace("damping", "stiffness"))
+        masses = np.abs(self.levers([self.centre])) * self.mass
         return np.asarray(2.0 * np.sqrt(np.reshape(springs, (-1, 2)) * masses))
 
     def largest_damping_ratio(self) -> float:
         """Damping of a support over the critical one with the mass that it carries at rest."""
-        damping = np.reshape(getattr(self, self._damping_key), (-1, 2))
-        critical = self._critical_damping()
+        damping = np.reshape(getattr(self, self.damping_key), (-1, 2))
+        critical = self.critical_damping()
         return float(np.max(damping / np.where(critical > 0.0, critical, math.inf)))
 
     def levers(self, places: Sequence[float]) -> NDArray[np.float64]:

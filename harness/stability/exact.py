@@ -173,34 +173,11 @@ class Tables:
             holder[key] = _mapped(holder[key], known)
 
     def damp(self) -> None:
-        """Damping that `damping_ratio` stands for, 2 ratio sqrt(k m) of every support."""
-        table, kind = self.rotor, self.rotor["kind"]
-        if table["damping_ratio"] is None:
-            return
-        masses = table["masses"] if kind == "flexible" else [table["mass"]]
-        total, shares = sum(masses, arb(0)), [arb(1)]
-        if kind != "planar":
-            if kind == "flexible":
-                z = table["stations"]
-                centre = sum((m * p for m, p in zip(masses, z, strict=True)), arb(0)) / total
-                start, end = (z[s - 1] for s in table["supports"])
-            else:
-                start, end = arb(0), table["span"]
-                centre = end / 2 if table["com"] is None else table["com"]
-            part = (centre - start) / (end - start)
-            shares = [abs(1 - part), abs(part)]
-        key = "support_damping" if kind == "flexible" else "damping"
-        springs = table[key.replace("damping", "stiffness")]
-        known: dict[tuple[int, int], arb] = {}
-        rows = []
-        for share, pair in zip(shares, [springs] if kind == "planar" else springs, strict=True):
-            row = []
-            for ratio, spring in zip(table["damping_ratio"], pair, strict=True):
-                each = 2 * ratio * (spring * total * share).sqrt()
-                row.append(known.setdefault((id(ratio), id(spring)), each))
-            known.clear()
-            rows.append(row)
-        table[key] = rows[0] if kind == "planar" else rows
+        """Damping that `damping_ratio` stands for."""
+        if self.rotor["damping_ratio"] is not None:
+            table = self.scene.rotor.model_copy(update=self.rotor)
+            rows = self.rotor["damping_ratio"] * table.critical_damping()
+            self.rotor[table.damping_key] = rows[0] if len(rows) == 1 else rows
 
     def matrices(self) -> tuple[Exact, list[Seen]]:
         """Of small motions about the balanced motion, and its balancers.
@@ -289,18 +266,18 @@ def window(scene: Scene, changes: Sequence[Change] = ()) -> WindowBalls | None:
     """
     tables = Tables(scene)
     tables.change(changes)
-    tables.damp()
     try:
         LiquidWindow.of(scene.assembly())
     except ValueError:
         return None
     rotor = tables.rotor
-    damping, stiffness = rotor["damping"], rotor["stiffness"]
-    if damping[0] is not damping[1] or stiffness[0] is not stiffness[1]:
+    pairs = [rotor["stiffness"], rotor["damping_ratio"] or rotor["damping"]]
+    if any(x is not y for x, y in pairs):
         return None  # axes that tolerances make different
+    tables.damp()
     (liquid,) = tables.balancers.values()
-    used = rotor["mass"], _liquid_mass(liquid), stiffness[0], damping[0], rotor["internal_damping"]
-    return WindowBalls.of(*map(ball, used))
+    used = rotor["mass"], _liquid_mass(liquid), rotor["stiffness"][0], rotor["damping"][0]
+    return WindowBalls.of(*map(ball, used), ball(rotor["internal_damping"]))
 
 
 def _liquid_mass(table: dict[str, Any]) -> Number:

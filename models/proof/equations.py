@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from scipy.linalg import matrix_balance
 
 from .balanced import Seen
-from .rotors import RotorBalls, balls, product, solve
+from .rotors import RotorBalls, balls, solve
 from .series import UP, Series, monomials
 from .slopes import Exact, Sloped, ball, slopes_of
 
@@ -103,8 +103,8 @@ def matrices(rotor: RotorBalls, mass: Exact, weights: Sequence[Seen]) -> Exact:
     """
     n = len(mass)
     sees = [np.kron(_AXES, rotor.planes[w.plane][None]) for w in weights]  # (2, 2n) each
-    pulls = [product(rows.T, w.basis) for rows, w in zip(sees, weights, strict=True)]
-    drives = [product(w.drive, rows) for rows, w in zip(sees, weights, strict=True)]
+    pulls = [rows.T @ w.basis for rows, w in zip(sees, weights, strict=True)]
+    drives = [w.drive @ rows for rows, w in zip(sees, weights, strict=True)]
     pull_turn, feeds = _turns(rotor, weights, pulls, sees)
     widths = [2 * n, 2 * n, pull_turn.shape[1], *(p.shape[1] for p in pulls)]
     ends = np.cumsum([0, *widths])
@@ -118,7 +118,7 @@ def matrices(rotor: RotorBalls, mass: Exact, weights: Sequence[Seen]) -> Exact:
     forces[1, :, u] = np.kron(_TURN, rotor.gyroscopic)
     forces[2, :, g] = pull_turn
     for w, pull, drive, at in zip(weights, pulls, drives, v, strict=True):
-        effective = effective - product(pull, drive)
+        effective = effective - pull @ drive
         forces[0, :, at] = pull * w.rate
         forces[1, :, at] = -2 * (turn @ pull)
     for k, mirror in enumerate(_MIRRORS, start=3):
@@ -129,7 +129,7 @@ def matrices(rotor: RotorBalls, mass: Exact, weights: Sequence[Seen]) -> Exact:
     for k, part in enumerate(np.split(acceleration, 5, axis=1)):
         result[k, u] = part
         for drive, at in zip(drives, v, strict=True):
-            result[k, at] = -product(drive, part)
+            result[k, at] = -(drive @ part)
     result[0, q, u] += np.eye(2 * n, dtype=int)
     for feed, w, at in zip(feeds, weights, v, strict=True):
         result[0, g, at] += feed
@@ -158,7 +158,7 @@ def _turns(
         of = [k for k, w in enumerate(weights) if w.plane == plane]
         basis = weights[of[0]].basis if len(of) == 1 else balls(np.eye(2))
         bases.append(basis)
-        columns.append(product(sees[of[0]].T, basis))
+        columns.append(sees[of[0]].T @ basis)
     width, start = sum(b.shape[1] for b in bases), 0
     starts = {}
     for plane, basis in zip(planes, bases, strict=True):
@@ -167,6 +167,6 @@ def _turns(
     for w in weights:
         begin, basis = starts[w.plane]
         feed = balls(np.zeros((width, w.basis.shape[1])))
-        feed[begin : begin + basis.shape[1]] = product(basis.T, w.basis)
+        feed[begin : begin + basis.shape[1]] = basis.T @ w.basis
         feeds.append(feed)
     return np.hstack(columns), feeds

@@ -1,6 +1,9 @@
-"""Matrices of the rotor in ball arithmetic: `rotor_kinds` derived once more, without rounding.
+"""Matrices of the rotor in ball arithmetic, without rounding.
 
-Arrays hold python-flint's `arb`, or `Sloped` where the machines of a set differ.
+Arrays hold python-flint's `arb`, or `Sloped` where the machines of a set differ.  Geometry comes
+from `rotor_kinds` and `shaft`, whose functions take such arrays.  What these do with LAPACK, and
+the sum of both axes' stiffness with the shaft's, stands here again: rounding would void the proof,
+and in a difference of sums equal slopes do not cancel.
 """
 
 from __future__ import annotations
@@ -14,6 +17,8 @@ import numpy as np
 from flint import arb, arb_mat
 
 from ..constants import SAME_PLACE
+from ..rotor_kinds import line_rows
+from ..shaft import beam_compliance, bending_rows
 from .slopes import Exact, Number, Sloped, ball, largest
 
 
@@ -90,14 +95,6 @@ def balls(values: Any) -> Exact:
     return out.reshape(given.shape)
 
 
-def product(*factors: Exact) -> Exact:
-    """Matrix product."""
-    result = factors[0]
-    for factor in factors[1:]:
-        result = result @ factor
-    return result
-
-
 def solve(matrix: Exact, right: Exact) -> Exact:
     """matrix^-1 right.
 
@@ -153,38 +150,31 @@ def planar(table: Mapping[str, Any]) -> RotorBalls:
 def two_support(table: Mapping[str, Any]) -> RotorBalls:
     """A rigid body on two supports."""
     span = table["span"]
-    share = arb(1) / 2 if table["com"] is None else table["com"] / span
-    centre, tilt = balls([1 - share, share]), balls([-1 / span, 1 / span])
+    (centre,) = line_rows([span / 2 if table["com"] is None else table["com"]], span)
+    tilt = balls([-1 / span, 1 / span])
     stiffness, half_stiffness = _axes(table["stiffness"])
     damping, half_damping = _axes(table["damping"])
-    rows = [[1 - a / span, a / span] for a in table["planes"]]
     return RotorBalls(
         np.outer(centre, centre) * table["mass"] + np.outer(tilt, tilt) * table["inertia"],
         stiffness, half_stiffness, damping, half_damping, balls(np.zeros((2, 2))),
-        np.outer(tilt, tilt) * table["polar_inertia"], balls(rows).reshape(-1, 2),
+        np.outer(tilt, tilt) * table["polar_inertia"], line_rows(table["planes"], span),
         tuple(table["planes"]), _moments(table["unbalances"]), rigid=True,
     )  # fmt: skip
 
 
 def flexible(table: Mapping[str, Any]) -> RotorBalls:
     """Discs on a massless shaft."""
-    z, ends = table["stations"], [s - 1 for s in table["supports"]]
-    inner = [k for k in range(len(z)) if k not in ends]
+    z, ends = table["stations"], tuple(s - 1 for s in table["supports"])
     zero = balls(np.zeros((len(z), len(z))))
     shaft, internal = zero, zero
-    if inner:
-        rows = zero.copy()
-        for k in inner:
-            share = (z[k] - z[ends[0]]) / (z[ends[1]] - z[ends[0]])
-            rows[k, k], rows[k, ends[0]], rows[k, ends[1]] = arb(1), share - 1, -share
-        rows = rows[inner]
+    if len(z) > len(ends):
+        rows = bending_rows(z, ends)
         if table["compliance"] is not None:
             given = balls(table["compliance"])
             delta = (given + given.T) / 2
         else:
-            cubes = balls([[abs(a - b) * (a - b) * (a - b) for b in z] for a in z])
-            delta = product(rows, cubes, rows.T) / (12 * table["bending_stiffness"])
-        shaft = product(rows.T, solve(delta, rows))
+            delta = beam_compliance(z, ends, table["bending_stiffness"])
+        shaft = rows.T @ solve(delta, rows)
         softest = functools.reduce(largest, delta.diagonal())
         internal = shaft * (table["internal_damping"] * softest)
 

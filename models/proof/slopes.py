@@ -66,6 +66,9 @@ class Sloped:
     def __gt__(self, other: Any) -> bool:
         return bool(self.value > ball(other))
 
+    def __float__(self) -> float:
+        return float(self.value)
+
     def _by(self, value: arb, slope: arb) -> Sloped:
         return Sloped(value, self.slopes * slope)
 
