@@ -86,7 +86,7 @@ def tolerances(text: str, scene: Scene) -> tuple[Change, ...]:
             raise UserError(f"within {item!r}: {size:g} must be 0 or more")
         kind = "relative" if percent != amount else "added"
         count = len(Tables(scene).numbers(in_full(path)))
-        changes += [Change(in_full(path), -size, size, kind, k) for k in range(count)]
+        changes += [Change(in_full(path), -size, size, kind, k) for k in range(count) if size]
     return tuple(changes)
 
 
@@ -276,8 +276,9 @@ def window(scene: Scene, changes: Sequence[Change] = ()) -> WindowBalls | None:
         return None  # axes that tolerances make different
     tables.damp()
     (liquid,) = tables.balancers.values()
-    used = rotor["mass"], _liquid_mass(liquid), rotor["stiffness"][0], rotor["damping"][0]
-    return WindowBalls.of(*map(ball, used), ball(rotor["internal_damping"]))
+    springs, dampers = rotor["stiffness"][0], rotor["damping"][0]
+    used = rotor["mass"], _liquid_mass(liquid), springs, dampers, rotor["internal_damping"]
+    return WindowBalls.of(*map(ball, used))
 
 
 def _liquid_mass(table: dict[str, Any]) -> Number:

@@ -14,6 +14,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import flint
+import numpy as np
 
 from ...models.linear.boundaries import Crossing
 from ...models.proof.certificate import Certificate, State
@@ -31,8 +32,6 @@ _PLACE = 0.48  # of an interval: a certificate's speed; boundaries often lie in 
 _LESS = 0.6  # of an interval: what is narrower is begun anew
 _STUCK = 3  # halvings in a row whose middles are undecided themselves
 _MOST_BOXES = 64
-_MOST_SPLIT = 12  # parameters
-_CORNERS = 8
 _MOST_CERTIFICATES = 3000
 
 Box = tuple[Change, ...]
@@ -188,36 +187,48 @@ class _Search:
             spent = self.certificates > _MOST_CERTIFICATES or not low < speed < high
             if piece.state != "undecided" or width <= self.narrowest or spent:
                 yield piece
-            elif width < _LESS * (high - low):
-                yield from self._bands(piece.low, piece.high, boxes, 0)
             else:
-                inner = [_state([c], speed, speed) == "undecided" for c in certificates]
-                yield from self._divided(piece.low, piece.high, boxes, inner, stuck)
+                again = stuck if width >= _LESS * (high - low) else None
+                yield from self._divided(piece.low, piece.high, boxes, certificates, again)
 
     def _divided(
-        self, low: float, high: float, boxes: list[Box], unproved: list[bool], stuck: int
+        self,
+        low: float,
+        high: float,
+        boxes: list[Box],
+        certificates: list[Certificate | None],
+        stuck: int | None,
     ) -> Iterator[Band]:
-        """Bands of an interval that no certificate decides: of halves, or with smaller boxes.
+        """Bands of an interval that certificates leave undecided, across what matters most.
 
         Args:
-            unproved: of which boxes nothing is proved at a single speed.
+            stuck: None where the interval is short enough for certificates of its own.
         """
-        middle, vain = 0.5 * (low + high), stuck + any(unproved)
-        if self.whole and any(unproved):
-            both = [self._contradicts(low + f * (high - low)) for f in (0.1, 0.5, 0.9)]
+        found = zip(boxes, certificates, strict=True)
+        parameters = [self._parameter(box, one, low, high) for box, one in found]
+        if self.whole and any(k is not None for k in parameters):
+            corners = self._corners(certificates)
+            both = [self._contradicts(corners, low + f * (high - low)) for f in (0.1, 0.5, 0.9)]
             if all(both):
                 yield Band(low, high, "undecided")
                 return
             if not any(both) and len(boxes) < _MOST_BOXES:
                 smaller = [
-                    half for box, open_ in zip(boxes, unproved, strict=True)
-                    for half in (self._halves(box) if open_ else [box])
+                    half for box, k in zip(boxes, parameters, strict=True)
+                    for half in ([box] if k is None else _halves(box, k))
                 ]  # fmt: skip
-                yield from self._bands(low, high, smaller, stuck)
+                yield from self._bands(low, high, smaller, stuck or 0)
                 return
+        if stuck is None:
+            yield from self._bands(low, high, boxes, 0)
+            return
+        vain = stuck + any(
+            c is None or c.state(c.speed, c.speed) == "undecided" for c in certificates
+        )
         if vain > _STUCK:
             yield Band(low, high, "undecided")
             return
+        middle = 0.5 * (low + high)
         yield from self._bands(low, middle, boxes, vain)
         yield from self._bands(middle, high, boxes, vain)
 
@@ -228,43 +239,37 @@ class _Search:
         except Unproved:
             return None
 
-    def _contradicts(self, speed: float) -> bool:
-        """Whether one machine within the tolerances is stable and another one not."""
-        states: set[str] = set()
-        for corner in self._corners:
-            states.add(_state([self._certificate(corner, speed, 0)], speed, speed))
-            if {"stable", "unstable"} <= states:
-                return True
-        return False
+    def _parameter(
+        self, box: Box, found: Certificate | None, low: float, high: float
+    ) -> int | None:
+        """The parameter that keeps an interval from being decided; None where its width does."""
+        if found is None:
+            pairs = zip(box, self.whole, strict=True)
+            widths = [(c.high - c.low) / (w.high - w.low) for c, w in pairs]
+            return int(np.argmax(widths)) if widths else None
+        if found.state(low, high) != "undecided":
+            return None
+        speed, *others = found.influences
+        useful = found.state(found.speed, found.speed) != "undecided" or not others
+        k = int(np.argmax([0.5 * (high - low) * speed * useful, *others]))
+        return k - 1 if k else None
 
-    @functools.cached_property
-    def _corners(self) -> list[Box]:
-        """Some machines at the ends of all tolerances."""
-        ends_of = [(replace(c, high=c.low), replace(c, low=c.high)) for c in self.whole]
-        corners = list(itertools.islice(itertools.product(*ends_of), 2**_MOST_SPLIT))
-        step = max(1, len(corners) // _CORNERS)
-        return [*corners[::step], corners[-1]]
+    def _corners(self, certificates: Sequence[Certificate | None]) -> list[Box]:
+        """The machines within the tolerances that grow least and most, to first order."""
+        slopes = next((c.growth_slopes for c in certificates if c), [1.0] * len(self.whole))
+        up = [s > 0.0 for s in slopes]
+        ends = [(replace(c, high=c.low), replace(c, low=c.high)) for c in self.whole]
+        return [tuple(e[u == k] for e, u in zip(ends, up, strict=True)) for k in (True, False)]
 
-    def _halves(self, box: Box) -> tuple[Box, Box]:
-        """Both halves of a box across the parameter that matters most."""
-        shares = [
-            weight * (c.high - c.low) / (w.high - w.low)
-            for weight, c, w in zip(self._weights, box, self.whole, strict=True)
-        ]
-        k = shares.index(max(shares))
-        lower, upper = box[k].halves()
-        return (*box[:k], lower, *box[k + 1 :]), (*box[:k], upper, *box[k + 1 :])
+    def _contradicts(self, corners: list[Box], speed: float) -> bool:
+        """Whether one of these machines is stable and another one not."""
+        states = {_state([self._certificate(c, speed, 0)], speed, speed) for c in corners}
+        return states >= {"stable", "unstable"}
 
-    @functools.cached_property
-    def _weights(self) -> list[float]:
-        """How much the interval of each parameter adds to what modes leave of the system."""
-        middle = _middle(self.whole)
-        weights = []
-        for k, change in enumerate(self.whole):
-            one = (*middle[:k], change, *middle[k + 1 :])
-            found = self._certificate(one, 0.5 * sum(self.range), 0)
-            weights.append(float(found.residual[0].max()) if found else math.inf)
-        return weights
+
+def _halves(box: Box, k: int) -> list[Box]:
+    """A box in two, across a parameter."""
+    return [(*box[:k], half, *box[k + 1 :]) for half in box[k].halves()]
 
 
 def _middle(box: Box) -> Box:

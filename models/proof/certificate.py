@@ -88,6 +88,21 @@ class Certificate:
         """Approximate largest growth rate at w0 [1/s]."""
         return float(self.found.rates[0, 0].diagonal().real.max())
 
+    @cached_property
+    def influences(self) -> list[float]:
+        """How much the speed (per rad/s) and each parameter turn the modes and move their rates."""
+        linear = slice(1, 1 + self.orders.shape[1])
+        rates = self.found.rates[:, 0].diagonal(axis1=1, axis2=2).real
+        moved = np.abs(rates[linear] / rates[0]).max(axis=1)
+        return list(moved + np.abs(np.linalg.eigvals(self.error[linear])).max(axis=1))
+
+    @cached_property
+    def growth_slopes(self) -> list[float]:
+        """By which each parameter moves the largest growth rate [1/s]."""
+        rates = self.found.rates[:, 0].diagonal(axis1=1, axis2=2).real
+        slopes: list[float] = rates[2 : 1 + self.orders.shape[1], rates[0].argmax()].tolist()
+        return slopes
+
     def state(self, low: float, high: float, part: Sequence[tuple[float, float]] = ()) -> State:
         """What is proved of all speeds from `low` to `high` [rad/s].
 

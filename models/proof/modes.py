@@ -17,10 +17,10 @@ from .rotors import Unproved
 from .series import Complex, convolved, count, products, widened
 
 DEGREES = (4, 4, 3, 3)  # of F by number of parameters: 4 for a tenth of the speed: some 8 digits
-DEGREE = 2  # of F with more parameters
+DEGREE = 1  # of F with more parameters
 _HILL = 3  # harmonics on either side of the first approximation
 _MOST_HARMONICS = 40
-_TAIL = 1e-13  # of the modes: harmonics smaller than this may be left out
+_TAIL = 1e-13, 1e-6  # of the modes: harmonics smaller than this may be left out
 _ALIKE = 0.5  # of the lesser decay rate: nearer modes stay in one block
 _INDEPENDENT = 1e-7  # part of a column outside of the others' span
 _CUT = 10.0  # the same by what its first and last harmonics leave out
@@ -60,7 +60,7 @@ def modes(a: Complex, speed: float, variables: int, degree: int) -> Modes:
         shapes, rates, inverse = _refined(a[:1], speed, shapes, rates, same)
         tail = np.abs(shapes[0, [0, -1]]).max() if swings else 0.0
         side = shapes.shape[1] // 2
-        if tail < _TAIL * np.abs(shapes).max() or side >= _MOST_HARMONICS:
+        if tail < _TAIL[variables > 1] * np.abs(shapes).max() or side >= _MOST_HARMONICS:
             break
         shapes = widened(shapes, 1, 2 * (2 * side) + 1)
     return _expanded(a, speed, shapes, rates, inverse, same, variables, degree)

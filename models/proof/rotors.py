@@ -157,7 +157,7 @@ def two_support(table: Mapping[str, Any]) -> RotorBalls:
     return RotorBalls(
         np.outer(centre, centre) * table["mass"] + np.outer(tilt, tilt) * table["inertia"],
         stiffness, half_stiffness, damping, half_damping, balls(np.zeros((2, 2))),
-        np.outer(tilt, tilt) * table["polar_inertia"], line_rows(table["planes"], span),
+        np.outer(tilt, tilt) * table["polar_inertia"], balls(line_rows(table["planes"], span)),
         tuple(table["planes"]), _moments(table["unbalances"]), rigid=True,
     )  # fmt: skip
 
@@ -168,7 +168,7 @@ def flexible(table: Mapping[str, Any]) -> RotorBalls:
     zero = balls(np.zeros((len(z), len(z))))
     shaft, internal = zero, zero
     if len(z) > len(ends):
-        rows = bending_rows(z, ends)
+        rows = balls(bending_rows(z, ends))
         if table["compliance"] is not None:
             given = balls(table["compliance"])
             delta = (given + given.T) / 2
