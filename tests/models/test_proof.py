@@ -94,6 +94,33 @@ def test_a_matrix_changed_by_1e_9_moves_a_boundary_out_of_its_enclosure(name):
     assert sides(replace(equations, mid=mid)) == [below] * 2
 
 
+@pytest.mark.parametrize("name", [*ISOTROPIC, "liquid_disc", "liquid_heavy"])
+def test_eigenvalues_enclosed_by_flint_lie_in_the_bounds_of_the_modes(name):
+    """Gershgorin's discs of the modes; of one moved by 1e-9, some lie outside."""
+    scene = load_scene(name)
+    equations, noticed = system(scene), []
+    for speed in scene.profile().end * np.array([0.4, 1.0, 1.9]):
+        certificate = Certificate.of(equations, float(speed))
+        least, most, beside = certificate._bounds(speed, speed, ())
+        reach = beside.sum(axis=1)
+        powers = flint.arb(speed) ** np.arange(3)[:, None, None]
+        exact = flint.acb_mat((equations.mid[:3] * powers).sum(axis=0).tolist())
+        assert not equations.mid[3:].any()
+        values = exact.eig(multiple=True)
+        rates = [value.real for value in values]
+        turn = 1e-9 * max(abs(value) for value in values)
+        inside, moved = (
+            [bool(((least - reach <= x + d) & (x + d <= most + reach)).any()) for x in rates]
+            for d in (0, turn)
+        )
+        assert all(inside)
+        noticed.append(not all(moved))
+        growing = sum(rate > 0 for rate in rates)
+        assert certificate.state(speed, speed) == ("unstable" if growing else "stable")
+        assert growing == (least > 0.0).sum()
+    assert any(noticed)
+
+
 def test_weights_that_nothing_damps_are_never_called_stable():
     scene = load_scene("three_mass_shaft").replace({"left.drag": 0.0, "right.drag": 0.0})
     assert Certificate.of(system(scene), 4.0).state(4.0, 4.0) != "stable"

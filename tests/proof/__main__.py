@@ -1,6 +1,9 @@
-"""Proofs against Floquet on random machines: python -m tests.proof [COUNT] [SEED].
+"""Proofs against Floquet: on random machines, or on every bundled scene that can be proved.
 
-Prints contradictions, the largest share of a range left undecided, and the time of a range.
+    python -m tests.proof [COUNT] [SEED]
+    python -m tests.proof scenes
+
+Prints contradictions, the share of a range left undecided, and processor times.
 """
 
 from __future__ import annotations
@@ -8,10 +11,13 @@ from __future__ import annotations
 import sys
 import time
 
+import flint
 import numpy as np
 
-from autobalancer.harness import Scene
-from autobalancer.harness.stability.proved import prove
+from autobalancer.harness import Scene, bundled_scenes, load_scene
+from autobalancer.harness.stability.exact import system
+from autobalancer.harness.stability.proved import PRECISION, Proof, prove
+from autobalancer.models.proof.certificate import Certificate
 from autobalancer.models.proof.rotors import Unproved
 from autobalancer.models.stability import growth_rates
 
@@ -61,6 +67,45 @@ def machine(random: np.random.Generator) -> Scene:
     return Scene(rotor=rotor, balancer=balancers, operation={"speed": 1.0})
 
 
+def contradictions(name: str, scene: Scene, proof: Proof, random: np.random.Generator) -> int:
+    """How often Floquet's growth rate at a random speed contradicts a band; each is printed."""
+    wrong = 0
+    places = random.uniform(proof.bands[0].low, proof.bands[-1].high, SPEEDS)
+    for speed, rate in zip(places, growth_rates(scene.assembly(), places), strict=True):
+        (state, *_) = (b.state for b in proof.bands if b.low <= speed <= b.high)
+        if abs(rate) > SURE * speed and state == ("stable" if rate > 0.0 else "unstable"):
+            wrong += 1
+            print(f"{name}: {state} at {speed:.9g} rad/s, Floquet's rate {rate:.3g} 1/s")
+    return wrong
+
+
+def scenes(seed: int = 1) -> int:
+    """A line for each bundled scene from 0.3 to 2 of its speed; the number of contradictions."""
+    random, wrong = np.random.default_rng(seed), 0
+    for name in bundled_scenes():
+        scene = load_scene(name)
+        speed = scene.profile().end
+        begun = time.process_time()
+        try:
+            proof = prove(scene, 0.3 * speed, 2.0 * speed)
+        except Unproved as error:
+            print(f"{name:22} refused: {error}")
+            continue
+        taken = time.process_time() - begun
+        with flint.ctx.workprec(PRECISION):
+            begun = time.process_time()
+            Certificate.of(system(scene), speed, 0).state(speed, speed)
+            point = time.process_time() - begun
+        wrong += (found := contradictions(name, scene, proof, random))
+        states = [sum(b.state == s for b in proof.bands) for s in ("stable", "unstable")]
+        print(
+            f"{name:22} stable {states[0]}, unstable {states[1]}, undecided {proof.undecided:.1e}; "
+            f"point {1e3 * point:.0f} ms, range {taken:.2f} s; contradictions {found}",
+            flush=True,
+        )
+    return wrong
+
+
 def main(count: int, seed: int) -> int:
     """The number of contradictions."""
     random = np.random.default_rng(seed)
@@ -78,13 +123,7 @@ def main(count: int, seed: int) -> int:
         seconds.append(time.perf_counter() - begun)
         print(f"{number}: {seconds[-1]:.3g} s, {proof.certificates} certificates", flush=True)
         shares.append(proof.undecided)
-        places = random.uniform(low, high, SPEEDS)
-        growth = growth_rates(scene.assembly(), places)
-        for speed, rate in zip(places, growth, strict=True):
-            (state, *_) = (b.state for b in proof.bands if b.low <= speed <= b.high)
-            if abs(rate) > SURE * speed and state == ("stable" if rate > 0.0 else "unstable"):
-                wrong += 1
-                print(f"{number}: {state} at {speed:.9g} rad/s, Floquet's rate {rate:.3g} 1/s")
+        wrong += contradictions(str(number), scene, proof, random)
         if proof.undecided > 0.01:
             print(f"{number}: {proof.undecided:.3g} undecided: {scene.document}")
     print(
@@ -96,5 +135,7 @@ def main(count: int, seed: int) -> int:
 
 
 if __name__ == "__main__":
+    if sys.argv[1:] == ["scenes"]:
+        sys.exit(scenes() > 0)
     numbers = [int(text) for text in sys.argv[1:]]
     sys.exit(main(*(numbers + [500, 1][len(numbers) :])) > 0)
