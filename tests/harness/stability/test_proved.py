@@ -14,7 +14,7 @@ import pytest
 flint = pytest.importorskip("flint", reason="the extra `proof` is not installed")
 
 from autobalancer.harness import UserError, load_scene, speeds  # noqa: E402
-from autobalancer.harness.checks.filimonikhina import TABLES, variant  # noqa: E402
+from autobalancer.harness.checks.filimonikhina import OUTSIDE, RANGE, TABLES, variant  # noqa: E402
 from autobalancer.harness.checks.proved import bracket_rows  # noqa: E402
 from autobalancer.harness.checks.row import Rows  # noqa: E402
 from autobalancer.harness.stability.exact import Tables, tolerances  # noqa: E402
@@ -55,16 +55,27 @@ def test_numbers_are_the_decimals_that_are_written_and_units_are_enclosed():
     assert tables.balancers["weights"]["angles"][0].overlaps(flint.arb.pi() / 6)
 
 
-@pytest.mark.parametrize("index", [0, 3, 19])
+@pytest.mark.parametrize(
+    "index",
+    [
+        pytest.param(k, marks=() if k in (0, 3, 19) else pytest.mark.slow)
+        for k in range(len(TABLES))
+    ],
+)
 def test_boundaries_of_the_papers_tables_are_proved_within_1e_6(index):
-    scene, w_x = variant(load_scene("filimonikhina_tables"), TABLES[index])
-    low, high = TABLES[index].intervals[-1][0] - 0.1, TABLES[index].intervals[-1][1] + 0.1
-    proof = proof_of(scene, low * w_x, high * w_x, narrowest=1e-6)
-    (crossing,) = balancing_boundaries(scene.assembly(), low * w_x, high * w_x)
-    ((band, found),) = proof.boundaries
-    assert band.high - band.low <= 1e-6
-    assert band.low <= crossing.speed <= band.high
-    assert found.above == crossing.above
+    """Every boundary of Floquet in a bracket of its own, one in or next to each of the paper's."""
+    row = TABLES[index]
+    scene, w_x = variant(load_scene("filimonikhina_tables"), row)
+    low, high = RANGE[0] * w_x, RANGE[1] * w_x
+    proof = proof_of(scene, low, high, narrowest=1e-6 * w_x)
+    crossings = balancing_boundaries(scene.assembly(), low, high, narrowest=0.02 * w_x)
+    for (band, found), crossing in zip(proof.boundaries, crossings, strict=True):
+        assert band.high - band.low <= 1e-6 * w_x
+        assert band.low <= crossing.speed <= band.high
+        assert found.above == crossing.above
+    for begin, end in row.intervals:
+        outside = [max(begin * w_x - b.high, b.low - end * w_x) for b, _ in proof.boundaries]
+        assert min(outside) <= OUTSIDE[row.table] * w_x
 
 
 def test_dubovik_s_limits_have_30_digits():
