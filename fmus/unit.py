@@ -142,6 +142,8 @@ class SizedUnit:
     Attributes:
         hidden: variables that descriptions leave out; the library has them all the same.
         flat: whether descriptions name variables by letters, digits and underscores alone.
+        states: names of the outputs that are continuous states of model exchange, in their order;
+            none: it has no model exchange.
     """
 
     unit: Unit
@@ -149,6 +151,7 @@ class SizedUnit:
     layout: Layout = field(compare=False)
     hidden: frozenset[str] = frozenset()
     flat: bool = False
+    states: tuple[str, ...] = ()
 
     @property
     def name(self) -> str:
@@ -164,6 +167,7 @@ class SizedUnit:
         """
         shown = tuple(v for v in self.layout.variables if v.name not in self.hidden)
         labels = [self.label(v.name) for v in shown]
+        labels += [self.label(f"der({state})") for state in self.states]
         if long := [label for label in labels if len(label) > LONGEST_NAME]:
             raise ValueError(
                 f"{long[0]}: has {len(long[0])} characters, and MATLAB allows {LONGEST_NAME}: give "

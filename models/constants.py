@@ -65,3 +65,9 @@ UNFOLLOWED_TURN = 0.5  # rad per step of the slowest vibration: what cubics miss
 RUNAWAY_GROWTH = 2.0  # in a step: no resolved motion grows so fast
 RUNAWAY_STEPS = 4  # such steps in a row
 MISS_PER_ERROR = 120.0  # of a prediction over a cubic's: (h + h)^2 h^2/24 over h^4/720
+
+# Model exchange
+FIRST_DERIVATIVE = 2_000_000  # value reference of the first state's: above all that a layout has
+NOMINAL_DISPLACEMENT = 1e-4  # m; of a machine of some kilograms at some hundred radians per second
+NOMINAL_VELOCITY = 1e-2  # m/s
+NOMINAL_ANGULAR_VELOCITY = 1e2  # rad/s

@@ -44,6 +44,23 @@ class Part:
         """The unit; raises ValueError or TypeError for sizes that it does not have."""
         return sized_unit(self.model, **self.sizes)
 
+    @property
+    def states(self) -> list[str]:
+        """Outputs that are its continuous states, in the order of the library."""
+        if self.model == "Motor":
+            return ["angle", "speed"]
+        size = self.unit.options
+        of_model = {"RotorOnSupports": ("stations", 4, 1), "BallBalancer": ("weights", 2, 0)}
+        repeat, times, more = of_model.get(self.model, ("", 0, 0))
+        observed = [v.name for v in self.unit.layout.variables if v.observed]
+        return observed[: times * size.get(repeat, 0) + more]
+
+    @property
+    def is_smooth(self) -> bool:
+        """Whether it has no events: neither dry friction nor contact nor rolling resistance."""
+        resisted = self.start.get("weight_radius") or self.start.get("rolling_resistance")
+        return not (resisted or self.unit.options.get("sliders"))
+
 
 @dataclass(frozen=True)
 class Composition:
@@ -135,7 +152,9 @@ class Composition:
             step=self.step,
         )
         hidden = frozenset(v.name for v in declared if self._hides(v))
-        return SizedUnit(unit, self.sizes, Layout(name, declared), hidden, self.flat)
+        smooth = all(part.is_smooth for part in self.parts)
+        states = [f"{p.name}.{v}" for p in self.parts for v in p.states if smooth]
+        return SizedUnit(unit, self.sizes, Layout(name, declared), hidden, self.flat, tuple(states))
 
     def _hides(self, variable: Variable) -> bool:
         """Whether descriptions leave a variable out: what the coupling sets itself, figures."""

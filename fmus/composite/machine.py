@@ -9,6 +9,7 @@ if TYPE_CHECKING:
     from .composition import Composition, Part
 
 _LEFT, _LENGTH, _SHAFT = 70.0, 500.0, 120.0  # of the drawing
+_EXCHANGE = " As model exchange, the solver of the tool integrates it."
 _SPRING = "m0 0v10l-8 4 16 8-16 8 16 8-8 4v10m-14 0h28"
 _STYLE = 'font-family="sans-serif" font-size="12" fill="none" stroke="#1f3b57" stroke-width="2"'
 
@@ -27,7 +28,7 @@ def page(made: Composition, name: str) -> str:
     return (
         f"<h1>{escape(made.title or name)}</h1>\n<p>{escape(made.source)}</p>\n{sketch(made)}\n"
         f"<h2>Use</h2>\n<p>Import <code>{escape(name)}.fmu</code> as co-simulation: it needs no "
-        "connections and takes any communication step. In Python, after "
+        f"connections and takes any communication step.{_EXCHANGE * bool(unit.states)} In Python, "
         f"<code>pip install fmpy</code>:</p>\n<pre>{escape(chr(10).join(lines))}</pre>\n"
     )
 

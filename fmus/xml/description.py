@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 from xml.etree.ElementTree import Element, SubElement, indent, tostring
 
+from ...models.constants import FIRST_DERIVATIVE
 from ..unit import SizedUnit, Unit
 from ..variables import Variable
 from .types import bounds, described, type_name
@@ -15,7 +16,13 @@ AUTHOR = "The autobalancer authors"
 # a fixed date keeps builds reproducible; formal checkers want the Z
 DATE = "2026-01-01T00:00:00Z"
 
-_INITIAL = {"parameter": {"initial": "exact"}, "input": {}, "output": {"initial": "calculated"}}
+_INITIAL = {
+    "parameter": {"initial": "exact"},
+    "input": {},
+    "output": {"initial": "calculated"},
+    "local": {"initial": "calculated"},
+}
+_PER_SECOND = {"m": "m/s", "m/s": "m/s2", "rad": "rad/s", "rad/s": "rad/s2"}
 
 
 @dataclass(frozen=True)
@@ -76,11 +83,34 @@ def value(variable: Variable, references: Mapping[str, str]) -> dict[str, str]:
     return attributes
 
 
-def unknown(variable: Variable, references: Mapping[str, str], initially: bool) -> dict[str, str]:
-    """Every dependency of an output, none left to a tool's guess."""
+def derivatives(unit: SizedUnit) -> dict[str, Variable]:
+    """Derivatives of the states of model exchange, by value reference in both versions."""
+    variables = {v.name: v for v in unit.layout.variables}
+    found = {}
+    for k, state in enumerate(unit.states):
+        of = variables[state]
+        text = f"Time derivative: {of.description}"
+        rate = replace(of, name=f"der({state})", causality="local", unit=_PER_SECOND[of.unit])
+        rate = replace(rate, description=text, derivative_of=state)
+        found[str(FIRST_DERIVATIVE + k)] = rate
+    return found
+
+
+def unknown(
+    unit: SizedUnit, variable: Variable, references: Mapping[str, str], initially: bool
+) -> dict[str, str]:
+    """Every dependency of an output, none left to a tool's guess.
+
+    Under model exchange outputs depend on states, and without an attribute on all that is known.
+    """
     names = {*variable.depends, *(variable.begins if initially else ())}
+    if unit.states and not initially:
+        state = variable.name in unit.states
+        if not (state or variable.unit in ("m", "m/s", "rad")):  # inputs act on it at once
+            return {}
+        names = {variable.name} if state else {*unit.states}
     known = {references[name] for name in names & references.keys()}  # some are hidden
-    kind = "dependent" if initially else variable.kind
+    kind = "dependent" if initially or unit.states else variable.kind
     return {
         "dependencies": " ".join(sorted(known, key=int)),
         "dependenciesKind": " ".join([kind] * len(known)),

@@ -9,6 +9,12 @@ from . import description as common
 from .description import Capabilities, flag
 from .types import type_attributes, type_names, unit_definitions
 
+_UNKNOWN = {
+    "Outputs": ("output",),
+    "Derivatives": ("local",),
+    "InitialUnknowns": ("output", "local"),
+}
+
 
 def model_description(
     unit: SizedUnit, name: str, guid: str, release: str, can: Capabilities
@@ -24,8 +30,18 @@ def model_description(
     """
     root = Element("fmiModelDescription", {"fmiVersion": "2.0", "guid": guid})
     root.attrib.update(common.header(unit, name, release))
-    _co_simulation(root, name, can)
-    types = type_names(unit.layout)
+    rates = common.derivatives(unit)
+    if rates:
+        root.set("numberOfEventIndicators", "0")
+        _interface(root, "ModelExchange", name, {}, can)
+    steps = {
+        "canHandleVariableCommunicationStepSize": "true",
+        "canInterpolateInputs": flag(can.input_derivatives),
+        "maxOutputDerivativeOrder": str(can.output_derivatives),
+        "canRunAsynchronuously": "false",
+    }
+    _interface(root, "CoSimulation", name, steps, can)
+    types = type_names((*unit.layout.reals, *rates.values()))
     unit_definitions(root, types)
     definitions = SubElement(root, "TypeDefinitions")
     for kind in types:
@@ -36,9 +52,11 @@ def model_description(
     tool = SubElement(SubElement(root, "VendorAnnotations"), "Tool", {"name": "autobalancer"})
     common.built(tool, unit)
     references = {**unit.layout.index, **unit.layout.boolean_index}
-    position = {v.name: str(i) for i, v in enumerate(unit.shown, 1)}
+    references |= {v.name: int(k) for k, v in rates.items()}
+    shown = (*unit.shown, *rates.values())
+    position = {v.name: str(i) for i, v in enumerate(shown, 1)}
     variables = SubElement(root, "ModelVariables")
-    for v in unit.shown:
+    for v in shown:
         about = common.scalar(v, unit.label(v.name), str(references[v.name]))
         element = SubElement(variables, "ScalarVariable", about)
         about = common.value(v, position)
@@ -46,26 +64,26 @@ def model_description(
             about.pop("derivative", None)
         SubElement(element, "Boolean" if v.boolean else "Real", about)
     structure = SubElement(root, "ModelStructure")
-    for tag in ("Outputs", "InitialUnknowns"):
-        unknowns = SubElement(structure, tag)
-        for v in unit.shown:
-            if v.causality == "output":
-                found = common.unknown(v, position, tag == "InitialUnknowns")
-                SubElement(unknowns, "Unknown", {"index": position[v.name], **found})
+    for tag in ("Outputs", "Derivatives", "InitialUnknowns"):
+        unknowns = [v for v in shown if v.causality in _UNKNOWN[tag]]
+        if unknowns or tag != "Derivatives":
+            element = SubElement(structure, tag)
+        for v in unknowns:
+            found = common.unknown(unit, v, position, tag == "InitialUnknowns")
+            SubElement(element, "Unknown", {"index": position[v.name], **found})
     return common.text_of(root)
 
 
-def _co_simulation(root: Element, name: str, can: Capabilities) -> None:
+def _interface(
+    root: Element, kind: str, name: str, more: dict[str, str], can: Capabilities
+) -> None:
     element = SubElement(
         root,
-        "CoSimulation",
+        kind,
         {
             "modelIdentifier": name,
             "needsExecutionTool": "false",
-            "canHandleVariableCommunicationStepSize": "true",
-            "canInterpolateInputs": flag(can.input_derivatives),
-            "maxOutputDerivativeOrder": str(can.output_derivatives),
-            "canRunAsynchronuously": "false",
+            **more,
             "canBeInstantiatedOnlyOncePerProcess": "false",
             "canNotUseMemoryManagementFunctions": "true",
             "canGetAndSetFMUstate": "true",

@@ -15,6 +15,11 @@ from .description import Capabilities, flag
 from .types import type_attributes, type_names, unit_definitions
 
 TIME = "time"
+_UNKNOWN = {
+    "Output": ("output",),
+    "ContinuousStateDerivative": ("local",),
+    "InitialUnknown": ("output", "local"),
+}
 
 
 def value_references(layout: Layout) -> dict[str, int]:
@@ -35,16 +40,22 @@ def model_description(
     """
     root = Element("fmiModelDescription", {"fmiVersion": "3.0", "instantiationToken": token})
     root.attrib.update(common.header(unit, name, release))
+    rates = common.derivatives(unit)
+    shared = {
+        "modelIdentifier": name,
+        "needsExecutionTool": "false",
+        "canBeInstantiatedOnlyOncePerProcess": "false",
+        "canGetAndSetFMUState": "true",
+        "canSerializeFMUState": "true",
+        "providesDirectionalDerivatives": flag(can.directional_derivatives),
+    }
+    if rates:
+        SubElement(root, "ModelExchange", shared)
     SubElement(
         root,
         "CoSimulation",
         {
-            "modelIdentifier": name,
-            "needsExecutionTool": "false",
-            "canBeInstantiatedOnlyOncePerProcess": "false",
-            "canGetAndSetFMUState": "true",
-            "canSerializeFMUState": "true",
-            "providesDirectionalDerivatives": flag(can.directional_derivatives),
+            **shared,
             "canHandleVariableCommunicationStepSize": "true",
             "maxOutputDerivativeOrder": str(can.output_derivatives),
             "canReturnEarlyAfterIntermediateUpdate": "false",
@@ -53,7 +64,7 @@ def model_description(
             "hasEventMode": "false",
         },
     )
-    types = sorted({*type_names(unit.layout), "Time"})
+    types = sorted({*type_names((*unit.layout.reals, *rates.values())), "Time"})
     unit_definitions(root, types)
     definitions = SubElement(root, "TypeDefinitions")
     for kind in types:
@@ -63,17 +74,19 @@ def model_description(
     references = {
         k: str(v) for k, v in value_references(unit.layout).items() if k not in unit.hidden
     }
+    references |= {v.name: k for k, v in rates.items()}
+    shown = (*unit.shown, *rates.values())
     variables = SubElement(root, "ModelVariables")
     _time(variables, references[TIME])
-    for v in unit.shown:
+    for v in shown:
         about = common.scalar(v, unit.label(v.name), references[v.name])
         about |= common.value(v, references)
         SubElement(variables, "Boolean" if v.boolean else "Float64", about)
     structure = SubElement(root, "ModelStructure")
-    for tag in ("Output", "InitialUnknown"):
-        for v in unit.shown:
-            if v.causality == "output":
-                found = common.unknown(v, references, tag == "InitialUnknown")
+    for tag, kinds in _UNKNOWN.items():
+        for v in shown:
+            if v.causality in kinds:
+                found = common.unknown(unit, v, references, tag == "InitialUnknown")
                 SubElement(structure, tag, {"valueReference": references[v.name], **found})
     annotation = SubElement(SubElement(root, "Annotations"), "Annotation", {"type": "autobalancer"})
     common.built(annotation, unit)

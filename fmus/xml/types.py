@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from typing import NamedTuple
 from xml.etree.ElementTree import Element, SubElement
 
-from ..variables import Layout, Variable
+from ...models.constants import NOMINAL_ANGULAR_VELOCITY, NOMINAL_DISPLACEMENT, NOMINAL_VELOCITY
+from ..variables import Variable
 
 # exponents of kg, m, s, rad
 SI_UNITS: dict[str, dict[str, int]] = {
@@ -54,14 +56,14 @@ TYPES = {
     "Ratio": Type("1", 1.0),
     "Mass": Type("kg", 1.0),
     "Length": Type("m", 0.1),
-    "Displacement": Type("m", 1e-4),
+    "Displacement": Type("m", NOMINAL_DISPLACEMENT),
     "Time": Type("s", 1.0),
     "Angle": Type("rad", 1.0),
     "StaticMoment": Type("kg.m", 1e-3),
     "MomentOfInertia": Type("kg.m2", 0.1),
     "Density": Type("kg/m3", 1e3),
     "Mobility": Type("1/kg", 1.0),
-    "AngularVelocity": Type("rad/s", 1e2),
+    "AngularVelocity": Type("rad/s", NOMINAL_ANGULAR_VELOCITY),
     "AngularAcceleration": Type("rad/s2", 1e2),
     "AngularJerk": Type("rad/s3", 1e4),
     "AngularAccelerationDerivative2": Type("rad/s4", 1e6),
@@ -70,7 +72,7 @@ TYPES = {
     "BendingStiffness": Type("N.m2", 1e3),
     "TranslationalSpringConstant": Type("N/m", 1e5),
     "TranslationalDampingConstant": Type("N.s/m", 1e2),
-    "Velocity": Type("m/s", 1e-2),
+    "Velocity": Type("m/s", NOMINAL_VELOCITY),
     "Acceleration": Type("m/s2", 1.0),
     "Jerk": Type("m/s3", 1e2),
     "AccelerationDerivative2": Type("m/s4", 1e4),
@@ -97,9 +99,9 @@ def type_name(variable: Variable) -> str:
     return variable.quantity or _OF_UNIT[variable.unit]
 
 
-def type_names(layout: Layout) -> list[str]:
-    """Type definitions that a unit needs."""
-    return sorted({type_name(v) for v in layout.reals})
+def type_names(variables: Iterable[Variable]) -> list[str]:
+    """Type definitions that Reals need."""
+    return sorted({type_name(v) for v in variables})
 
 
 def bounds(variable: Variable) -> dict[str, str]:

@@ -174,7 +174,7 @@ static int composite_parameters(Unit *unit)
         }
     }
     c->made_with = 0;
-    return follow_changes(unit);
+    return (unit->exchanges && composite_eventful(unit)) || follow_changes(unit);
 }
 
 /* A host's times may be off by rounding, never by a step. */
@@ -354,11 +354,6 @@ static int start(Unit *unit)
     return 0;
 }
 
-static int composite_outputs(Unit *unit)
-{
-    return ((Composite *)unit->own)->course->clock.started > 0.0 ? 0 : start(unit);
-}
-
 /* -- steps ----------------------------------------------------------------------------------- */
 
 /* Begin a step at a time where the units are, and where something has jumped. */
@@ -410,13 +405,61 @@ static int meet_inputs(Unit *unit)
         return refuse_coupling(unit, "speed, acceleration: the rotor speeds up by itself, as rise_time is "
                             "above 0 s");
     }
-    if (jumps || (!rises && drive[1] != 0.0)) {
+    if (jumps || unit->exchanges || (!rises && drive[1] != 0.0)) {
         take_inputs(unit);
     }
     if (jumps) {
         begin_anew(unit, unit->time);
     }
     return 0;
+}
+
+/* Take over inputs and state that the host has set; 1 with the reason where it may not. */
+static int meet_host(Unit *unit)
+{
+    const Composite *c = unit->own;
+    if (c->motor && pushed_anew(unit)) {
+        take_inputs(unit);
+        begin_anew(unit, unit->time);
+    } else if (!c->motor && meet_inputs(unit)) {
+        return 1;
+    }
+    return follow_changes(unit);
+}
+
+/* Bring forces and accelerations into agreement at the time, inputs and states of model exchange. */
+static int agree(Unit *unit)
+{
+    Composite *c = unit->own;
+    int k;
+    if (meet_host(unit)) {
+        return 1;
+    }
+    c->course->clock.time = unit->time;
+    composite_drive(unit, unit->time);
+    if (c->motor && shaft_begin(unit)) {
+        return 1;
+    }
+    for (k = 1; k < c->mounted; k++) {
+        Unit *part = c->parts[k].unit;
+        composite_place(c, c->parts + k);
+        if (part->equations->outputs(part)) {
+            return composite_part_failed(unit, c->parts + k);
+        }
+    }
+    return loop_consistent_start(unit, communication_length(unit));
+}
+
+static int composite_outputs(Unit *unit)
+{
+    const Composite *c = unit->own;
+    if (!(c->course->clock.started > 0.0)) {
+        if (start(unit)) {
+            return 1;
+        }
+        memcpy(c->at_begin, c->states, c->state_count * sizeof(double));
+    }
+    return unit->exchanges && agree(unit);
 }
 
 /* With a tolerance nothing is left to be estimated. */
@@ -621,17 +664,11 @@ static int composite_step_unit(Unit *unit, double length)
 {
     const Composite *c = unit->own;
     const double end = unit->time + length;
-    if (c->motor && pushed_anew(unit)) {
-        take_inputs(unit);
-        begin_anew(unit, unit->time);
-    } else if (!c->motor && meet_inputs(unit)) {
+    if (meet_host(unit)) { /* the state may be one that was restored */
         return 1;
     }
     if (!(length < MOST_STEPS * communication_length(unit))) {
         return refuse_length(unit, communication_length(unit));
-    }
-    if (follow_changes(unit)) { /* the state may be one that was restored */
-        return 1;
     }
     while (composite_next_jump(c) > unit->time && composite_next_jump(c) <= end) {
         const double jump = composite_next_jump(c);

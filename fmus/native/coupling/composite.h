@@ -250,6 +250,8 @@ int composite_part_failed(Unit *unit, const Part *part);
 /* Names of one, and of all, that a step assumes. */
 void composite_name_force(const Composite *c, int k, Text *text);
 void composite_name_forces(const Composite *c, Text *text);
+/* The reason, and 1, where a part has events, which model exchange leaves out. */
+int composite_eventful(Unit *unit);
 /* One step of a part. */
 int composite_advance(Unit *unit, Part *part, double step);
 

@@ -1,5 +1,6 @@
 /* A part's step and what is said about it. */
 #include "coupling/composite.h"
+#include "units/weights.h"
 
 void composite_put_time(Text *reason, double time)
 {
@@ -51,4 +52,22 @@ int composite_advance(Unit *unit, Part *part, double step)
 {
     part->unit->time = ((Composite *)unit->own)->course->clock.begin;
     return unit_advance(part->unit, step) ? part_failed(unit, part, step) : 0;
+}
+
+int composite_eventful(Unit *unit)
+{
+    const Composite *c = unit->own;
+    int k;
+    for (k = 0; k < c->part_count; k++) {
+        const Unit *part = c->parts[k].unit;
+        if (part->layout.sizes.sliders ||
+            (part->equations == &WEIGHTS_EQUATIONS && ((const Balls *)part->own)->track.eventful)) {
+            Text *reason = unit_reason(unit);
+            text_put(reason, part->name);
+            text_put(reason, ": model exchange is for machines without dry friction, contact of weights and "
+                             "rolling resistance; use co-simulation");
+            return 1;
+        }
+    }
+    return 0;
 }

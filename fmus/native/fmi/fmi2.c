@@ -1,4 +1,4 @@
-/* FMI 2.0 for co-simulation: a thin front over unit.h. */
+/* FMI 2.0: a thin front over unit.h. */
 #include "fmi/fmi2.h"
 
 #include "base/elementary.h"
@@ -73,12 +73,8 @@ fmi2Component fmi2Instantiate(fmi2String instance, fmi2Type type, fmi2String gui
     if (functions) {
         host.functions = *functions;
     }
-    if (type != fmi2CoSimulation) {
-        fmi2_tell(&host, instance ? instance : "", STATUS_ERROR,
-             "instantiation failed: the unit is for co-simulation, not for model exchange");
-        return NULL;
-    }
-    front = front_instantiate(instance, guid, resources, fmi2_tell, &host, sizeof host);
+    front = front_instantiate(instance, guid, resources, fmi2_tell, &host, sizeof host,
+                              type == fmi2ModelExchange);
     if (front) {
         front->unit->may_end_early = 1;
     }
@@ -254,6 +250,71 @@ fmi2Status fmi2GetRealOutputDerivatives(fmi2Component c, const fmi2ValueReferenc
     status = status ? status : allowed(c, function, AFTER_INSTANTIATION, count, vr, order);
     return status ? status
                   : (fmi2Status)unit_get_derivatives(front_unit(c), vr, count, order, value);
+}
+
+/* -- model exchange -------------------------------------------------------------------------- */
+
+fmi2Status fmi2EnterEventMode(fmi2Component c)
+{
+    return (fmi2Status)front_exchange(c, "fmi2EnterEventMode", ENTER_MODE, NULL, 0);
+}
+
+fmi2Status fmi2EnterContinuousTimeMode(fmi2Component c)
+{
+    return (fmi2Status)front_exchange(c, "fmi2EnterContinuousTimeMode", ENTER_MODE, NULL, 0);
+}
+
+fmi2Status fmi2NewDiscreteStates(fmi2Component c, fmi2EventInfo *info)
+{
+    double next = infinity();
+    const Status status =
+        front_exchange(c, "fmi2NewDiscreteStates", PASS_EVENTS, info ? &next : NULL, 1);
+    if (!status) {
+        const fmi2EventInfo none = {0, 0, 0, 0, 0, 0.0};
+        *info = none;
+        info->nextEventTimeDefined = is_finite(next);
+        info->nextEventTime = is_finite(next) ? next : 0.0;
+    }
+    return (fmi2Status)status;
+}
+
+fmi2Status fmi2CompletedIntegratorStep(fmi2Component c, fmi2Boolean no_set_state_before,
+                                       fmi2Boolean *enter_event_mode, fmi2Boolean *terminate)
+{
+    (void)no_set_state_before;
+    if (enter_event_mode) {
+        *enter_event_mode = 0;
+    }
+    if (terminate) {
+        *terminate = 0;
+    }
+    return (fmi2Status)front_exchange(c, "fmi2CompletedIntegratorStep", COMPLETE_STEP, NULL, 0);
+}
+
+fmi2Status fmi2SetTime(fmi2Component c, fmi2Real time)
+{
+    return (fmi2Status)front_exchange(c, "fmi2SetTime", SET_TIME, &time, 1);
+}
+
+fmi2Status fmi2SetContinuousStates(fmi2Component c, const fmi2Real x[], size_t count)
+{
+    return (fmi2Status)front_exchange(c, "fmi2SetContinuousStates", SET_STATES, (double *)x, count);
+}
+
+#define GET_ALL(function, call)                                                                   \
+    fmi2Status function(fmi2Component c, fmi2Real values[], size_t count)                         \
+    {                                                                                             \
+        return (fmi2Status)front_exchange(c, #function, call, values, count);                     \
+    }
+
+GET_ALL(fmi2GetContinuousStates, GET_STATES)
+GET_ALL(fmi2GetDerivatives, GET_DERIVATIVES)
+GET_ALL(fmi2GetNominalsOfContinuousStates, GET_NOMINALS)
+
+fmi2Status fmi2GetEventIndicators(fmi2Component c, fmi2Real values[], size_t count)
+{
+    (void)values;
+    return (fmi2Status)front_exchange(c, "fmi2GetEventIndicators", ENTER_MODE, NULL, count);
 }
 
 /* -- the step -------------------------------------------------------------------------------- */

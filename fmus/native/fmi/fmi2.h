@@ -1,4 +1,4 @@
-/* Types and functions of FMI 2.0.5 for co-simulation, as far as a slave declares them. */
+/* Types and functions of FMI 2.0.5, as far as a unit declares them. */
 #ifndef AUTOBALANCER_FMI2_H
 #define AUTOBALANCER_FMI2_H
 
@@ -34,6 +34,12 @@ typedef struct {
     void (*stepFinished)(fmi2ComponentEnvironment environment, fmi2Status status);
     fmi2ComponentEnvironment componentEnvironment;
 } fmi2CallbackFunctions;
+
+typedef struct {
+    fmi2Boolean newDiscreteStatesNeeded, terminateSimulation, nominalsOfContinuousStatesChanged,
+        valuesOfContinuousStatesChanged, nextEventTimeDefined;
+    fmi2Real nextEventTime;
+} fmi2EventInfo;
 
 EXPORT const char *fmi2GetTypesPlatform(void);
 EXPORT const char *fmi2GetVersion(void);
@@ -84,6 +90,17 @@ EXPORT fmi2Status fmi2SetRealInputDerivatives(fmi2Component c, const fmi2ValueRe
 EXPORT fmi2Status fmi2GetRealOutputDerivatives(fmi2Component c, const fmi2ValueReference vr[],
                                                size_t count, const fmi2Integer order[],
                                                fmi2Real value[]);
+EXPORT fmi2Status fmi2EnterEventMode(fmi2Component c);
+EXPORT fmi2Status fmi2EnterContinuousTimeMode(fmi2Component c);
+EXPORT fmi2Status fmi2NewDiscreteStates(fmi2Component c, fmi2EventInfo *info);
+EXPORT fmi2Status fmi2CompletedIntegratorStep(fmi2Component c, fmi2Boolean no_set_state_before,
+                                              fmi2Boolean *enter_event_mode, fmi2Boolean *terminate);
+EXPORT fmi2Status fmi2SetTime(fmi2Component c, fmi2Real time);
+EXPORT fmi2Status fmi2SetContinuousStates(fmi2Component c, const fmi2Real x[], size_t count);
+EXPORT fmi2Status fmi2GetContinuousStates(fmi2Component c, fmi2Real values[], size_t count);
+EXPORT fmi2Status fmi2GetDerivatives(fmi2Component c, fmi2Real values[], size_t count);
+EXPORT fmi2Status fmi2GetNominalsOfContinuousStates(fmi2Component c, fmi2Real values[], size_t count);
+EXPORT fmi2Status fmi2GetEventIndicators(fmi2Component c, fmi2Real values[], size_t count);
 EXPORT fmi2Status fmi2DoStep(fmi2Component c, fmi2Real time, fmi2Real step,
                              fmi2Boolean no_set_state_before);
 EXPORT fmi2Status fmi2CancelStep(fmi2Component c);

@@ -1,4 +1,4 @@
-/* FMI 3.0 for co-simulation: a thin front over unit.h.
+/* FMI 3.0: a thin front over unit.h.
 
    Value references are unique over all types: the Reals as in FMI 2.0, then the Booleans, then the
    independent variable, time.  */
@@ -28,6 +28,17 @@ static void fmi3_tell(void *host, const char *instance, Status status, const cha
     }
 }
 
+static Front3 *instantiate3(fmi3String name, fmi3String token, fmi3String resources, Front3 *host,
+                            int exchanges)
+{
+    Front3 *front =
+        front_instantiate(name, token, resources, fmi3_tell, host, sizeof *host, exchanges);
+    if (front) {
+        front->unit->first_boolean = front->unit->layout.real_count;
+    }
+    return front;
+}
+
 EXPORT const char *fmi3GetVersion(void)
 {
     return "3.0";
@@ -54,12 +65,22 @@ EXPORT fmi3Instance fmi3InstantiateCoSimulation(
              "instantiation failed: the unit has neither event mode nor intermediate variables");
         return NULL;
     }
-    front = front_instantiate(name, token, resources, fmi3_tell, &host, sizeof host);
+    front = instantiate3(name, token, resources, &host, 0);
     if (front) {
         front->unit->may_end_early = early_return;
-        front->unit->first_boolean = front->unit->layout.real_count;
     }
     return front;
+}
+
+EXPORT fmi3Instance fmi3InstantiateModelExchange(fmi3String name, fmi3String token,
+                                                 fmi3String resources, fmi3Boolean visible,
+                                                 fmi3Boolean logging,
+                                                 fmi3InstanceEnvironment environment,
+                                                 fmi3LogMessageCallback log)
+{
+    Front3 host = {NULL, environment, log};
+    (void)visible, (void)logging;
+    return instantiate3(name, token, resources, &host, 1);
 }
 
 EXPORT void fmi3FreeInstance(fmi3Instance instance)
@@ -279,4 +300,96 @@ EXPORT fmi3Status fmi3DoStep(fmi3Instance instance, fmi3Float64 time, fmi3Float6
         *last_successful_time = unit->time;
     }
     return (fmi3Status)status;
+}
+
+/* -- model exchange -------------------------------------------------------------------------- */
+
+#define ENTER(function)                                                                           \
+    EXPORT fmi3Status function(fmi3Instance instance)                                             \
+    {                                                                                             \
+        return (fmi3Status)front_exchange(instance, #function, ENTER_MODE, NULL, 0);              \
+    }
+
+ENTER(fmi3EnterEventMode)
+ENTER(fmi3EnterContinuousTimeMode)
+ENTER(fmi3EvaluateDiscreteStates)
+
+#define OF_STATES(function, type, call)                                                           \
+    EXPORT fmi3Status function(fmi3Instance instance, type values[], size_t count)                \
+    {                                                                                             \
+        return (fmi3Status)front_exchange(instance, #function, call, (double *)values, count);    \
+    }
+
+OF_STATES(fmi3GetContinuousStates, fmi3Float64, GET_STATES)
+OF_STATES(fmi3GetContinuousStateDerivatives, fmi3Float64, GET_DERIVATIVES)
+OF_STATES(fmi3GetNominalsOfContinuousStates, fmi3Float64, GET_NOMINALS)
+OF_STATES(fmi3SetContinuousStates, const fmi3Float64, SET_STATES)
+
+EXPORT fmi3Status fmi3GetEventIndicators(fmi3Instance instance, fmi3Float64 values[], size_t count)
+{
+    (void)values;
+    return (fmi3Status)front_exchange(instance, "fmi3GetEventIndicators", ENTER_MODE, NULL, count);
+}
+
+EXPORT fmi3Status fmi3SetTime(fmi3Instance instance, fmi3Float64 time)
+{
+    return (fmi3Status)front_exchange(instance, "fmi3SetTime", SET_TIME, &time, 1);
+}
+
+/* Numbers of states, and of event indicators. */
+static fmi3Status count_of(fmi3Instance instance, const char *function, size_t *count, int states)
+{
+    const Status status = front_allowed(instance, function, ANY_PHASE, 1, count, count);
+    if (!status) {
+        *count = states ? exchange_count(front_unit(instance)) : 0;
+    }
+    return (fmi3Status)status;
+}
+
+EXPORT fmi3Status fmi3GetNumberOfContinuousStates(fmi3Instance instance, size_t *count)
+{
+    return count_of(instance, "fmi3GetNumberOfContinuousStates", count, 1);
+}
+
+EXPORT fmi3Status fmi3GetNumberOfEventIndicators(fmi3Instance instance, size_t *count)
+{
+    return count_of(instance, "fmi3GetNumberOfEventIndicators", count, 0);
+}
+
+static void put_no(fmi3Boolean *value)
+{
+    if (value) {
+        *value = 0;
+    }
+}
+
+EXPORT fmi3Status fmi3UpdateDiscreteStates(fmi3Instance instance, fmi3Boolean *update_needed,
+                                           fmi3Boolean *terminate, fmi3Boolean *nominals_changed,
+                                           fmi3Boolean *values_changed, fmi3Boolean *next_defined,
+                                           fmi3Float64 *next_time)
+{
+    double next = infinity();
+    const Status status = front_exchange(instance, "fmi3UpdateDiscreteStates", PASS_EVENTS, &next, 1);
+    put_no(update_needed);
+    put_no(terminate);
+    put_no(nominals_changed);
+    put_no(values_changed);
+    if (next_defined) {
+        *next_defined = is_finite(next);
+    }
+    if (next_time) {
+        *next_time = is_finite(next) ? next : 0.0;
+    }
+    return (fmi3Status)status;
+}
+
+EXPORT fmi3Status fmi3CompletedIntegratorStep(fmi3Instance instance,
+                                              fmi3Boolean no_set_state_before,
+                                              fmi3Boolean *enter_event_mode,
+                                              fmi3Boolean *terminate)
+{
+    (void)no_set_state_before;
+    put_no(enter_event_mode);
+    put_no(terminate);
+    return (fmi3Status)front_exchange(instance, "fmi3CompletedIntegratorStep", COMPLETE_STEP, NULL, 0);
 }

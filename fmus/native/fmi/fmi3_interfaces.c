@@ -1,4 +1,4 @@
-/* The functions of FMI 3.0 for what the units do not have: model exchange, clocks, events, adjoint derivatives.
+/* The functions of FMI 3.0 for what the units do not have: clocks, event mode of co-simulation, adjoint derivatives.
    Each is refused with a reason. */
 #include "fmi/fmi3.h"
 #include "fmi/front.h"
@@ -6,26 +6,6 @@
 static fmi3Status absent(fmi3Instance instance, const char *function)
 {
     return (fmi3Status)front_refuse(instance, function, "the unit does not have this");
-}
-
-static fmi3Instance wrong_interface(fmi3InstanceEnvironment environment,
-                                    fmi3LogMessageCallback log)
-{
-    if (log) {
-        log(environment, fmi3Error, front_category(STATUS_ERROR),
-            "instantiation failed: the unit is for co-simulation only");
-    }
-    return NULL;
-}
-
-EXPORT fmi3Instance fmi3InstantiateModelExchange(fmi3String name, fmi3String token,
-                                                 fmi3String resources, fmi3Boolean visible,
-                                                 fmi3Boolean logging,
-                                                 fmi3InstanceEnvironment environment,
-                                                 fmi3LogMessageCallback log)
-{
-    (void)name, (void)token, (void)resources, (void)visible, (void)logging;
-    return wrong_interface(environment, log);
 }
 
 EXPORT fmi3Instance fmi3InstantiateScheduledExecution(
@@ -36,7 +16,11 @@ EXPORT fmi3Instance fmi3InstantiateScheduledExecution(
 {
     (void)name, (void)token, (void)resources, (void)visible, (void)logging, (void)update,
         (void)lock, (void)unlock;
-    return wrong_interface(environment, log);
+    if (log) {
+        log(environment, fmi3Error, front_category(STATUS_ERROR),
+            "instantiation failed: the unit has no scheduled execution");
+    }
+    return NULL;
 }
 
 /* -- those that differ by their names -------------------------------------------------------- */
@@ -49,33 +33,7 @@ EXPORT fmi3Instance fmi3InstantiateScheduledExecution(
 
 REFUSE(EnterConfigurationMode)
 REFUSE(ExitConfigurationMode)
-REFUSE(EnterEventMode)
-REFUSE(EnterContinuousTimeMode)
 REFUSE(EnterStepMode)
-REFUSE(EvaluateDiscreteStates)
-
-#define REFUSE_COUNT(name)                                                                        \
-    EXPORT fmi3Status fmi3##name(fmi3Instance instance, size_t *count)                            \
-    {                                                                                             \
-        (void)count;                                                                              \
-        return absent(instance, "fmi3" #name);                                                    \
-    }
-
-REFUSE_COUNT(GetNumberOfContinuousStates)
-REFUSE_COUNT(GetNumberOfEventIndicators)
-
-#define REFUSE_VALUES(name, type)                                                                 \
-    EXPORT fmi3Status fmi3##name(fmi3Instance instance, type values[], size_t count)              \
-    {                                                                                             \
-        (void)values, (void)count;                                                                \
-        return absent(instance, "fmi3" #name);                                                    \
-    }
-
-REFUSE_VALUES(GetContinuousStates, fmi3Float64)
-REFUSE_VALUES(GetContinuousStateDerivatives, fmi3Float64)
-REFUSE_VALUES(GetNominalsOfContinuousStates, fmi3Float64)
-REFUSE_VALUES(GetEventIndicators, fmi3Float64)
-REFUSE_VALUES(SetContinuousStates, const fmi3Float64)
 
 /* of clocks, in seconds or as fractions of them */
 #define REFUSE_DECIMALS(name, type)                                                               \
@@ -137,31 +95,6 @@ EXPORT fmi3Status fmi3GetIntervalFraction(fmi3Instance instance, const fmi3Value
 {
     (void)vr, (void)count, (void)counters, (void)resolutions, (void)qualifiers;
     return absent(instance, "fmi3GetIntervalFraction");
-}
-
-EXPORT fmi3Status fmi3UpdateDiscreteStates(fmi3Instance instance, fmi3Boolean *update_needed,
-                                           fmi3Boolean *terminate, fmi3Boolean *nominals_changed,
-                                           fmi3Boolean *values_changed, fmi3Boolean *next_defined,
-                                           fmi3Float64 *next_time)
-{
-    (void)update_needed, (void)terminate, (void)nominals_changed, (void)values_changed,
-        (void)next_defined, (void)next_time;
-    return absent(instance, "fmi3UpdateDiscreteStates");
-}
-
-EXPORT fmi3Status fmi3CompletedIntegratorStep(fmi3Instance instance,
-                                              fmi3Boolean no_set_state_before,
-                                              fmi3Boolean *enter_event_mode,
-                                              fmi3Boolean *terminate)
-{
-    (void)no_set_state_before, (void)enter_event_mode, (void)terminate;
-    return absent(instance, "fmi3CompletedIntegratorStep");
-}
-
-EXPORT fmi3Status fmi3SetTime(fmi3Instance instance, fmi3Float64 time)
-{
-    (void)time;
-    return absent(instance, "fmi3SetTime");
 }
 
 EXPORT fmi3Status fmi3ActivateModelPartition(fmi3Instance instance, fmi3ValueReference clock,

@@ -47,7 +47,7 @@ static Unit *instantiate(const char *name, const char *token, const char *resour
 }
 
 void *front_instantiate(const char *name, const char *token, const char *resources, Log log,
-                        void *host, size_t size)
+                        void *host, size_t size, int exchanges)
 {
     Unit *unit = instantiate(name, token, resources, log, host);
     void *instance = unit ? unit_allocate(unit, 1, size) : NULL;
@@ -55,8 +55,10 @@ void *front_instantiate(const char *name, const char *token, const char *resourc
         memcpy(instance, host, size);
         *(Unit **)instance = unit;
         unit->host = instance;
-    } else if (unit) {
+    }
+    if (unit && (!instance || (exchanges && exchange_begin(unit)))) {
         unit_free(unit);
+        return NULL;
     }
     return instance;
 }
@@ -100,6 +102,14 @@ Status front_refuse(void *instance, const char *function, const char *why)
 Status front_wrong_type(void *instance, const char *function, size_t count, const char *why)
 {
     return instance && !count ? STATUS_OK : front_refuse(instance, function, why);
+}
+
+Status front_exchange(void *instance, const char *function, ExchangeCall call, double *values, size_t count)
+{
+    const int phases = call < SET_STATES ? AFTER_INSTANTIATION : RUNNING;
+    const size_t arrays = call == ENTER_MODE ? 0 : count;
+    const Status status = front_allowed(instance, function, phases, arrays, values, values);
+    return status ? status : exchange_call(front_unit(instance), function, call, values, count);
 }
 
 Status front_save(void *instance, const char *function, void **state)

@@ -3,6 +3,7 @@
 #ifndef AUTOBALANCER_UNIT_FRONT_H
 #define AUTOBALANCER_UNIT_FRONT_H
 
+#include "coupling/exchange.h"
 #include "fmi/unit.h"
 
 enum {
@@ -15,9 +16,9 @@ enum {
 #define COMPOSITION "composition.txt"
 
 /* As unit_instantiate; what a short token is the identity of is read from the folder of the FMU's resources.
-   The instance is a copy of `host`, of that size, with the unit put in. */
+   The instance is a copy of `host`, of that size, with the unit put in; `exchanges`: for model exchange. */
 void *front_instantiate(const char *name, const char *token, const char *resources, Log log,
-                        void *host, size_t size);
+                        void *host, size_t size, int exchanges);
 void front_free(void *instance);
 Unit *front_unit(void *instance);
 /* Log category of a message, as the model description names it. */
@@ -30,6 +31,9 @@ Status front_allowed(void *instance, const char *function, int phases, size_t co
 Status front_refuse(void *instance, const char *function, const char *why);
 /* and of one for so many values of a type that no variable has. */
 Status front_wrong_type(void *instance, const char *function, size_t count, const char *why);
+
+/* A call of model exchange. */
+Status front_exchange(void *instance, const char *function, ExchangeCall call, double *values, size_t count);
 
 Status front_save(void *instance, const char *function, void **state);
 Status front_restore(void *instance, const char *function, void *state);

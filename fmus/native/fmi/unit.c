@@ -150,6 +150,9 @@ int unit_advance(Unit *unit, double step)
 Status unit_step(Unit *unit, double time, double step)
 {
     int failed = 0;
+    if (unit->exchanges) {
+        return unit_refuse(unit, "step", "the instance is for model exchange");
+    }
     if (!(step > 0.0 && is_finite(step))) {
         Text *reason = unit_reason(unit);
         text_put(reason, "communication step size = ");

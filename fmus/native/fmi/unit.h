@@ -58,6 +58,13 @@ typedef struct {
     double (*reach)(const Unit *unit, size_t input);
     /* Time derivative of an output that is no signal; `value`, 0, is left where it is not known. */
     int (*slope)(Unit *unit, size_t reference, double *value);
+    /* Continuous states of model exchange, NULL: none.  Their number behind an angle as in angle.h, which
+       comes first where there is one (`turns`), the others being doubles of `memory` behind it; nominal
+       values of the first and the second half of these; derivatives of all, at the time of the outputs. */
+    size_t (*states)(const Layout *layout);
+    int turns;
+    double nominals[2];
+    int (*derivatives)(Unit *unit, double *rates);
     /* Value of the one Boolean output, from observed outputs; NULL: there is none. */
     int (*verdict)(const Unit *unit);
 } Equations;
@@ -90,6 +97,7 @@ struct Unit {
     int own_steps; /* whether a composite's step ends with the first of its own */
     int may_end_early; /* whether the host takes a step that ends early, */
     int leaves_impacts; /* and lets weights collide itself: a composite, which knows the whole machine */
+    int exchanges;  /* whether the instance is for model exchange: the host sets state and time */
     int phase, stale;
     int frozen; /* whether outputs keep to what they found to stick, for derivatives */
     int warned; /* warnings given, a bit each */

@@ -1,5 +1,7 @@
 /* A unit's values: read and set, and refused with name, value and what is allowed. */
 #include "base/elementary.h"
+#include "constants.h"
+#include "coupling/exchange.h"
 #include "fmi/unit.h"
 
 /* 0, or 1 and which of the value references are not within the known ones. */
@@ -99,6 +101,17 @@ Status unit_read(Unit *unit, int level, const unsigned *references, size_t count
 
 Status unit_get_reals(Unit *unit, const unsigned *references, size_t count, double *values)
 {
+    const size_t states = exchange_count(unit);
+    size_t k;
+    for (k = 0; k < count; k++) { /* derivatives of states stand behind all that the layout has */
+        if (references[k] - FIRST_DERIVATIVE < states) {
+            const Status status = unit_get_reals(unit, references, k, values);
+            return status   ? status
+                   : exchange_derivative(unit, references[k] - FIRST_DERIVATIVE, values + k)
+                       ? STATUS_ERROR
+                       : unit_get_reals(unit, references + k + 1, count - k - 1, values + k + 1);
+        }
+    }
     if (unknown(unit, references, count, 0, unit->layout.real_count)) {
         return unit_report(unit, STATUS_ERROR, "reading failed");
     }

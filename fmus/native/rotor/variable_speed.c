@@ -375,11 +375,9 @@ int variable_speed_advance(const VariableSpeedStep *method, double *state, const
     return fail(failure, FAILURE_FAST_VIBRATION, "step", 1 << PART_HALVINGS, step, error, 0.0, 0.0);
 }
 
-/* Acceleration and jerk of the stations, (dof,), at time t into the step; `rates` holds velocity and
-   acceleration. */
-static void station_motion(const VariableSpeedStep *method, const double *state,
-                           const double *forces, double angle, double speed, const double *spin_up,
-                           double t, double *rates, double *jerks, double *scratch)
+void variable_speed_motion(const VariableSpeedStep *method, const double *state, const double *forces,
+                           double angle, double speed, const double *spin_up, double t, double *rates,
+                           double *jerks, double *scratch)
 {
     const int dof = method->dof, parts = method->parts;
     const size_t half = (size_t)dof * parts;
@@ -409,7 +407,7 @@ void variable_speed_plane_motion(const VariableSpeedStep *method, const double *
     const int dof = method->dof, parts = method->parts, planes = method->axes * method->plane_count;
     const size_t half = (size_t)dof * parts;
     double *rates = scratch, *jerks = rates + 2 * half, *work = jerks + half;
-    station_motion(method, state, forces, angle, speed, spin_up, t, rates, jerks, work);
+    variable_speed_motion(method, state, forces, angle, speed, spin_up, t, rates, jerks, work);
     matrix_product(parts, planes, dof, 1, method->planes, rates + half, acceleration);
     matrix_product(parts, planes, dof, 1, method->planes, jerks, jerk);
 }
@@ -425,7 +423,7 @@ void variable_speed_plane_second(const VariableSpeedStep *method, const double *
     double *rates = scratch, *jerks = rates + 2 * half, *sum = jerks + half, *term = sum + half;
     double *matrix = term + half, *work = matrix + 2 * half * dof;
     size_t k;
-    station_motion(method, state, forces, angle, speed, spin_up, t, rates, jerks, term);
+    variable_speed_motion(method, state, forces, angle, speed, spin_up, t, rates, jerks, term);
     set_drive_second(method, forces, angle, speed, spin_up, t, sum, term);
     set_matrix(method, speed + spin_up[0] * t + more.speed, matrix);
     matrix_product(parts, dof, 2 * dof, 1, matrix, rates + half, term);
@@ -494,7 +492,7 @@ void variable_speed_torque(const VariableSpeedStep *method, const LinearRotor *r
     const size_t half = (size_t)method->dof * method->parts;
     const Drift more = drift(spin_up, t);
     double *rates = scratch, *jerks = rates + 2 * half, *work = jerks + half;
-    station_motion(method, state, forces, angle, speed, spin_up, t, rates, jerks, work);
+    variable_speed_motion(method, state, forces, angle, speed, spin_up, t, rates, jerks, work);
     shaft_torque(method, rotor, state, rates, jerks,
                  angle + t * (speed + 0.5 * spin_up[0] * t) + more.angle,
                  speed + spin_up[0] * t + more.speed, spin_up[0] + more.acceleration, torque);

@@ -43,6 +43,12 @@ int variable_speed_parts(const VariableSpeedStep *method, double *state, const d
                          double angle, double speed, const double *spin_up, double step,
                          int count, double *scratch, Failure *failure);
 
+/* Acceleration and jerk of the stations, (dof,), at time t into the step; `rates` holds velocity and
+   acceleration. */
+void variable_speed_motion(const VariableSpeedStep *method, const double *state, const double *forces,
+                           double angle, double speed, const double *spin_up, double t, double *rates,
+                           double *jerks, double *scratch);
+
 /* Acceleration and jerk of the planes in fixed axes, (axes p) elements, at time t into the step, to
    which `state` belongs; the other arguments belong to the start of the step. */
 void variable_speed_plane_motion(const VariableSpeedStep *method, const double *state,

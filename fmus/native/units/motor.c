@@ -1,5 +1,6 @@
 /* The motor of limited power as a unit. */
 #include "base/elementary.h"
+#include "constants.h"
 #include "fmi/unit.h"
 #include "rotor/motor.h"
 #include "units/angle.h"
@@ -109,8 +110,23 @@ static int motor_output_slope(Unit *unit, size_t reference, double *value)
     return 0;
 }
 
+static size_t motor_state_count(const Layout *layout)
+{
+    (void)layout;
+    return 1;
+}
+
+static int motor_derivatives(Unit *unit, double *rates)
+{
+    const double *out = unit->real + unit->layout.computed.first;
+    rates[0] = out[OUT_SPEED];
+    rates[1] = out[OUT_ACCELERATION];
+    return 0;
+}
+
 const Equations MOTOR_EQUATIONS = {
     .name = "Motor", .own_size = sizeof(Motor), .memory_size = motor_memory_size,
     .starts = motor_starts, .parameters = motor_parameters, .begin = motor_begin,
     .step = motor_step_unit, .outputs = motor_outputs, .observe = motor_observe,
-    .signals = motor_signals, .slope = motor_output_slope};
+    .signals = motor_signals, .slope = motor_output_slope, .states = motor_state_count, .turns = 1,
+    .nominals = {NOMINAL_ANGULAR_VELOCITY}, .derivatives = motor_derivatives};

@@ -3,6 +3,7 @@
 
 #include "units/rotor.h"
 #include "base/elementary.h"
+#include "constants.h"
 #include "base/matrix.h"
 #include "base/spin.h"
 #include "rotor/propagator.h"
@@ -247,9 +248,15 @@ static int rotor_slope(Unit *unit, size_t reference, double *value)
     return 0;
 }
 
+static size_t rotor_state_count(const Layout *layout)
+{
+    return 4 * (size_t)layout->sizes.stations;
+}
+
 const Equations ROTOR_EQUATIONS = {
     .name = "RotorOnSupports", .own_size = sizeof(Rotor), .memory_size = rotor_memory_size,
     .starts = rotor_starts, .allocate = rotor_allocate, .parameters = rotor_parameters,
     .begin = rotor_begin, .step = rotor_step_unit, .outputs = rotor_outputs,
     .observe = rotor_observe, .observe_torques = rotor_observe_torques, .is_torque = unit_ends_with,
-    .signals = rotor_signals, .slope = rotor_slope};
+    .signals = rotor_signals, .slope = rotor_slope, .states = rotor_state_count, .turns = 1,
+    .nominals = {NOMINAL_DISPLACEMENT, NOMINAL_VELOCITY}, .derivatives = rotor_derivatives};

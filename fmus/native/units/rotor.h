@@ -128,6 +128,9 @@ void rotor_put(Rotor *own, const double *planes, double angle, double speed, dou
 int rotor_outputs_now(Unit *unit, double *out);
 /* Torque on the shaft and its slope at the present time; 1 with the reason. */
 int rotor_torque_now(Unit *unit, double *torque);
+/* Derivatives of angle, displacements and velocities at the present time, without friction; 1 with the
+   reason. */
+int rotor_derivatives(Unit *unit, double *rates);
 
 /* -- rotor_gravity.c --------------------------------------------------------------------- */
 

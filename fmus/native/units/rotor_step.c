@@ -237,22 +237,49 @@ static int friction_torque(Unit *unit, double ago, double *torque)
     return 0;
 }
 
-int rotor_torque_now(Unit *unit, double *torque)
+/* Prepare own->variable and own->state for the present time; how long ago the inputs were set [s], and
+   the angle then. */
+static int stand_now(Unit *unit, double *ago, double *angle)
 {
     Rotor *own = unit->own;
     const double speed = rotor_drive(unit)[0], *spin_up = rotor_drive(unit) + SPIN_UP;
-    const double ago = unit->memory[MOTION + 4 * own->stations + 1];
-    const double angle = unit->memory[REST] - (ago * (speed + 0.5 * spin_up[0] * ago) +
-                                               drift(spin_up, ago).angle);
+    *ago = unit->memory[MOTION + 4 * own->stations + 1];
+    *angle = unit->memory[REST] - (*ago * (speed + 0.5 * spin_up[0] * *ago) + drift(spin_up, *ago).angle);
     if (rotor_make_variable(unit)) {
+        return 1;
+    }
+    to_axes(unit->memory + MOTION, own->axes, 2, own->stations, own->state);
+    return 0;
+}
+
+int rotor_torque_now(Unit *unit, double *torque)
+{
+    Rotor *own = unit->own;
+    double ago, angle;
+    if (stand_now(unit, &ago, &angle)) {
         return 1;
     }
     if (own->slider_count) {
         return friction_torque(unit, ago, torque);
     }
-    to_axes(unit->memory + MOTION, own->axes, 2, own->stations, own->state);
-    variable_speed_torque(&own->variable, &own->rotor, own->state, rotor_drive(unit) + SPUN,
-                          angle, speed, spin_up, ago, torque, own->variable_scratch);
+    variable_speed_torque(&own->variable, &own->rotor, own->state, rotor_drive(unit) + SPUN, angle,
+                          rotor_drive(unit)[0], rotor_drive(unit) + SPIN_UP, ago, torque,
+                          own->variable_scratch);
+    return 0;
+}
+
+int rotor_derivatives(Unit *unit, double *rates)
+{
+    Rotor *own = unit->own;
+    const size_t n = (size_t)own->stations;
+    double *moved = own->variable_scratch, *jerks = moved + 4 * n, ago, angle;
+    if (stand_now(unit, &ago, &angle)) {
+        return 1;
+    }
+    variable_speed_motion(&own->variable, own->state, rotor_drive(unit) + SPUN, angle, rotor_drive(unit)[0],
+                          rotor_drive(unit) + SPIN_UP, ago, moved, jerks, jerks + 2 * n);
+    rates[0] = unit->memory[MOTION + 4 * n];
+    from_axes(moved, own->axes, 2, (int)n, rates + 1);
     return 0;
 }
 
@@ -329,7 +356,7 @@ static int propagate(Unit *unit, double step)
     if (own->slider_count) {
         return propagate_friction(unit, step);
     }
-    if (rotor_drive(unit)[SPIN_UP] != 0.0 || drifts(rotor_drive(unit) + SPIN_UP)) {
+    if (unit->exchanges || rotor_drive(unit)[SPIN_UP] != 0.0 || drifts(rotor_drive(unit) + SPIN_UP)) {
         return propagate_variable(unit, step);
     }
     if (set_operand(unit)) {

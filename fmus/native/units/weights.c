@@ -3,6 +3,7 @@
 
 #include "units/weights.h"
 #include "base/elementary.h"
+#include "constants.h"
 #include "base/quintic.h"
 #include "base/spin.h"
 #include "contact/centre.h"
@@ -358,6 +359,22 @@ static double weights_reach(const Unit *unit, size_t input)
                                                                          : size;
 }
 
+/* Acceleration of the k-th of weights without events at the present time [rad/s^2]. */
+static double weight_acceleration(const Unit *unit, size_t k)
+{
+    const Balls *own = unit->own;
+    const RotorMotion now = weights_motion_now(unit);
+    const double spin_up[4] = {now.spin_up, now.change, 0.0, 0.0};
+    const Complex none = {0.0, 0.0}, of_plane[SIGNAL_ORDERS] = {now.acceleration, now.slope, none, none};
+    const Weights one = weights_single(&own->track.weights, (int)k);
+    const double *angle = unit->memory + k;
+    Complex motion[SIGNAL_ORDERS];
+    double turned[2];
+    shifted(of_plane, own->track.offset, now.speed, spin_up, motion);
+    weights_unhindered(&one, angle, angle + own->count, motion, now.spin_up, now.change, turned);
+    return turned[0];
+}
+
 static int weights_slope(Unit *unit, size_t reference, double *value)
 {
     const Balls *own = unit->own;
@@ -369,14 +386,24 @@ static int weights_slope(Unit *unit, size_t reference, double *value)
     }
     if (output < count) {
         *value = unit->memory[count + output];
-    } else if (output < 2 * count && own->plain) {
-        const RotorMotion now = weights_motion_now(unit);
-        const Complex motion[2] = {now.acceleration, now.slope};
-        const Weights one = weights_single(&own->track.weights, (int)(output - count));
-        double turned[2];
-        weights_unhindered(&one, unit->memory + output - count, unit->memory + output, motion,
-                           now.spin_up, now.change, turned);
-        *value = turned[0];
+    } else if (output < 2 * count && !own->track.eventful) {
+        *value = weight_acceleration(unit, output - count);
+    }
+    return 0;
+}
+
+static size_t weights_state_count(const Layout *layout)
+{
+    return 2 * (size_t)layout->sizes.weights;
+}
+
+static int weights_derivatives(Unit *unit, double *rates)
+{
+    const size_t count = (size_t)((const Balls *)unit->own)->count;
+    size_t k;
+    for (k = 0; k < count; k++) {
+        rates[k] = unit->memory[count + k];
+        rates[count + k] = weight_acceleration(unit, k);
     }
     return 0;
 }
@@ -387,4 +414,5 @@ const Equations WEIGHTS_EQUATIONS = {
     .begin = weights_begin, .step = weights_step_unit, .outputs = weights_outputs,
     .observe = weights_observe, .observe_torques = weights_observe_torques,
     .is_torque = unit_ends_with, .signals = weights_signals, .reach = weights_reach,
-    .slope = weights_slope};
+    .slope = weights_slope, .states = weights_state_count, .nominals = {1.0, NOMINAL_ANGULAR_VELOCITY},
+    .derivatives = weights_derivatives};

@@ -52,6 +52,11 @@ static struct {
     fmi2Status (*get_slopes)(fmi2Component, const fmi2ValueReference *, size_t,
                              const fmi2Integer *, fmi2Real *);
     fmi2Status (*cancel)(fmi2Component);
+    fmi2Status (*get_states)(fmi2Component, fmi2Real *, size_t);
+    fmi2Status (*set_states)(fmi2Component, const fmi2Real *, size_t);
+    fmi2Status (*derivatives)(fmi2Component, fmi2Real *, size_t);
+    fmi2Status (*events)(fmi2Component, fmi2EventInfo *);
+    fmi2Status (*complete)(fmi2Component, fmi2Boolean, fmi2Boolean *, fmi2Boolean *);
 } two;
 
 static struct {
@@ -68,6 +73,7 @@ static struct {
                       size_t);
     fmi3Status (*step)(fmi3Instance, fmi3Float64, fmi3Float64, fmi3Boolean, fmi3Boolean *,
                        fmi3Boolean *, fmi3Boolean *, fmi3Float64 *);
+    fmi3Status (*count)(fmi3Instance, size_t *);
 } three;
 
 static int failures;
@@ -155,6 +161,12 @@ static void load(void *library)
     bind(library, "fmi2SetRealInputDerivatives", &two.set_slopes);
     bind(library, "fmi2GetRealOutputDerivatives", &two.get_slopes);
     bind(library, "fmi2CancelStep", &two.cancel);
+    bind(library, "fmi2GetContinuousStates", &two.get_states);
+    bind(library, "fmi2SetContinuousStates", &two.set_states);
+    bind(library, "fmi2GetDerivatives", &two.derivatives);
+    bind(library, "fmi2NewDiscreteStates", &two.events);
+    bind(library, "fmi2CompletedIntegratorStep", &two.complete);
+    bind(library, "fmi3GetNumberOfContinuousStates", &three.count);
     bind(library, "fmi3InstantiateCoSimulation", &three.instantiate);
     bind(library, "fmi3FreeInstance", &three.release);
     bind(library, "fmi3EnterInitializationMode", &three.enter);
@@ -466,10 +478,6 @@ static void wrong_identity(const Kind *kind)
     told = 0;
     check(!two.instantiate("a", fmi2CoSimulation, NULL, NULL, &LISTENING, 0, 0) && told == 1,
           "no GUID", kind->token);
-    told = 0;
-    check(!two.instantiate("a", fmi2ModelExchange, kind->token, NULL, &LISTENING, 0, 0) &&
-              told == 1,
-          "model exchange", kind->token);
     for (k = 0; k < sizeof names / sizeof *names; k++) {
         fmi2Component c =
             two.instantiate(names[k], fmi2CoSimulation, kind->token, places[k], NULL, 0, 0);
@@ -477,6 +485,38 @@ static void wrong_identity(const Kind *kind)
         check(two.step(c, 0.0, 1e-3, 0) == fmi2Error, "a refusal that nobody hears", kind->token);
         two.release(c);
     }
+}
+
+/* -- model exchange ------------------------------------------------------------------------- */
+
+/* Composites without events have it; the others say why not. */
+static void exchange(const Kind *kind)
+{
+    const int composite = !strncmp(kind->token, "Composite", 9);
+    double states[MOST], rates[MOST], again[MOST];
+    fmi2EventInfo info;
+    size_t count = 0;
+    fmi2Component c;
+    told = 0;
+    c = two.instantiate("a", fmi2ModelExchange, kind->token, NULL, &LISTENING, 0, 0);
+    check(composite ? c && !told : !c && told == 1 && strstr(last, "instantiation failed: ") != NULL,
+          "composites alone have model exchange", kind->token);
+    if (!c) {
+        return;
+    }
+    if (two.setup(c, 0, 0.0, 0.0, 0, 0.0) || two.enter(c) || two.leave(c)) {
+        check(told == 1 && strstr(last, "model exchange is for") != NULL, "events refused", kind->token);
+    } else {
+        check(!three.count(c, &count) && !two.events(c, &info) && !two.get_states(c, states, count) &&
+                  !two.derivatives(c, rates, count) && !two.set_states(c, states, count) &&
+                  !two.derivatives(c, again, count) && !memcmp(rates, again, count * sizeof *rates) &&
+                  !two.complete(c, 1, NULL, NULL),
+              "states set and derivatives read", kind->token);
+        check(two.set_states(c, states, count + 1) == fmi2Error && two.step(c, 0.0, 1e-3, 1) == fmi2Error &&
+                  two.get_states(c, NULL, count) == fmi2Error && two.events(c, NULL) == fmi2Error,
+              "wrong calls refused", kind->token);
+    }
+    two.release(c);
 }
 
 /* -- memory --------------------------------------------------------------------------------- */
@@ -583,6 +623,7 @@ int main(int count, char **words)
         calls_out_of_order(&kind);
         calls_in_any_order(&kind);
         damaged_states_are_refused(&kind);
+        exchange(&kind);
         wrong_identity(&kind);
         a_step_allocates_nothing(&kind);
         repeated_instances_leave_nothing(&kind, allocations() != 0);

@@ -1,0 +1,163 @@
+#include "coupling/exchange.h"
+
+#include <string.h>
+
+#include "base/elementary.h"
+#include "coupling/composite.h"
+#include "units/angle.h"
+
+static const char FAILED[] = "model exchange failed";
+
+Status exchange_begin(Unit *unit)
+{
+    if (unit->equations != &COMPOSITE_EQUATIONS) {
+        return unit_refuse(unit, "instantiation failed", "the unit is for co-simulation, not for model exchange");
+    }
+    unit->exchanges = 1;
+    ((Composite *)unit->own)->parts->unit->exchanges = 1;
+    return STATUS_OK;
+}
+
+/* Get or set the states of a part, or get nominal values or derivatives; their number, without values
+   that alone.  1 in `wrong` with the reason. */
+static size_t part_states(Unit *unit, const Part *of, ExchangeCall call, double *values, int *wrong)
+{
+    Unit *part = of->unit;
+    const Equations *own = part->equations;
+    const size_t plain = own->states ? own->states(&part->layout) : 0, turns = plain && own->turns;
+    double *memory = part->memory + (turns ? ANGLE_SIZE : 0);
+    size_t k;
+    if (!values || !plain) {
+        return turns + plain;
+    }
+    if (call == GET_DERIVATIVES) {
+        *wrong = own->derivatives(part, values) && composite_part_failed(unit, of);
+    } else if (call == SET_STATES) {
+        if (turns) {
+            angle_start(part->memory, *values);
+        }
+        memcpy(memory, values + turns, plain * sizeof(double));
+    } else {
+        *values = call == GET_STATES ? angle_total(part->memory) : 1.0;
+        for (k = 0; k < plain; k++) {
+            values[turns + k] = call == GET_STATES ? memory[k] : own->nominals[2 * k >= plain];
+        }
+    }
+    return turns + plain;
+}
+
+/* The same of all parts. */
+static size_t states(Unit *unit, ExchangeCall call, double *values, int *wrong)
+{
+    const Composite *c = unit->own;
+    size_t count = 0;
+    int k;
+    for (k = 0; k < c->part_count && !*wrong; k++) {
+        count += part_states(unit, c->parts + k, call, values ? values + count : NULL, wrong);
+    }
+    return count;
+}
+
+size_t exchange_count(Unit *unit)
+{
+    int wrong = 0;
+    return unit->equations == &COMPOSITE_EQUATIONS ? states(unit, GET_STATES, NULL, &wrong) : 0;
+}
+
+static int find_derivatives(Unit *unit, double *rates)
+{
+    int wrong = unit_refresh(unit, OBSERVED) || composite_eventful(unit);
+    if (!wrong) {
+        states(unit, GET_DERIVATIVES, rates, &wrong);
+    }
+    return wrong;
+}
+
+Status exchange_derivative(Unit *unit, size_t state, double *value)
+{
+    double *rates = ((const Composite *)unit->own)->saved_reals; /* more than states, and no step is under way */
+    if (find_derivatives(unit, rates)) {
+        return unit_report(unit, STATUS_ERROR, "reading failed");
+    }
+    *value = rates[state];
+    return STATUS_OK;
+}
+
+/* Pass the time events that are due; when the next is. */
+static int pass_events(Unit *unit, double *next)
+{
+    const Composite *c = unit->own;
+    const double now = unit->time + TIME_ROUNDING * absolute(unit->time);
+    double jump;
+    if (unit_refresh(unit, OBSERVED)) {
+        return 1;
+    }
+    for (jump = composite_next_jump(c); jump > 0.0 && jump <= now; jump = composite_next_jump(c)) {
+        unit->stale = COMPUTED;
+        if (composite_pass_jump(unit)) {
+            return 1;
+        }
+    }
+    *next = jump > 0.0 ? jump : infinity();
+    return 0;
+}
+
+/* Follow the vibration since the integrator's step before. */
+static int complete_step(Unit *unit)
+{
+    Composite *c = unit->own;
+    Clock *clock = &c->course->clock;
+    if (unit_refresh(unit, OBSERVED)) {
+        return 1;
+    }
+    verdict_follow(c, c->motor ? shaft_speed(c) : composite_speed(c, unit->time), unit->time - clock->begin);
+    memcpy(c->at_begin, c->states, c->state_count * sizeof(double));
+    clock->begin = unit->time;
+    return 0;
+}
+
+static int call_on(Unit *unit, ExchangeCall call, double *values)
+{
+    int wrong = 0;
+    switch (call) {
+    case GET_DERIVATIVES:
+        return find_derivatives(unit, values);
+    case PASS_EVENTS:
+        return pass_events(unit, values);
+    case COMPLETE_STEP:
+        return complete_step(unit);
+    case ENTER_MODE:
+        return 0;
+    case SET_TIME:
+        unit->time = *values;
+        break;
+    default:
+        wrong = unit_refresh(unit, COMPUTED);
+        if (!wrong) {
+            states(unit, call, values, &wrong);
+        }
+    }
+    if (call >= SET_STATES && unit->stale < COMPUTED) {
+        unit->stale = COMPUTED;
+    }
+    return wrong;
+}
+
+Status exchange_call(Unit *unit, const char *function, ExchangeCall call, double *values, size_t count)
+{
+    const size_t expected = call <= SET_STATES ? exchange_count(unit) : call <= PASS_EVENTS;
+    size_t k;
+    if (!unit->exchanges) {
+        return unit_refuse(unit, function, "the instance is for co-simulation");
+    }
+    if (count != expected) {
+        return unit_refuse(unit, function, "there must be as many values as continuous states, and none of event "
+                                           "indicators");
+    }
+    for (k = 0; k < count && (call == SET_STATES || call == SET_TIME); k++) {
+        if (!is_finite(values[k])) {
+            return unit_refuse(unit, function, "values must be finite numbers");
+        }
+    }
+    return call_on(unit, call, values) ? unit_report(unit, STATUS_ERROR, FAILED) : STATUS_OK;
+}

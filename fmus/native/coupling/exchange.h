@@ -1,0 +1,34 @@
+/* Model exchange of a composite without events of its weights and supports: the host integrates.
+
+   The host sets time, inputs and continuous states.  The states go straight into the memories of the
+   parts, which own them.  Whatever is read next brings forces and accelerations into agreement at that
+   state, as the start of a co-simulation does; then the inputs of all parts are consistent, and each part
+   gives the derivatives of its own states.  Corners of a profile and changes of the unbalance are time
+   events. */
+#ifndef AUTOBALANCER_EXCHANGE_H
+#define AUTOBALANCER_EXCHANGE_H
+
+#include "fmi/unit.h"
+
+/* The first four have values of all states, the next two one time [s], the last two none. */
+typedef enum {
+    GET_STATES,
+    GET_NOMINALS,
+    GET_DERIVATIVES,
+    SET_STATES,
+    SET_TIME,
+    PASS_EVENTS, /* that are due; the time of the next, infinite where there is none */
+    COMPLETE_STEP,
+    ENTER_MODE
+} ExchangeCall;
+
+/* Make a new instance one for model exchange; an error for a unit that has none. */
+Status exchange_begin(Unit *unit);
+/* Number of continuous states; 0 for a unit that is no composite. */
+size_t exchange_count(Unit *unit);
+/* Derivative of one state, at a communication point too. */
+Status exchange_derivative(Unit *unit, size_t state, double *value);
+/* The error of a call that is wrong by itself, in `function`. */
+Status exchange_call(Unit *unit, const char *function, ExchangeCall call, double *values, size_t count);
+
+#endif

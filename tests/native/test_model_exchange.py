@@ -1,0 +1,218 @@
+"""Model exchange of the one-file unit: a solver of the tool integrates the states of its parts."""
+
+from __future__ import annotations
+
+import ctypes
+from dataclasses import replace
+
+import fmpy
+import numpy as np
+import pytest
+from fmpy import platform_tuple
+from fmpy.fmi1 import FMICallException
+from fmpy.validation import validate_fmu
+from scipy.integrate import solve_ivp
+
+from autobalancer.fmus.composite.build import build_composite
+from autobalancer.harness import load_scene
+from autobalancer.harness.master.one_file import composition
+
+TIGHT = 1e-12
+CHANGE = {"time": 0.1234, "number": 1.0, "amount": 2e-3, "angle": 1.0}
+
+
+def parts_with(made, model, start):
+    """The composition with other start values of the parts of this model."""
+    parts = [replace(p, start={**p.start, **start}) if p.model == model else p for p in made.parts]
+    return replace(made, parts=tuple(parts))
+
+
+def eccentric(made):
+    """The composition with a track beside the axis, and a force from outside."""
+    made = parts_with(made, "BallBalancer", {"track_offset_xi": 2e-4, "track_offset_eta": -1e-4})
+    return replace(made, start={**made.start, "rotor.plane[1].F_y": 20.0})
+
+
+def changing(made):
+    """The composition with an unbalance that changes at a time between points of the output."""
+    change = {f"unbalance_change[1].{key}": value for key, value in CHANGE.items()}
+    return replace(made, changes=1, start={**made.start, **change})
+
+
+MACHINES = {
+    "balls": ("two_balls", lambda made: made, 5.0),
+    "compensated": ("two_balls", lambda made: replace(made, scheme="compensated"), 5.0),
+    "liquid": ("liquid_disc", lambda made: made, 0.5),
+    "balls and liquid": ("balls_and_liquid", lambda made: made, 0.3),
+    "eccentric track": ("balls_and_liquid", eccentric, 0.3),
+    "force, gravity": ("liquid_heavy_force", lambda made: made, 0.3),
+    "motor": ("sommerfeld", lambda made: made, 0.5),
+    "shaft": ("three_mass_shaft", lambda made: made, 1.0),
+    "run-up with a corner": ("run_up", lambda made: made, 2.5),
+    "changing unbalance": ("balls_and_liquid", changing, 0.3),
+}
+
+
+def built(folder, name, fmi=2):
+    scene, change, stop = MACHINES[name]
+    made = change(composition(load_scene(scene)))
+    return build_composite(made, folder, name="one", fmi=fmi, platforms=[platform_tuple]), stop
+
+
+def states_of(path):
+    return [d.variable.derivative for d in fmpy.read_model_description(str(path)).derivatives]
+
+
+def simulated(path, stop, kind, names, **settings):
+    """Rows at 200 points; at a time event the solver writes two."""
+    step = {"output_interval": stop / 200, "stop_time": stop}
+    run = fmpy.simulate_fmu(str(path), fmi_type=kind, output=names, **step, **settings)
+    rows = np.unique(np.round(run["time"] / step["output_interval"]), return_index=True)[1]
+    return np.array([run[n][rows] for n in names]).T
+
+
+@pytest.mark.parametrize("fmi", [2, 3])
+@pytest.mark.parametrize("name", MACHINES)
+def test_a_solver_of_the_tool_finds_the_motion_of_co_simulation(tmp_path, name, fmi):
+    path, stop = built(tmp_path, name, fmi)
+    assert validate_fmu(str(path)) == []
+    names = [v.name for v in states_of(path)]
+    exact = {"coupling.tolerance": 10.0 * TIGHT if name == "force, gravity" else TIGHT}
+    if name == "compensated":
+        exact = {"coupling.tolerance": 0.0, "coupling.steps_per_rev": 400.0}
+    steps = simulated(path, stop, "CoSimulation", names, start_values=exact)
+    solved = simulated(path, stop, "ModelExchange", names, solver="CVode", relative_tolerance=TIGHT)
+    largest = abs(steps).max(axis=0)
+    assert (abs(solved - steps).max(axis=0) <= 1e-8 * largest).all()
+
+
+class Exchange:
+    """An instance of FMI 2.0 for model exchange in continuous-time mode."""
+
+    def __init__(self, path, values=None):
+        self.description = fmpy.read_model_description(str(path))
+        exchange, folder = self.description.modelExchange, fmpy.extract(str(path))
+        identifier = (exchange or self.description.coSimulation).modelIdentifier
+        self.references = {v.name: v.valueReference for v in self.description.modelVariables}
+        self.unit = fmpy.fmi2.FMU2Model(
+            guid=self.description.guid,
+            unzipDirectory=folder,
+            modelIdentifier=identifier,
+            instanceName="one",
+        )
+        self.unit.instantiate(callbacks=None, loggingOn=True)
+        self.unit.setupExperiment()
+        self.unit.enterInitializationMode()
+        for key, value in (values or {}).items():
+            self.unit.setReal([self.references[key]], [value])
+        self.unit.exitInitializationMode()
+        self.count = len(states_of(path))
+        self.buffer = np.zeros(self.count)
+        self.pointer = self.buffer.ctypes.data_as(fmpy.fmi2.POINTER(fmpy.fmi2.fmi2Real))
+
+    def read(self, function):
+        getattr(self.unit, function)(self.pointer, self.count)
+        return self.buffer.copy()
+
+    def place(self, time, states):
+        self.unit.setTime(time)
+        self.buffer[:] = states
+        self.unit.setContinuousStates(self.pointer, self.count)
+
+
+@pytest.mark.parametrize("name", ["balls and liquid", "motor", "shaft", "run-up with a corner"])
+def test_derivatives_are_those_of_the_motion_whatever_was_asked_before(tmp_path, name):
+    """At points of a co-simulation, by differences of its motion and by its variables."""
+    path, _ = built(tmp_path, name)
+    names = [v.name for v in states_of(path)]
+    rates = [f"der({n})" for n in names]
+    exact = {"coupling.tolerance": TIGHT}
+    h = 2e-3 if name == "shaft" else 1e-4  # the shaft turns slowly, and angles are rounded
+    run = fmpy.simulate_fmu(
+        str(path), stop_time=40 * h, output_interval=h, output=[*names, *rates], start_values=exact
+    )
+    seen = np.array([[row[n] for n in names] for row in run])
+    told = np.array([[row[n] for n in rates] for row in run])
+    weights = np.array([1.0, -9.0, 45.0, 0.0, -45.0, 9.0, -1.0]) / -60.0 / h
+    found = sum(w * seen[k : k + 35] for k, w in enumerate(weights))
+    size = abs(told).max(axis=0)
+    assert (abs(found - told[3:38]).max(axis=0) <= 1e-6 * size).all()
+    host = Exchange(path)
+    first = host.read("getDerivatives")
+    for k in (35, 7, 20):
+        host.place(float(run["time"][k]), seen[k])
+        assert (abs(host.read("getDerivatives") - told[k]) <= 1e-9 * size).all()
+        assert host.read("getContinuousStates") == pytest.approx(seen[k], rel=1e-15, abs=1e-300)
+    kept = host.unit.serializeFMUState(host.unit.getFMUState())
+    rates_there = host.read("getDerivatives")
+    host.place(0.0, seen[0])
+    assert (host.read("getDerivatives") == first).all()
+    host.unit.setFMUState(host.unit.deserializeFMUState(kept))
+    assert (host.read("getDerivatives") == rates_there).all()
+
+
+def test_a_speed_that_the_tool_prescribes_moves_the_rotor_alike(tmp_path):
+    path, stop = built(tmp_path, "balls and liquid")
+    names = [v.name for v in states_of(path)]
+    columns = [("time", float), ("speed", float), ("acceleration", float)]
+    told = np.array([(0.0, 250.0, -100.0), (stop, 250.0 - 100.0 * stop, -100.0)], columns)
+    steps = simulated(
+        path, stop, "CoSimulation", names, input=told, start_values={"coupling.tolerance": TIGHT}
+    )
+    host = Exchange(path, {"speed": 250.0, "acceleration": -100.0})
+    speed = [host.references["speed"]]
+
+    def rates(time, states):
+        host.unit.setReal(speed, [250.0 - 100.0 * time])
+        host.place(time, states)
+        return host.read("getDerivatives")
+
+    start = host.read("getContinuousStates")
+    tight = {"method": "DOP853", "rtol": TIGHT, "atol": 1e-14}
+    found = solve_ivp(rates, (0.0, stop), start, **tight).y[:, -1]
+    assert (abs(found - steps[-1]) <= 1e-8 * abs(steps).max(axis=0)).all()
+
+
+def test_nominal_values_are_those_of_the_description(tmp_path):
+    path, _ = built(tmp_path, "motor")
+    host = Exchange(path)
+    of_type = {t.name: float(t.nominal) for t in host.description.typeDefinitions}
+    expected = [of_type[v.declaredType.name] for v in states_of(path)]
+    assert host.read("getNominalsOfContinuousStates").tolist() == expected
+
+
+def test_the_vibration_of_model_exchange_is_that_of_co_simulation(tmp_path):
+    path, _ = built(tmp_path, "balls")
+    names = ["vibration", "residual_unbalance", "capacity_used"]
+    solved = simulated(path, 20.0, "ModelExchange", names, relative_tolerance=1e-9)
+    steps = simulated(path, 20.0, "CoSimulation", names)
+    assert solved[-1] == pytest.approx(steps[-1], rel=1e-4)
+
+
+@pytest.mark.parametrize("scene", ["finite_weights", "bristol_friction"])
+def test_machines_with_events_are_for_co_simulation_alone(tmp_path, scene):
+    made = composition(load_scene(scene))
+    path = build_composite(made, tmp_path, name="one", platforms=[platform_tuple])
+    description = fmpy.read_model_description(str(path))
+    assert description.modelExchange is None
+    assert not description.derivatives
+    with pytest.raises(FMICallException):
+        Exchange(path)
+
+
+def test_calls_of_the_other_interface_are_refused(tmp_path):
+    path, _ = built(tmp_path, "balls")
+    host = Exchange(path)
+    calls = [
+        lambda: host.unit.getContinuousStates(host.pointer, host.count - 1),
+        lambda: host.unit.getEventIndicators(host.pointer, 1),
+        lambda: host.place(0.0, [float("nan")] * host.count),
+        lambda: host.unit.setTime(float("inf")),
+    ]
+    for call in calls:
+        with pytest.raises(FMICallException):
+            call()
+    step = (ctypes.c_void_p(host.unit.component), ctypes.c_double(), ctypes.c_double(1e-3), 0)
+    assert host.unit.dll.fmi2DoStep(*step) == fmpy.fmi2.fmi2Error
+    with pytest.raises(FMICallException):
+        Exchange(path, {"weights.weight_radius": 0.01})
