@@ -78,7 +78,9 @@ def command(
                 "--release: takes --platform only; it has all scenes and versions of FMI"
             )
         with progress_bar("building") as progress:
-            show(build_release(release, platform, progress=progress).table())
+            archive = build_release(release, platform, progress=progress)
+        show(archive.table())
+        say(f"Left out as SSP of separate units: {'; '.join(archive.left_out) or 'none'}")
         return
     with progress_bar("building") as progress:
         form["progress"] = progress

@@ -1,4 +1,4 @@
-"""What a release carries: units, the bundled scenes as one FMU and as SSP, in one archive."""
+"""What a release carries: units, the bundled scenes as one FMU and as SSPs, in one archive."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from ...fmus.xml.archive import write, zipped
+from ..errors import SceneError
 from ..output.machine import VERSION
 from ..output.workers import Progress
 from ..scene import bundled_scenes, load_scene
@@ -25,6 +26,8 @@ def build_release(
 ) -> Built:
     """Write the archive of a release: the same bytes from the same sources.
 
+    Scenes that cannot be an SSP of separate units are left out there; the result names them.
+
     Args:
         folder: where it goes.
         platforms: of the FMUs; default: all.
@@ -34,6 +37,7 @@ def build_release(
         UserError: a file cannot be built or written.
     """
     names = bundled_scenes() if scenes is None else scenes
+    left_out: list[str] = []
     with TemporaryDirectory(prefix="autobalancer-") as name:
         place = Path(name)
         for fmi in (2, 3):
@@ -42,6 +46,10 @@ def build_release(
             for fmi in (2, 3):
                 build_files(scene, place / f"fmi{fmi}/scenes", fmi, platforms, one_file=True)
             build_files(scene, place / "ssp", 2, platforms, one_file=True, ssp=True)
+            try:
+                build_files(scene, place / "ssp/separate_units", 2, platforms, ssp=True)
+            except SceneError as error:
+                left_out.append(str(error))
             if progress:
                 progress(number / len(names))
         files = {
@@ -53,4 +61,4 @@ def build_release(
     archive = zipped({**files, CHECKSUMS: "".join(sums).encode()})
     path = written(folder / f"autobalancer-{VERSION}-fmus.zip", lambda to: write(to, archive))
     row = (f"{len(files)} with {CHECKSUMS}", hashlib.sha256(archive).hexdigest())
-    return Built("Release built", ("files", "SHA-256"), (path,), (row,))
+    return Built("Release built", ("files", "SHA-256"), (path,), (row,), tuple(left_out))
