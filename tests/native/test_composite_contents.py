@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import cmath
 import math
+import re
 import zipfile
 from dataclasses import replace
 from pathlib import Path
@@ -67,27 +68,38 @@ def test_names_that_are_too_long_for_matlab_are_refused(tmp_path):
 UNEQUAL = {"mass": [0.13, 0.24, 0.31], "weight_radius": [0.01, 0.013, 0.015]}
 
 
-@pytest.mark.parametrize("weights", [{}, UNEQUAL], ids=["equal", "unequal"])
-def test_the_file_says_what_is_left_of_vibration_and_unbalance(hosted, weights):
+@pytest.mark.parametrize(
+    ("name", "weights"),
+    [("finite_weights", {}), ("finite_weights", UNEQUAL), ("three_mass_shaft", {})],
+    ids=["equal", "unequal", "shaft"],
+)
+def test_the_file_says_what_is_left_of_vibration_and_unbalance(hosted, name, weights):
     """Against the motion of the last revolution, the angles, and Goncharov's capacity."""
-    scene = load_scene("finite_weights")
+    scene = load_scene(name)
     scene = scene.replace({f"balls.{key}": value for key, value in weights.items()})
     host = hosted(scene)
     turn, many = 2.0 * math.pi / scene.profile().end, 400
     limit = host.get("vibration_limit")[0]
     rows = []
+    names = [v.name for v in host.description.modelVariables]
+    axes = [n for n in names if re.fullmatch(r"rotor\.(station\[\d\]\.)?[xy]", n)]
     flag = [v.valueReference for v in host.description.modelVariables if v.name == "balanced"]
     assert host.slave.getBoolean(flag) == [False]
     for _ in range(8):
-        rows = [host.step(turn / many) or host.get("rotor.x", "rotor.y") for _ in range(many)]
+        rows = [host.step(turn / many) or host.get(*axes) for _ in range(many)]
     vibration, left, used = host.get("vibration", "residual_unbalance", "capacity_used")
     assert vibration == pytest.approx(0.5 * np.ptp(np.array(rows), axis=0).max(), rel=0.02)
     assert host.slave.getBoolean(flag) == [vibration <= limit]
-    one = scene.balancer[0]
-    moment = complex(*host.get(f"{one.label}.moment_xi", f"{one.label}.moment_eta"))
-    assert used == pytest.approx(abs(moment) / one.capacity, rel=1e-9)
-    own = cmath.rect(*host.get("rotor.unbalance", "rotor.unbalance_angle"))
-    assert left == pytest.approx(abs(own + moment), rel=1e-9)
+    moments = [
+        complex(*host.get(f"{one.label}.moment_xi", f"{one.label}.moment_eta"))
+        for one in scene.balancer
+    ]
+    shares = [abs(m) / one.capacity for m, one in zip(moments, scene.balancer, strict=True)]
+    assert used == pytest.approx(max(shares), rel=1e-9)
+    amounts = [n for n in names if re.fullmatch(r"rotor\.unbalance(\[\d\]\.amount)?", n)]
+    turned = [n.replace(".amount", ".angle") if "[" in n else f"{n}_angle" for n in amounts]
+    own = map(cmath.rect, host.get(*amounts), host.get(*turned))
+    assert left == pytest.approx(abs(sum(own) + sum(moments)), rel=1e-9)
 
 
 @pytest.mark.parametrize("name", SCENES)
