@@ -57,6 +57,17 @@ def test_an_ssp_is_right_in_a_tool_that_reads_no_parameter_set(fmus, packaging, 
         told.free()
 
 
+def test_start_values_of_inputs_are_the_first_outputs_of_the_coupled_machine(hosted):
+    start, host = start_values(load_scene("two_balls")), hosted(load_scene("two_balls"))
+    for target, variable, source in (
+        ("weights", "a_", "rotor.plane[1].a_"),
+        ("rotor", "plane[1].F_", "weights.F_"),
+    ):
+        found = [start[target][f"{variable}{axis}"] for axis in ("xi", "eta")]
+        assert found == pytest.approx(host.get(f"{source}xi", f"{source}eta"), rel=1e-10)
+        assert all(found)
+
+
 def test_files_built_for_a_scene_run_it_and_others_of_their_sizes(tmp_path):
     """Two balancers of one size have values of their own."""
     scene = load_scene("two_plane_rodrigues").replace({"run.revolutions": 1})
