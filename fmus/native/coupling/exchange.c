@@ -132,7 +132,7 @@ static int call_on(Unit *unit, ExchangeCall call, double *values)
         unit->time = *values;
         break;
     default:
-        wrong = unit_refresh(unit, COMPUTED);
+        wrong = unit_refresh(unit, call == SET_STATES ? COMPUTED : OBSERVED); /* begun, at least */
         if (!wrong) {
             states(unit, call, values, &wrong);
         }
