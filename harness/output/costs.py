@@ -111,7 +111,9 @@ def within(
             first = now, done
         elapsed, part = now - first[0], done - first[1]
         early = elapsed <= max(LATEST * limit, 5.0 * measured)
-        if measured <= elapsed and done < 1.0 and (early or not judged):
+        # what has not moved has no rate; it is refused when the time is over
+        known = part > 0.0 or elapsed > limit
+        if known and measured <= elapsed and done < 1.0 and (early or not judged):
             judged = True
             total = elapsed / part if part > 0.0 else float("inf")
             if total > limit * (1.0 + DOUBT * measured / elapsed):

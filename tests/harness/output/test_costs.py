@@ -102,6 +102,16 @@ def test_work_in_parts_longer_than_its_limit_is_refused_after_the_first():
         watched("5s", [0.0, 1.2, 60.0])
 
 
+def test_work_that_has_not_moved_is_given_its_time():
+    told, ticks = [], iter([0.0, 5.0, 50.0, 3601.0])
+    report = within("1h", "key = 1", told.append, lambda: next(ticks))
+    for _ in range(3):
+        report(0.0)
+    with pytest.raises(UserError, match="would take about inf d"):
+        report(0.0)
+    assert told == [0.0, 0.0, 0.0]
+
+
 @pytest.mark.parametrize(
     ("text", "seconds"), [("90", 90), ("90s", 90), ("1.5h", 5400), ("2 d", 172800)]
 )
