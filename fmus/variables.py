@@ -110,6 +110,16 @@ def parameter(name: str, start: float | bool, unit: str, description: str, **mor
     return Variable(name, "parameter", unit, start, description, "fixed", **more)
 
 
+def not_negative(*declared, **more) -> Variable:
+    """A parameter of 0 or more."""
+    return parameter(*declared, minimum=0.0, **more)
+
+
+def positive(*declared, **more) -> Variable:
+    """A parameter above 0."""
+    return not_negative(*declared, above=True, **more)
+
+
 def tunable(*declared, **more) -> Variable:
     """A parameter that may be set between steps too."""
     return replace(parameter(*declared, **more), variability="tunable")

@@ -1,11 +1,1 @@
 """The liquid balancer as a unit: declared in `variables`, computed in `slave`."""
-
-from typing import TYPE_CHECKING
-
-from ..lazy import lazy_names
-
-if TYPE_CHECKING:
-    from .slave import LiquidBalancer
-
-__all__ = ["LiquidBalancer"]
-__getattr__, __dir__ = lazy_names(__name__, {"LiquidBalancer": ".slave"})

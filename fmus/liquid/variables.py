@@ -9,6 +9,7 @@ from ..variables import (
     output,
     parameter,
     plain_input,
+    positive,
     signal_inputs,
     signal_outputs,
 )
@@ -23,10 +24,10 @@ def variables(sizes: SignalSizes) -> list[Variable]:
     begins = (*_LIQUID, "inertia_as_force")
     place = "Displacement of the chamber's centre, for the clearance"
     return [
-        parameter("chamber_radius", 0.05, "m", "Radius r1 of the chamber", minimum=0.0, above=True),
-        parameter("float_radius", 0.04, "m", "Float radius r2, below r1", minimum=0.0, above=True),
-        parameter("height", 0.02, "m", "Height h of the chamber", minimum=0.0, above=True),
-        parameter("density", 1000.0, "kg/m3", "Density of the liquid", minimum=0.0, above=True),
+        positive("chamber_radius", 0.05, "m", "Radius r1 of the chamber"),
+        positive("float_radius", 0.04, "m", "Float radius r2, below r1"),
+        positive("height", 0.02, "m", "Height h of the chamber"),
+        positive("density", 1000.0, "kg/m3", "Density of the liquid"),
         parameter("inertia_as_force", False, "", "True: r m2 acts in F and added_mass is zero"),
         *signal_inputs(a, "acceleration", "Acceleration of the chamber's centre", sizes.order),
         plain_input("x", 0.0, "m", place, quantity="Displacement"),

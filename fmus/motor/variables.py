@@ -5,7 +5,15 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from ..unit import Sizes, Unit, count
-from ..variables import Variable, observed, output, parameter, signal_inputs, signal_outputs
+from ..variables import (
+    Variable,
+    observed,
+    output,
+    parameter,
+    positive,
+    signal_inputs,
+    signal_outputs,
+)
 
 
 @dataclass(frozen=True)
@@ -33,8 +41,7 @@ def variables(sizes: MotorSizes) -> list[Variable]:
     drive = ("speed0", *line)
     torque = ("torque", "der(torque)")
     return [
-        parameter("inertia", 0.1, "kg.m2", "Inertia of all that turns, unbalance included",
-                  minimum=0.0, above=True),
+        positive("inertia", 0.1, "kg.m2", "Inertia of all that turns, unbalance included"),
         *(
             variable
             for k, point in enumerate(points)

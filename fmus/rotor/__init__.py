@@ -1,11 +1,1 @@
 """The rotor on its supports as a unit: declared in `variables`, computed in `slave`."""
-
-from typing import TYPE_CHECKING
-
-from ..lazy import lazy_names
-
-if TYPE_CHECKING:
-    from .slave import RotorOnSupports
-
-__all__ = ["RotorOnSupports"]
-__getattr__, __dir__ = lazy_names(__name__, {"RotorOnSupports": ".slave"})

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from ...models.constants import DEFAULT_UNBALANCE, SPACING, SPAN, STEEL_20_MM
 from ..unit import SignalSizes, count, one_of
-from ..variables import Variable, parameter, tunable
+from ..variables import Variable, not_negative, parameter, positive, tunable
 
 
 @dataclass(frozen=True)
@@ -34,16 +34,12 @@ def planar(sizes: RotorSizes) -> list[Variable]:
     if sizes.stations != 1:
         raise ValueError(f"stations = {sizes.stations!r}: a planar rotor has exactly 1")
     return [
-        parameter(
-            "mass", 2.0, "kg", "Mass of the disc without weights or liquid", minimum=0.0, above=True
-        ),
-        parameter("stiffness_x", 8.0e4, "N/m", "Stiffness of the supports along x", minimum=0.0),
-        parameter("stiffness_y", 8.0e4, "N/m", "Stiffness of the supports along y", minimum=0.0),
-        parameter("damping_x", 40.0, "N.s/m", "Damping of the supports along x", minimum=0.0),
-        parameter("damping_y", 40.0, "N.s/m", "Damping of the supports along y", minimum=0.0),
-        parameter(
-            "internal_damping", 0.0, "N.s/m", "Damping inside the turning shaft", minimum=0.0
-        ),
+        positive("mass", 2.0, "kg", "Mass of the disc without weights or liquid"),
+        not_negative("stiffness_x", 8.0e4, "N/m", "Stiffness of the supports along x"),
+        not_negative("stiffness_y", 8.0e4, "N/m", "Stiffness of the supports along y"),
+        not_negative("damping_x", 40.0, "N.s/m", "Damping of the supports along x"),
+        not_negative("damping_y", 40.0, "N.s/m", "Damping of the supports along y"),
+        not_negative("internal_damping", 0.0, "N.s/m", "Damping inside the turning shaft"),
         tunable("unbalance", DEFAULT_UNBALANCE, "kg.m", "Unbalance of the rotor", minimum=0.0),
         tunable("unbalance_angle", 0.0, "rad", "Angle of the unbalance in the rotor"),
     ]
@@ -58,30 +54,10 @@ def two_support(sizes: RotorSizes) -> list[Variable]:
     places = [SPAN * i / (sizes.planes + 1) for i in range(1, sizes.planes + 1)]
     where = "Distance from support 1"
     return [
-        parameter(
-            "mass",
-            12.0,
-            "kg",
-            "Mass of the rotor without weights or liquid",
-            minimum=0.0,
-            above=True,
-        ),
-        parameter(
-            "inertia",
-            0.7,
-            "kg.m2",
-            "Transverse moment of inertia about the centre of mass",
-            minimum=0.0,
-            above=True,
-        ),
-        parameter(
-            "polar_inertia",
-            0.1,
-            "kg.m2",
-            "Moment of inertia about the axis of rotation",
-            minimum=0.0,
-        ),
-        parameter("span", SPAN, "m", "Distance between the supports", minimum=0.0, above=True),
+        positive("mass", 12.0, "kg", "Mass of the rotor without weights or liquid"),
+        positive("inertia", 0.7, "kg.m2", "Transverse moment of inertia about the centre of mass"),
+        not_negative("polar_inertia", 0.1, "kg.m2", "Moment of inertia about the axis of rotation"),
+        positive("span", SPAN, "m", "Distance between the supports"),
         parameter("com", SPAN / 2.0, "m", "Distance of the centre of mass from support 1"),
         *_supports(2.0e5, 150.0),
         *_planes(places, where),
@@ -106,14 +82,7 @@ def flexible(sizes: RotorSizes) -> list[Variable]:
                 "m",
                 "Place of the station on the shaft, beyond the one before",
             ),
-            parameter(
-                f"station[{j}].mass",
-                1.0,
-                "kg",
-                "Mass of the disc at the station",
-                minimum=0.0,
-                above=True,
-            ),
+            positive(f"station[{j}].mass", 1.0, "kg", "Mass of the disc at the station"),
         )
     ]
     places = [z[(i + n // 2) % n] for i in range(sizes.planes)]
@@ -124,7 +93,7 @@ def flexible(sizes: RotorSizes) -> list[Variable]:
         parameter("support[2].position", z[-1], "m", where),
         *_supports(2.0e5, 150.0),
         *_shaft(sizes, z),
-        parameter("internal_damping", 0.0, "N.s/m", softest, minimum=0.0),
+        not_negative("internal_damping", 0.0, "N.s/m", softest),
         *_planes(places, where),
         *_unbalances(sizes, z[n // 2], where),
     ]
@@ -139,14 +108,14 @@ def friction(sizes: RotorSizes) -> list[Variable]:
         for v in (
             parameter(f"slider[{k}].support", 1.0, "1", "Number of the support that has it",
                       minimum=1.0),
-            *(parameter(f"slider[{k}].limit_{axis}", 0.0, "N", f"Largest friction along {axis}",
-                        minimum=0.0) for axis in "xy"),
-            *(parameter(f"slider[{k}].stiffness_{axis}", 0.0, "N/m", text.format(axis),
-                        minimum=0.0) for axis in "xy"),
+            *(not_negative(f"slider[{k}].limit_{axis}", 0.0, "N", f"Largest friction along {axis}")
+              for axis in "xy"),
+            *(not_negative(f"slider[{k}].stiffness_{axis}", 0.0, "N/m", text.format(axis))
+              for axis in "xy"),
         )
     ]  # fmt: skip
     ends = "Shortest step that ends where a slider sticks, lets go or turns; 0: none does"
-    own = [parameter("shortest_stopped_step", 0.0, "s", ends, minimum=0.0)]
+    own = [not_negative("shortest_stopped_step", 0.0, "s", ends)]
     return [*sliders, *own[: sizes.sliders]]
 
 
@@ -189,7 +158,7 @@ def _shaft(sizes: RotorSizes, z: Sequence[float]) -> list[Variable]:
     """How the shaft bends, by one of the two descriptions."""
     if sizes.shaft == "uniform":
         text = "Bending stiffness E I of the uniform shaft"
-        return [parameter("bending_stiffness", STEEL_20_MM, "N.m2", text, minimum=0.0, above=True)]
+        return [positive("bending_stiffness", STEEL_20_MM, "N.m2", text)]
     text = "Displacement of a station by a unit force at another, neither a support"
     inner = range(1, len(z) - 1)
     return [

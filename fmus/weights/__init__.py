@@ -1,11 +1,1 @@
 """Balls, rollers or pendulums as a unit: declared in `variables`, computed in `slave`."""
-
-from typing import TYPE_CHECKING
-
-from ..lazy import lazy_names
-
-if TYPE_CHECKING:
-    from .slave import BallBalancer
-
-__all__ = ["BallBalancer"]
-__getattr__, __dir__ = lazy_names(__name__, {"BallBalancer": ".slave"})

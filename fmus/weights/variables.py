@@ -10,10 +10,12 @@ from ..variables import (
     SPIN,
     Variable,
     derivative,
+    not_negative,
     observed,
     output,
     parameter,
     plain_input,
+    positive,
     signal_inputs,
     signal_outputs,
     spin_inputs,
@@ -95,15 +97,8 @@ def variables(sizes: WeightSizes) -> list[Variable]:
 def _parameters() -> list[Variable]:
     """What is common to all weights."""
     return [
-        parameter("mass", 0.01, "kg", "Mass m of each weight", minimum=0.0, above=True),
-        parameter(
-            "track_radius",
-            0.05,
-            "m",
-            "Radius R of the circle of the weights' centres",
-            minimum=0.0,
-            above=True,
-        ),
+        positive("mass", 0.01, "kg", "Mass m of each weight"),
+        positive("track_radius", 0.05, "m", "Radius R of the circle of the weights' centres"),
         parameter(
             "kappa",
             1.4,
@@ -111,14 +106,9 @@ def _parameters() -> list[Variable]:
             "Inertia factor of a weight: 7/5 ball, 3/2 roller, 1 pendulum",
             minimum=1.0,
         ),
-        parameter("drag", 0.05, "N.s/m", "Viscous drag coefficient b of each weight", minimum=0.0),
-        parameter(
-            "weight_radius",
-            0.0,
-            "m",
-            "Radius of each weight; 0: point weights",
-            minimum=0.0,
-            native=True,
+        not_negative("drag", 0.05, "N.s/m", "Viscous drag coefficient b of each weight"),
+        not_negative(
+            "weight_radius", 0.0, "m", "Radius of each weight; 0: point weights", native=True
         ),
         parameter(
             "restitution",
@@ -129,21 +119,19 @@ def _parameters() -> list[Variable]:
             maximum=1.0,
             native=True,
         ),
-        parameter(
+        not_negative(
             "track_mobility",
             0.0,
             "1/kg",
             "Velocity of the plane for a unit impulse on it, with all masses that it carries; 0: a"
             " track that is held while weights collide",
-            minimum=0.0,
             native=True,
         ),
-        parameter(
+        not_negative(
             "rolling_resistance",
             0.0,
             "1",
             "Rolling resistance of a weight over its load; 0: none",
-            minimum=0.0,
             native=True,
         ),
         *(
@@ -156,12 +144,11 @@ def _parameters() -> list[Variable]:
             )
             for axis in ("xi", "eta")
         ),
-        parameter(
+        not_negative(
             "shortest_stopped_step",
             0.0,
             "s",
             "Shortest step that ends at a contact, with stop_at_contact",
-            minimum=0.0,
             native=True,
         ),
         parameter("inertia_as_force", False, "", "True: N m acts in F and added_mass is zero"),
