@@ -15,7 +15,6 @@ from numpy.typing import NDArray
 
 from .assembly import Assembly
 from .linear.boundaries import Crossing
-from .ranges import demand_all
 
 
 @dataclass(frozen=True)
@@ -25,19 +24,12 @@ class Criterion:
     Attributes:
         w_x, w_y: undamped natural frequencies sqrt(k/M) with the balancers' mass in M [rad/s].
         b_x, b_y: damping over mass c/M [1/s].
-
-    Raises:
-        ValueError: a value is not finite or out of its range.
     """
 
     w_x: float
     w_y: float
     b_x: float = 0.0
     b_y: float = 0.0
-
-    def __post_init__(self) -> None:
-        demand_all(self, "w_x w_y", "rad/s")
-        demand_all(self, "b_x b_y", "1/s", least=0.0)
 
     @classmethod
     def of(cls, assembly: Assembly) -> Criterion:

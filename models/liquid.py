@@ -9,15 +9,13 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from .ranges import demand_all
-
 
 @dataclass(frozen=True)
 class Liquid:
     """Geometry [m] and density [kg/m^3] of the liquid balancer, Dubovik 2006 (4).
 
     Raises:
-        ValueError: a size is not positive, or the float does not fit the chamber.
+        ValueError: the float does not fit the chamber.
     """
 
     chamber_radius: float
@@ -26,7 +24,6 @@ class Liquid:
     density: float
 
     def __post_init__(self) -> None:
-        demand_all(self, "chamber_radius float_radius height density")
         if self.float_radius >= self.chamber_radius:
             raise ValueError(
                 f"float_radius = {self.float_radius!r} m: must be smaller than "

@@ -9,11 +9,8 @@ beyond the outer ones.  Sommerfeld 1902; Kononenko 1969.
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from itertools import pairwise
-
-from .ranges import demand
 
 
 @dataclass(frozen=True)
@@ -24,29 +21,11 @@ class Drive:
         inertia: I, of all that turns [kg m^2].
         speeds, torques: points of the characteristic, speeds ascending, two or more
             [rad/s, N m].
-
-    Raises:
-        ValueError: a value is not finite or out of its range, or the speeds do not ascend.
     """
 
     inertia: float
     speeds: tuple[float, ...]
     torques: tuple[float, ...]
-
-    def __post_init__(self) -> None:
-        demand("inertia", self.inertia)
-        for name in ("speeds", "torques"):
-            if not all(map(math.isfinite, getattr(self, name))):
-                raise ValueError(f"{name} = {list(getattr(self, name))}: must be finite numbers")
-        if len(self.speeds) < 2 or len(self.speeds) != len(self.torques):
-            raise ValueError("a characteristic needs two points or more, each with a torque")
-        if any(later <= speed for speed, later in pairwise(self.speeds)):
-            raise ValueError(f"speeds = {list(self.speeds)}: must ascend")
-
-    @classmethod
-    def straight(cls, inertia: float, stall_torque: float, no_load_speed: float) -> Drive:
-        """The motor whose torque falls in one line from standstill to the no-load speed."""
-        return cls(inertia, (0.0, no_load_speed), (stall_torque, 0.0))
 
     @property
     def top_speed(self) -> float:

@@ -6,7 +6,6 @@ Filimonikhin 2011 (1) for the shaft, with the shaft's compliance inverted to a s
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
@@ -14,14 +13,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .constants import SAME_PLACE
-from .ranges import demand
 from .shaft import (
     Matrix,
     beam_compliance,
     beam_shares,
     bending_rows,
-    given_compliance,
     shaft_stiffness,
+    symmetric_compliance,
 )
 
 if TYPE_CHECKING:
@@ -58,20 +56,15 @@ def two_support(
         unbalances: (position from support 1 [m], amount [kg m], angle in the rotor [rad]).
 
     Raises:
-        ValueError: a value is not finite or out of its range.
+        ValueError: no body has this polar inertia.
     """
-    for name, value in (("mass", mass), ("inertia", inertia), ("span", span)):
-        demand(name, value)
-    centre = span / 2.0 if com is None else _finite("com", com)
-    if not 0.0 <= _finite("polar_inertia", polar_inertia) <= 2.0 * inertia:
+    if not polar_inertia <= 2.0 * inertia:
         raise ValueError(
             f"polar_inertia = {polar_inertia!r} kg m^2: must be 0 to 2 inertia = {2.0 * inertia:g}"
         )
-    k = _per_support("stiffness", stiffness, smallest=None)
-    c = _per_support("damping", damping, smallest=0.0)
+    k, c = np.asarray(stiffness, float), np.asarray(damping, float)
     tilt = np.array([[-1.0, 1.0]]) / span
-    at_centre = line_rows([centre], span)
-    positions = [_finite("planes", a) for a in planes]
+    at_centre = line_rows([span / 2.0 if com is None else com], span)
     u = _unbalances(unbalances)
     return cls(
         mass=mass * at_centre.T @ at_centre + inertia * tilt.T @ tilt,
@@ -81,7 +74,7 @@ def two_support(
         stiffness_y=np.diag(k[:, 1]),
         internal_damping=np.zeros((2, 2)),
         gyroscopic=polar_inertia * tilt.T @ tilt,
-        planes=line_rows(positions, span),
+        planes=line_rows(planes, span),
         unbalance=line_rows([z for z, _ in u], span).T @ np.array([m for _, m in u], complex),
         deflection=np.zeros((1, 2)),
     )
@@ -117,21 +110,21 @@ def flexible(
             between discs of a uniform shaft.
 
     Raises:
-        ValueError: a value is not finite or out of its range, or the shaft is not elastic.
+        ValueError: stations, supports or unbalances have places that they cannot have, a station
+            has no mass, or the shaft is not elastic.
     """
     z, m = _discs(stations, masses)
-    ends = _support_indices(supports, len(z))
-    if _finite("internal_damping", internal_damping) < 0.0:
-        raise ValueError(f"internal_damping = {internal_damping!r} N s/m: must be 0 or more")
-    k = _per_support("support_stiffness", support_stiffness, smallest=None)
-    c = _per_support("support_damping", support_damping, smallest=0.0)
+    p, q = supports
+    if p == q:
+        raise ValueError(f"supports = {[p, q]}: must be two different stations, 1 to {len(z)}")
+    ends = p - 1, q - 1
+    k, c = np.asarray(support_stiffness, float), np.asarray(support_damping, float)
     rows = bending_rows(z, ends)
-    if bending_stiffness is not None and compliance is None:
-        delta = beam_compliance(z, ends, bending_stiffness)
-    elif compliance is not None and bending_stiffness is None:
-        delta = given_compliance(compliance, len(rows))
+    if compliance is not None:
+        delta = symmetric_compliance(compliance, len(rows))
     else:
-        raise ValueError("give either bending_stiffness [N m^2] or compliance [m/N], not both")
+        assert bending_stiffness is not None, "one of both is given"
+        delta = beam_compliance(z, ends, bending_stiffness)
     shaft = shaft_stiffness(delta, rows)
     # Dubovik's p belongs to the stiffness 1/delta that a disc feels where the shaft is softest
     retardation = internal_damping * max(delta.diagonal(), default=0.0)
@@ -161,26 +154,17 @@ def line_rows(positions: Sequence[float], span: float) -> Matrix:
 
 
 def _discs(stations: Sequence[float], masses: Sequence[float]) -> tuple[Matrix, Matrix]:
-    z = np.array([_finite("stations", value) for value in stations])
-    if len(z) < 2 or np.any(np.diff(z) <= 0.0):
+    z = np.asarray(stations, float)
+    if np.any(np.diff(z) <= 0.0):
         raise ValueError(f"stations = {z.tolist()}: must be at least two, each beyond the last [m]")
-    if len(masses) != len(z):
-        raise ValueError(f"masses has {len(masses)} values: must have {len(z)}, one a station")
     for number, value in enumerate(masses, 1):
-        if not (math.isfinite(value) and value > 0.0):
+        if not value > 0.0:
             raise ValueError(
                 f"masses = {value!r} at station {number}: must be a positive finite number [kg]; "
                 "a station without mass has no motion of its own: give a support station the mass "
                 "of its journal, and leave out any other"
             )
     return z, np.asarray(masses, float)
-
-
-def _support_indices(supports: Sequence[int], count: int) -> tuple[int, int]:
-    p, q = supports
-    if p == q or not all(1 <= s <= count and int(s) == s for s in (p, q)):
-        raise ValueError(f"supports = {[p, q]}: must be two different stations, 1 to {count}")
-    return int(p) - 1, int(q) - 1
 
 
 def _shaft_unbalance(
@@ -203,13 +187,8 @@ def _shaft_unbalance(
 
 def _unbalances(unbalances: Sequence[Unbalance]) -> list[tuple[float, complex]]:
     """(position, complex static moment) of every unbalance."""
-    for _, amount, angle in unbalances:
-        if _finite("unbalances: amount", amount) < 0.0:
-            raise ValueError(f"unbalances: amount = {amount!r} kg m: must be 0 or more")
-        _finite("unbalances: angle", angle)
     return [
-        (_finite("unbalances: position", position), amount * complex(np.exp(1j * angle)))
-        for position, amount, angle in unbalances
+        (position, amount * complex(np.exp(1j * angle))) for position, amount, angle in unbalances
     ]
 
 
@@ -217,19 +196,3 @@ def _at(ends: tuple[int, int], values: Matrix, size: int) -> Matrix:
     diagonal = np.zeros(size)
     diagonal[list(ends)] = values
     return np.diag(diagonal)
-
-
-def _per_support(name: str, values: Sequence[Sequence[float]], smallest: float | None) -> Matrix:
-    """(2, 2) array, supports by axes; values positive, or not below `smallest`."""
-    array = np.asarray(values, float)
-    if array.shape != (2, 2):
-        raise ValueError(f"{name} = {values!r}: must be [[x, y], [x, y]], one pair a support")
-    fits = array > 0.0 if smallest is None else array >= smallest
-    if not (np.isfinite(array) & fits).all():
-        allowed = "positive and finite" if smallest is None else f"finite, {smallest:g} or more"
-        raise ValueError(f"{name} = {array.tolist()}: every value must be {allowed}")
-    return array
-
-
-def _finite(name: str, value: float) -> float:
-    return float(demand(name, value, least=-math.inf))

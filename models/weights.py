@@ -7,8 +7,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
-from .ranges import demand, demand_all
-
 KAPPA = {"balls": 7.0 / 5.0, "rollers": 3.0 / 2.0, "pendulums": 1.0}
 
 
@@ -24,9 +22,6 @@ class Weights:
         kappa: 7/5 ball, 3/2 roller, 1 pendulum (`KAPPA`).
         radius: of a body that rolls, r [m].
         masses, drags, radii: (N,) of each, where they differ.
-
-    Raises:
-        ValueError: a value is not finite or out of its range.
     """
 
     count: int
@@ -38,14 +33,6 @@ class Weights:
     masses: tuple[float, ...] = ()
     drags: tuple[float, ...] = ()
     radii: tuple[float, ...] = ()
-
-    def __post_init__(self) -> None:
-        if self.count < 1:
-            raise ValueError(f"count = {self.count!r}: must be at least 1")
-        demand_all(self, "mass track_radius")
-        demand("drag", self.drag, least=0.0)
-        demand("radius", self.radius, least=0.0)
-        demand("kappa", self.kappa, least=1.0)
 
     @property
     def unequal(self) -> bool:

@@ -17,7 +17,6 @@ from numpy.typing import NDArray
 
 from ..assembly import Assembly
 from ..liquid import Liquid
-from ..ranges import demand_all
 
 OPEN_END = 5.0  # times the lower limit: a window that ends above is not followed to its end
 
@@ -33,9 +32,6 @@ class LiquidWindow:
         internal_damping: p, of the rotating shaft [N s/m].
         unbalance: static moment m1 e [kg m].
         liquid: the balancer.
-
-    Raises:
-        ValueError: a value is not finite or out of its range.
     """
 
     rotor_mass: float
@@ -44,10 +40,6 @@ class LiquidWindow:
     internal_damping: float
     unbalance: float
     liquid: Liquid
-
-    def __post_init__(self) -> None:
-        demand_all(self, "rotor_mass stiffness")
-        demand_all(self, "external_damping internal_damping unbalance", least=0.0)
 
     @classmethod
     def of(cls, assembly: Assembly) -> LiquidWindow:

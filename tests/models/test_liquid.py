@@ -46,13 +46,6 @@ def test_clearance_is_used_up_when_the_bending_reaches_the_gap() -> None:
     assert liquid.clearance(0.02) < 0.0
 
 
-@pytest.mark.parametrize("name", SIZES)
-@pytest.mark.parametrize("value", [0.0, -1.0, math.nan, math.inf])
-def test_a_size_that_is_no_size_is_refused_by_name(name: str, value: float) -> None:
-    with pytest.raises(ValueError, match=f"{name} = .*positive"):
-        Liquid(**{**SIZES, name: value})
-
-
 @pytest.mark.parametrize("float_radius", [0.05, 0.06])
 def test_a_float_that_does_not_fit_is_refused(float_radius: float) -> None:
     with pytest.raises(ValueError, match="smaller than chamber_radius"):

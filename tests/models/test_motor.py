@@ -1,29 +1,12 @@
 """What a resonance takes from a motor of limited power."""
 
-import math
-
 import numpy as np
 import pytest
 
 from autobalancer.models.assembly import Assembly, Mounted
-from autobalancer.models.motor import Drive
 from autobalancer.models.rotor import LinearRotor
 from autobalancer.models.sommerfeld import Resonance
 from autobalancer.models.weights import Weights
-
-
-@pytest.mark.parametrize(
-    ("values", "words"),
-    [
-        ((0.0, (0.0, 1.0), (1.0, 0.0)), "inertia"),
-        ((1.0, (0.0, 0.0), (1.0, 0.0)), "must ascend"),
-        ((1.0, (0.0,), (1.0,)), "two points"),
-        ((1.0, (0.0, math.nan), (1.0, 0.0)), "finite"),
-    ],
-)
-def test_a_wrong_motor_is_refused(values, words):
-    with pytest.raises(ValueError, match=words):
-        Drive(*values)
 
 
 def resonance(weights=True):

@@ -185,20 +185,3 @@ def test_what_is_not_finite_or_endless_is_an_error(monkeypatch) -> None:
     monkeypatch.setattr("autobalancer.models.steps.weights.substep", None)
     with pytest.raises(ArithmeticError, match="substeps"):
         advance(weights, [0.0, 1.0], [0.0, 1e12], (1.0, 0j, 0j, 0j), 0.0, 0.1)
-
-
-@pytest.mark.parametrize(
-    ("name", "value"),
-    [
-        ("count", 0),
-        ("mass", 0.0),
-        ("mass", math.nan),
-        ("track_radius", -1.0),
-        ("drag", -0.1),
-        ("drag", math.inf),
-        ("kappa", 0.5),
-    ],
-)
-def test_a_value_out_of_range_is_refused_by_name(name: str, value: float) -> None:
-    with pytest.raises(ValueError, match=f"^{name} = "):
-        Weights(**{"count": 2, "mass": 0.1, "track_radius": 0.5, name: value})

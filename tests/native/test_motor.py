@@ -37,7 +37,7 @@ def test_a_step_is_exact_on_every_line_and_across_its_points(core, speed, torque
 
 
 def test_a_motor_alone_comes_up_exponentially(core):
-    motor = Drive.straight(0.1, 5.0, 100.0)
+    motor = Drive(0.1, (0.0, 100.0), (5.0, 0.0))
     speed, angle = motor_advance(core, motor, 0.0, (0.0,) * 4, 3.0)
     rate = 5.0 / 100.0 / 0.1
     assert speed == pytest.approx(100.0 * -math.expm1(-3.0 * rate), rel=1e-14)
