@@ -11,10 +11,11 @@ from scipy.integrate import solve_ivp
 
 from .arrays import Array
 from .assembly import Assembly, SpeedProfile
-from .reference.colliding import integrate_contacts
+from .reference.colliding import Colliding
 from .reference.coupled import REST, Monolith, Start
 from .reference.driven import Driven, MotorDriven
-from .reference.dry import integrate_dry
+from .reference.dry import Dry
+from .reference.phases import integrate_phases
 from .reference.trajectory import Trajectory, differences
 
 NON_STIFF = ("DOP853", "LSODA")
@@ -59,10 +60,9 @@ def simulate(
         raise ValueError("weights that collide: not where something sticks")
     if isinstance(system, Driven) and (system.dry or finite):
         raise ValueError("weights that collide, or what sticks: not under a motor")
-    if isinstance(system, Monolith) and system.dry:
-        states, solved = integrate_dry(system, time, initial, method=method, rtol=rtol)
-    elif isinstance(system, Monolith) and finite:
-        states = integrate_contacts(system, time, initial, method=method, rtol=rtol)
+    if isinstance(system, Monolith) and (system.dry or finite):
+        bodies = Dry(system) if system.dry else Colliding(system)
+        states, solved = integrate_phases(bodies, time, initial, method=method, rtol=rtol)
     else:
         _, states, _ = integrate(system, time, initial, method=method, rtol=rtol)
     return trajectory(system, time, states, solved)
@@ -133,7 +133,7 @@ def trajectory(
     """Every signal of the states (T, size) that `integrate` found.
 
     Args:
-        solved: accelerations there, where friction takes part in them.
+        solved: accelerations there, where friction or contacts take part in them.
     """
     n, count = system.stations, system.weights
     angle, speed, angular_acceleration = system.turning(time, states)

@@ -55,21 +55,8 @@ def from_trial_runs(first_run: NDArray, trial_runs: NDArray, trial_unbalances: N
         first_run: (s,) complex amplitudes A_i without trial unbalance [m].
         trial_runs: (p, s) amplitudes A_ij with the trial unbalance in plane j alone [m].
         trial_unbalances: (p,) complex trial unbalances, none of them zero [kg m].
-
-    Raises:
-        ValueError: a trial unbalance is zero, or the shapes do not fit.
     """
-    before = np.asarray(first_run, complex)
-    runs = np.asarray(trial_runs, complex)
-    trials = np.asarray(trial_unbalances, complex)
-    if runs.shape != (len(trials), len(before)):
-        raise ValueError(
-            f"trial_runs has shape {runs.shape}: must be {(len(trials), len(before))}, "
-            "one run a trial unbalance and one amplitude a sensor"
-        )
-    if not np.all(np.abs(trials) > 0.0):
-        raise ValueError(f"trial_unbalances = {trials.tolist()}: none may be zero [kg m]")
-    return ((runs - before) / trials[:, None]).T
+    return ((trial_runs - first_run) / trial_unbalances[:, None]).T
 
 
 def from_runs(responses: NDArray, mounted: NDArray) -> Complex:
@@ -188,12 +175,3 @@ def limited_correction(
 def scalar_coefficients(coefficients: NDArray, lag: float = 0.0) -> Complex:
     """(4): magnitudes |K_ij|, all with one phase `lag` [rad] that the machine was calibrated to."""
     return np.abs(coefficients) * np.exp(1j * lag)
-
-
-def residual_map(true: NDArray, used: NDArray) -> Complex:
-    """Matrix (p, p) that takes the unbalance before a correction to the one after it.
-
-    D' = D - used^-1 (true D).  Its spectral radius says whether repeated correction with the
-    coefficients `used` converges, and how fast; zero for the true ones.
-    """
-    return np.eye(np.shape(true)[1]) - np.linalg.pinv(used) @ np.asarray(true, complex)

@@ -123,17 +123,14 @@ class LiquidWindow:
         slow = constant / (self.moving_mass * fast)
         return slow, fast
 
-    def touching_speeds(self, gap: float | None = None) -> list[tuple[float, float | None]]:
-        """Intervals of speed [rad/s] in which steady bending exceeds `gap` [m]: the float touches.
+    def touching_speeds(self) -> list[tuple[float, float | None]]:
+        """Intervals of speed [rad/s] in which steady bending exceeds the gap: the float touches.
 
-        Between them the model is valid.  `gap` is that of the liquid balancer by default.  The end
-        None means: at every higher speed (bending tends to m1 e / m).
+        Between them the model is valid.  The end None means: at every higher speed (bending tends
+        to m1 e / m).
         """
-        gap = self.liquid.gap if gap is None else gap
-        if not gap > 0.0:
-            raise ValueError(f"gap = {gap!r} m: must be positive")
         # with V = c/(m w^2), A > gap reads V^2 - q1 V - q2 < 0, whose leading term cannot vanish
-        reach = self.unbalance / (self.moving_mass * gap)
+        reach = self.unbalance / (self.moving_mass * self.liquid.gap)
         damping = self.external_damping**2 / (self.stiffness * self.moving_mass)
         q2, q1 = (reach - 1.0) * (reach + 1.0), 2.0 - damping
         natural = math.sqrt(self.stiffness / self.moving_mass)

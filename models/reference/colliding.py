@@ -13,14 +13,16 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
-from scipy.integrate import solve_ivp
 from scipy.linalg import solve_triangular
 from scipy.optimize import OptimizeResult, brentq, nnls
 
 from ..arrays import Array
-from .coupled import REST, Monolith, Start, weights_of
+from ..assembly import weights_of
+from .coupled import Monolith, Start
+from .phases import LONGEST, solve_to_event
 
 Pair = tuple[int, int, float, float]  # two neighbours, distance of touching, turns between them
 MARGIN = 1e-12  # rad: a gap this far below zero is closed, so that rounding closes none; a slow
@@ -29,8 +31,6 @@ OVERLAP = 2e-10  # rad: what the integration may leave of a contact that lasts
 SHIFTS = 8  # each halves what gaps of a chain of weights are off
 LOWEST = 1e-9  # rad: a bounce that would rise less ends in contact
 MOST_IMPACTS = 100  # at one time, each of which ends or turns round what approaches
-MOST_EVENTS = 2000  # collisions and contacts that open in a run
-LONGEST = 0.3  # rad of the fastest turning in a step: no gap may close and open within one
 
 
 class Colliding:
@@ -43,7 +43,6 @@ class Colliding:
         self.count = system.weights
         self.pairs: list[Pair] = []
         self.restitution: dict[Pair, float] = {}
-        inertia: list[float] = []  # kappa m R^2 of every weight
         begin = 0
         for m in system.assembly.weights:
             n = len(m.angles)
@@ -59,9 +58,7 @@ class Colliding:
                     pair = (begin + a, begin + b, touching, turns)
                     self.pairs.append(pair)
                     self.restitution[pair] = m.restitution
-            inertia += [d.kappa * d.moment * d.track_radius for d in weights_of(m).each]
             begin += n
-        self.inertia = np.array(inertia)
 
     def gap(self, pair: Pair, y: Array) -> float:
         """Angle between the surfaces of two neighbours [rad]."""
@@ -92,9 +89,8 @@ class Colliding:
         rows = np.zeros((len(pairs), self.count))
         for row, (a, b, *_) in zip(rows, pairs, strict=True):
             row[a], row[b] = -1.0, 1.0
-        pushed = rows / self.inertia
-        answers = [self.system.accelerations(t, y, push)[1] - free for push in pushed]
-        return pushed, rows @ np.array(answers).T
+        pushed = rows / self.system.lagrange.turned_inertia
+        return pushed, rows @ (self.system.accelerations(t, y, pushed)[1] - free).T
 
     def _against(
         self, t: float, y: Array, joined: Sequence[Pair], motion: Array, free: Array
@@ -114,14 +110,17 @@ class Colliding:
         after[self.first + self.count :] += phi_moved - phi_still
         return after
 
+    def accelerations(self, t: float, y: Array, joined: Sequence[Pair]) -> tuple[Array, Array]:
+        """Of stations (2, n) and weights (N,)."""
+        a, phi2 = self.system.accelerations(t, y, self.pushes(t, y, joined)[1])
+        for run in _runs(joined):  # equal but for rounding, which adds up in a long contact
+            phi2[run] = phi2[run].mean()
+        return a, phi2
+
     def rhs(self, t: float, y: Array, joined: Sequence[Pair]) -> Array:
         """Derivative of the state, (size,), with contacts that last."""
         n = self.system.stations
-        a, phi2 = self.system.accelerations(t, y, self.pushes(t, y, joined)[1])
-        for run in _runs(
-            joined
-        ):  # equal already, but for rounding, which adds up in a long contact
-            phi2[run] = phi2[run].mean()
+        a, phi2 = self.accelerations(t, y, joined)
         return np.concatenate([y[2 * n : 4 * n], a.ravel(), y[self.first + self.count :], phi2])
 
     def collide(self, t: float, y: Array, touching: Sequence[Pair]) -> Array:
@@ -144,7 +143,7 @@ class Colliding:
             y = self.after_impact(t, y, impulses @ pushed)
         raise ArithmeticError(f"impacts at {t:g} s do not come to an end")
 
-    def settle(self, t: float, y: Array, touching: Sequence[Pair]) -> tuple[Array, list[Pair]]:
+    def settled(self, t: float, y: Array, touching: Sequence[Pair]) -> tuple[Array, list[Pair]]:
         """After a collision: bounces too low are ended, and contacts that would pull left out."""
         joined = list(touching)
         free = self.system.accelerations(t, y)[1]
@@ -173,6 +172,77 @@ class Colliding:
             del joined[int(sizes.argmin())]
         return y, joined
 
+    def begin(self, start: Start) -> tuple[Array, list[Pair]]:
+        """State at time 0, and neighbours that touch and do not approach each other."""
+        y = self.system.initial(start)
+        near = [p for p in self.pairs if self.gap(p, y) <= MARGIN and not self.approach(p, y)]
+        return y, near
+
+    def scales(self, start: Start) -> Array:
+        """Typical size of each part of the state."""
+        return self.system.scales(start)
+
+    def fastest(self, y: Array) -> float:
+        """Fastest turning [rad/s], which limits a step."""
+        turning = np.abs(y[self.first + self.count :])
+        return max(self.system.profile.top, float(turning.max()))
+
+    def watched(self, t: float, y: Array, joined: Sequence[Pair]) -> Array:
+        """Of joined neighbours the push, of others the gap: what falls through 0 at an event."""
+        pushes = dict(zip(joined, self.pushes(t, y, joined)[0].tolist(), strict=True))
+        return np.array([pushes[p] if p in pushes else self.gap(p, y) + MARGIN for p in self.pairs])
+
+    def solve(
+        self, t: float, end: float, y: Array, joined: Sequence[Pair], **options: Any
+    ) -> OptimizeResult:
+        """The motion up to the next event.
+
+        Raises:
+            ArithmeticError: a collision was missed.
+        """
+        longest = LONGEST / self.fastest(y)
+        first = min([end - t, longest, *self.closing(y)])
+        found = solve_to_event(self, t, end, y, joined, first_step=first, **options)
+        dip = self._first_dip(joined, found)
+        if dip is not None:  # it closed and opened within a step: stop between the two
+            first = min(first, dip - t)
+            found = solve_to_event(self, t, dip, y, joined, first_step=first, **options)
+        if any(self.gap(pair, found.y[:, -1]) < -OVERLAP for pair in self.pairs):
+            raise ArithmeticError(f"weights pass through each other before {found.t[-1]:g} s")
+        return found
+
+    def _first_dip(self, joined: Sequence[Pair], solved: OptimizeResult) -> float | None:
+        """First time at which the gap of a pair not joined is smallest and below zero [s]."""
+        dips = []
+        for pair in [pair for pair in self.pairs if pair not in joined]:
+
+            def closing(t: float, pair: Pair = pair) -> float:
+                return self.approach(pair, solved.sol(t))
+
+            signs = np.sign([closing(t) for t in solved.t])
+            for k in np.flatnonzero((signs[:-1] > 0.0) & (signs[1:] < 0.0)):
+                lowest = brentq(closing, solved.t[k], solved.t[k + 1], xtol=1e-300, rtol=1e-15)
+                if self.gap(pair, solved.sol(lowest)) < -MARGIN:
+                    dips.append(lowest)
+        return min(dips, default=None)
+
+    def after(
+        self, t: float, y: Array, joined: list[Pair], happened: Sequence[int]
+    ) -> tuple[Array, list[Pair]]:
+        """State and contacts after the events of these pairs."""
+        opened = [self.pairs[i] for i in happened if self.pairs[i] in joined]
+        closed = [self.pairs[i] for i in happened if self.pairs[i] not in joined]
+        if not closed:
+            return y, [pair for pair in joined if pair not in opened]
+        # a pair that touches and parts may approach again by the impacts of others
+        touching = [
+            pair
+            for pair in self.pairs
+            if pair in joined or pair in closed or self.gap(pair, y) <= MARGIN
+        ]
+        y = self.collide(t, y, touching)
+        return self.settled(t, y, touching)
+
 
 def _runs(pairs: Sequence[Pair]) -> list[list[int]]:
     """Weights of neighbouring pairs in a row, each run in order."""
@@ -185,108 +255,3 @@ def _runs(pairs: Sequence[Pair]) -> list[list[int]]:
     if len(runs) > 1 and runs[-1][-1] == runs[0][0]:  # across the end of the list
         runs[0] = [*runs.pop(), *runs[0][1:]]
     return runs
-
-
-def integrate_contacts(
-    system: Monolith, time: Array, initial: Start = REST, *, method: str, rtol: float
-) -> Array:
-    """States at ascending times, (T, size).
-
-    Raises:
-        ArithmeticError: the method gave up, collisions do not come to an end, or one was missed.
-    """
-    stops = system.stops(float(time[-1]))
-    bodies, y, t = Colliding(system), system.initial(initial), 0.0
-    states = np.empty((len(time), system.size))
-    states[time == 0.0] = y
-    absolute = rtol * system.scales(initial)
-    near = [p for p in bodies.pairs if bodies.gap(p, y) <= MARGIN and not bodies.approach(p, y)]
-    if not stops:
-        return states
-    bodies.system = system.between(t, stops[0])
-    y, joined = bodies.settle(t, y, near)
-    for _ in range(MOST_EVENTS):
-        fastest = max(system.profile.top, float(np.abs(y[bodies.first + bodies.count :]).max()))
-
-        def solve(end: float, t: float = t, y: Array = y, joined: Sequence[Pair] = tuple(joined),
-                  longest: float = LONGEST / fastest) -> OptimizeResult:  # fmt: skip
-            return solve_ivp(
-                lambda t, y: bodies.rhs(t, y, joined), (t, end), y, method,
-                events=_events(bodies, joined), rtol=rtol, atol=absolute, dense_output=True,
-                max_step=longest, first_step=min([end - t, longest, *bodies.closing(y)]),
-            )  # fmt: skip
-
-        solved = solve(stops[0])
-        dip = _first_dip(bodies, joined, solved)
-        if dip is not None:  # it closed and opened within a step: stop between the two
-            solved = solve(dip)
-        if not solved.success:
-            raise ArithmeticError(f"{method} stopped after {solved.t[-1]:g} s: {solved.message}")
-        wanted = (time > t) & (time <= solved.t[-1])
-        if wanted.any():
-            states[wanted] = solved.sol(time[wanted]).T
-        t, y = float(solved.t[-1]), solved.y[:, -1]
-        if any(bodies.gap(pair, y) < -OVERLAP for pair in bodies.pairs):
-            raise ArithmeticError(f"weights pass through each other before {t:g} s")
-        if t == stops[0] and solved.status == 0:
-            if not (stops := stops[1:]):
-                return states
-            bodies.system = system.between(t, stops[0])
-            y, joined = bodies.settle(t, y, joined)
-            continue
-        happened = [i for i, times in enumerate(solved.t_events) if len(times)]
-        y, joined = _after(bodies, t, y, joined, happened)
-    raise ArithmeticError(f"more than {MOST_EVENTS} collisions and openings by {t:g} s")
-
-
-def _first_dip(bodies: Colliding, joined: Sequence[Pair], solved: OptimizeResult) -> float | None:
-    """First time at which the gap of a pair not joined is smallest and below zero [s]."""
-    dips = []
-    for pair in [pair for pair in bodies.pairs if pair not in joined]:
-
-        def closing(t: float, pair: Pair = pair) -> float:
-            return bodies.approach(pair, solved.sol(t))
-
-        signs = np.sign([closing(t) for t in solved.t])
-        for k in np.flatnonzero((signs[:-1] > 0.0) & (signs[1:] < 0.0)):
-            lowest = brentq(closing, solved.t[k], solved.t[k + 1], xtol=1e-300, rtol=1e-15)
-            if bodies.gap(pair, solved.sol(lowest)) < -MARGIN:
-                dips.append(lowest)
-    return min(dips, default=None)
-
-
-def _events(bodies: Colliding, joined: Sequence[Pair]) -> list:
-    """A gap that closes, by pair; for those joined, a push that turns into a pull."""
-    events = []
-    for pair in bodies.pairs:
-        if pair in joined:
-            place = joined.index(pair)
-
-            def event(t: float, y: Array, place: int = place) -> float:
-                return float(bodies.pushes(t, y, joined)[0][place])
-        else:
-
-            def event(t: float, y: Array, pair: Pair = pair) -> float:  # type: ignore[misc]
-                return bodies.gap(pair, y) + MARGIN
-
-        event.terminal, event.direction = True, -1  # type: ignore[attr-defined]
-        events.append(event)
-    return events
-
-
-def _after(
-    bodies: Colliding, t: float, y: Array, joined: list[Pair], happened: Sequence[int]
-) -> tuple[Array, list[Pair]]:
-    """State and contacts after the events of these pairs."""
-    opened = [bodies.pairs[i] for i in happened if bodies.pairs[i] in joined]
-    closed = [bodies.pairs[i] for i in happened if bodies.pairs[i] not in joined]
-    if not closed:
-        return y, [pair for pair in joined if pair not in opened]
-    # a pair that touches and parts may approach again by the impacts of others
-    touching = [
-        pair
-        for pair in bodies.pairs
-        if pair in joined or pair in closed or bodies.gap(pair, y) <= MARGIN
-    ]
-    y = bodies.collide(t, y, touching)
-    return bodies.settle(t, y, touching)

@@ -1,14 +1,12 @@
-"""A rotor and its balancers as one ordinary differential equation.
+"""A rotor that turns at given speeds and its balancers as one ordinary differential equation.
 
-Formulated apart from the units, which work in the rotor frame and split the force: here the axes
-are fixed, the weights' angles phi absolute, and Filimonikhina 2017 (4) with the liquid of
-Dubovik 2006 (3) and the w' terms of (5) is solved for all accelerations at once.  With a weight's
+For one station, where it is several times faster, the weights' equations
 
     phi'' = -d (phi' - w) + f w' + (x'' sin phi - y'' cos phi)/(kappa R),
     d = b/(kappa m),    f = (kappa - 1)(1 + r/R)/kappa,
 
-put into the force, N weights leave the mass N m 1 - (m/kappa) sum [[s^2, -s c], [-s c, c^2]] on
-their plane (s, c = sin phi, cos phi), which turns with them and is solved for at each evaluation.
+are put into the force: N weights leave the mass N m 1 - (m/kappa) sum [[s^2, -s c], [-s c, c^2]]
+(s, c = sin phi, cos phi), which turns with them and is solved for at each evaluation.
 """
 
 from __future__ import annotations
@@ -21,6 +19,7 @@ import numpy as np
 
 from ..arrays import Array
 from ..assembly import Assembly, SpeedProfile, weights_of
+from .lagrange import Lagrange
 
 Turning = tuple[Array, Array, Array]  # angle, speed and angular acceleration of the rotor
 RightHandSide = Callable[[float, Array], "Array | list[float]"]
@@ -53,37 +52,18 @@ class Monolith:
 
     def __init__(self, assembly: Assembly, profile: SpeedProfile, angle: float = 0.0) -> None:
         """Set up the matrices; `angle` [rad] is the rotor's at time 0."""
-        rotor = assembly.rotor
+        rotor, self.lagrange = assembly.rotor, Lagrange(assembly)
         self.assembly, self.profile, self.angle = assembly, profile, angle
-        self.stations = rotor.stations
-        mounted = [m for m in assembly.weights for _ in range(weights_of(m).count)]
-        devices = [one for m in assembly.weights for one in weights_of(m).each]
-        self._plane = np.array([m.plane for m in mounted], int)
-        self._of_plane = (self._plane[:, None] == np.arange(rotor.plane_count)).astype(float)
-        self._pull = np.array([d.mass * d.track_radius for d in devices])
-        self._share = np.array([d.mass / d.kappa for d in devices])
-        self._drag = np.array([d.drag / (d.kappa * d.mass) for d in devices])
-        self._follow = np.array(
-            [(1.0 - 1.0 / d.kappa) * (1.0 + d.radius / d.track_radius) for d in devices]
-        )
-        self._lever = np.array([1.0 / (d.kappa * d.track_radius) for d in devices])
-        self._mass = np.array([d.mass for d in devices])
-        self._offset = np.array([m.offset for m in mounted], complex)
-        self._damping_x = rotor.damping_x + rotor.internal_damping
-        self._damping_y = rotor.damping_y + rotor.internal_damping
+        self.stations, self.weights = rotor.stations, self.lagrange.weights
+        self._devices = [one for m in assembly.weights for one in weights_of(m).each]
         plain = self.stations == 1 and bool((rotor.planes == 1.0).all())
-        plain = plain and not rotor.gyroscopic.any() and not self._offset.any()
+        plain = plain and not rotor.gyroscopic.any() and not self.lagrange.offset.any()
         self.rhs: RightHandSide = self.scalar_rhs() if plain else self.array_rhs
 
     @property
     def size(self) -> int:
         """Length of the state, 4 n + 2 N."""
-        return 4 * self.stations + 2 * len(self._plane)
-
-    @property
-    def weights(self) -> int:
-        """How many, N."""
-        return len(self._plane)
+        return 4 * self.stations + 2 * self.weights
 
     def turning(self, time: Array, _states: Array) -> Turning:
         """How the rotor turns at `time` (T,), each (T,) [rad, rad/s, rad/s^2]."""
@@ -117,7 +97,7 @@ class Monolith:
     def scales(self, start: Start = REST) -> Array:
         """Typical size of each part of the state, (size,): what absolute tolerances refer to."""
         rotor = self.assembly.rotor
-        moment = max([self.assembly.largest_unbalance, *self._pull])
+        moment = max([self.assembly.largest_unbalance, *(d.moment for d in self._devices)])
         mass = float(np.abs(np.linalg.eigvalsh(self.assembly.loaded_rotor.mass)).max())
         speed = self.profile.top
         state = np.abs(self.initial(start))
@@ -127,8 +107,8 @@ class Monolith:
             length = max(length, float(np.abs(self.assembly.loaded_rotor.sag(speed)).max()))
         length = length or 1.0
         velocity = max(length * speed, float(state[2 * n : 4 * n].max())) or length
-        ones = np.ones(len(self._plane))
-        turning = max([speed, *state[4 * n + len(ones) :]]) or 1.0
+        ones = np.ones(self.weights)
+        turning = max([speed, *state[4 * n + self.weights :]]) or 1.0
         lateral = np.repeat([length, velocity], 2 * n)
         return np.concatenate([lateral, ones, turning * ones])
 
@@ -150,56 +130,27 @@ class Monolith:
         """x'' and y'' of the stations, (..., 2, n) [m/s^2], and phi'' of the weights, (..., N)
         [rad/s^2], of states (..., size) while the rotor turns so: numbers, or columns (..., 1).
 
-        Gravity acts as if everything were accelerated against it: it is added where all is solved.
-
         Args:
             push: what else would accelerate each weight along its track on a rotor that is held,
                 (..., N) [rad/s^2].
             force: what else pushes the stations along x, then along y, (..., 2 n) [N].
         """
-        rotor, n, count = self.assembly.rotor, self.stations, len(self._plane)
-        q_x, q_y, v_x, v_y = (y[..., j * n : (j + 1) * n] for j in range(4))
-        phi, phi1 = y[..., 4 * n : 4 * n + count], y[..., 4 * n + count :]
-        turned, w, w1 = turning
-        s, c = np.sin(phi), np.cos(phi)
-        slip = self._drag * (phi1 - w) - self._follow * w1 - push
-
-        def on_planes(values: Array) -> Array:
-            return values @ self._of_plane
-
-        lateral, added = rotor.planes, self.assembly.added_mass
-        mass = np.empty((*y.shape[:-1], 2 * n, 2 * n))
-        side, ahead = self._share * s, self._share * c
-        xx, yy = added - on_planes(side * s), added - on_planes(ahead * c)
-        mass[..., :n, :n] = rotor.mass + lateral.T @ (xx[..., None] * lateral)
-        mass[..., n:, n:] = rotor.mass + lateral.T @ (yy[..., None] * lateral)
-        mass[..., :n, n:] = lateral.T @ (on_planes(side * c)[..., None] * lateral)
-        mass[..., n:, :n] = mass[..., :n, n:]
-        turn = np.exp(1j * turned)
-        pull = rotor.unbalance * (w * w - 1j * w1) * turn
-        # tracks off centre: their centres' own acceleration, which the weights feel and resist
-        off = (1j * w1 - w * w) * self._offset * turn
-        drawn = self._share * (off.real * s - off.imag * c)
-        m_x, m_y = self._mass * off.real - drawn * s, self._mass * off.imag + drawn * c
-        f_x = on_planes(self._pull * (phi1 * phi1 * c - slip * s) - m_x) @ lateral + pull.real
-        f_y = on_planes(self._pull * (phi1 * phi1 * s + slip * c) - m_y) @ lateral + pull.imag
-        inner, gyro = rotor.internal_damping.T, rotor.gyroscopic.T
-        f_x -= v_x @ self._damping_x.T + q_x @ rotor.stiffness_x.T + w * (v_y @ gyro + q_y @ inner)
-        f_y -= v_y @ self._damping_y.T + q_y @ rotor.stiffness_y.T - w * (v_x @ gyro + q_x @ inner)
-        right = np.concatenate([f_x, f_y], axis=-1) + force
-        a = np.asarray(np.linalg.solve(mass, right[..., None]), float)
-        a = a.reshape(*right.shape[:-1], 2, n)
-        at_weights = (a @ lateral.T)[..., self._plane]
-        a_x, a_y = at_weights[..., 0, :], at_weights[..., 1, :]
-        if rotor.gravity:
-            a = a + np.array([[rotor.gravity.real], [rotor.gravity.imag]])
-        return a, self._lever * ((a_x + off.real) * s - (a_y + off.imag) * c) - slip
+        (angle, w, w1), lateral, gravity = turning, 2 * self.stations, self.assembly.rotor.gravity
+        inertia, own = self.lagrange(angle, w, y)
+        own = own[..., :-1] - inertia[..., :-1, -1] * w1
+        trials = np.broadcast_shapes(*(np.shape(part)[:-1] for part in (own, push, force)))
+        right = np.broadcast_to(own, (*trials, own.shape[-1])).copy()
+        right[..., :lateral] += force
+        right[..., lateral:] += push * self.lagrange.turned_inertia
+        found = np.asarray(np.linalg.solve(inertia[..., :-1, :-1], right[..., None]), float)[..., 0]
+        a = found[..., :lateral].reshape(*trials, 2, -1)
+        return a + np.array([[gravity.real], [gravity.imag]]), found[..., lateral:]
 
     def array_rhs(self, t: float, y: Array) -> Array:
         """Derivative of the state, (size,), for any number of stations and planes."""
-        n, count = self.stations, len(self._plane)
+        n = self.stations
         a, phi2 = self.accelerations(t, y)
-        return np.concatenate([y[2 * n : 4 * n], a.ravel(), y[4 * n + count :], phi2])
+        return np.concatenate([y[2 * n : 4 * n], a.ravel(), y[4 * n + self.weights :], phi2])
 
     def scalar_rhs(self) -> RightHandSide:
         """Right-hand side of one station in plain numbers: no arrays, nothing looked up inside.
@@ -209,12 +160,15 @@ class Monolith:
         rotor = self.assembly.rotor
         bare = float(rotor.mass[0, 0] + self.assembly.added_mass.sum())
         k_x, k_y = float(rotor.stiffness_x[0, 0]), float(rotor.stiffness_y[0, 0])
-        c_x, c_y = float(self._damping_x[0, 0]), float(self._damping_y[0, 0])
         inner, start = float(rotor.internal_damping[0, 0]), self.angle
+        c_x, c_y = float(rotor.damping_x[0, 0]) + inner, float(rotor.damping_y[0, 0]) + inner
         u, u_angle = abs(complex(rotor.unbalance[0])), float(np.angle(rotor.unbalance[0]))
         g_x, g_y = rotor.gravity.real, rotor.gravity.imag
-        table = (self._pull, self._share, self._drag, self._lever, self._follow)
-        rows = list(zip(*(column.tolist() for column in table), strict=True))
+        rows = [
+            (d.moment, d.mass / d.kappa, d.damping_rate, 1.0 / (d.kappa * d.track_radius),
+             (1.0 - 1.0 / d.kappa) * (1.0 + d.radius / d.track_radius))
+            for d in self._devices
+        ]  # fmt: skip
         first_rate, profile = 4 + len(rows), self.profile
         steady, w = not profile.changes, profile.end
         start_of_steady = start - w * profile.times[0]
@@ -277,7 +231,7 @@ class Monolith:
     @property
     def fastest_mode(self) -> float:
         """Of the rotor's eigenvalues and the weights' drag [1/s]."""
-        return max([self.fastest_vibration, *self._drag.tolist()])
+        return max([self.fastest_vibration, *(d.damping_rate for d in self._devices)])
 
     def stops(self, end: float) -> list[float]:
         """Times up to which the motion is smooth [s]: at corners and changes a force jumps."""

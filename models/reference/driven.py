@@ -1,19 +1,17 @@
 """A rotor, its weights and the motor that drives them as one ordinary differential equation.
 
-Formulated apart from the units, which exchange the torque on the shaft: here the angle of the shaft
-is one more coordinate of Lagrange's equations, beside the stations and the weights' absolute
-angles.  Sommerfeld 1902; Filimonikhina 2017 (4), with the shaft's row.
+Formulated apart from the units, which exchange the torque on the shaft: here the motor pulls on one
+more coordinate of Lagrange's equations.  Sommerfeld 1902.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
 from ..arrays import Array
-from ..assembly import Assembly, SpeedProfile, weights_of
-from ..liquid import Liquid
+from ..assembly import Assembly, SpeedProfile
 from ..motor import Drive
 from .coupled import REST, Monolith, Start, Turning
 
@@ -51,10 +49,7 @@ class Driven:
             for speed in (drive.start, drive.end)
         )
         self.stations, self.weights = self._begun.stations, self._begun.weights
-        self.size, self.shaft = self._begun.size + 2, 2 * self.stations
-        liquids = tuple(m for m in assembly.balancers if isinstance(m.device, Liquid))
-        self._mass = replace(assembly, balancers=liquids).loaded_rotor.mass
-        self._each = [(m, one) for m in assembly.weights for one in weights_of(m).each]
+        self.size = self._begun.size + 2
 
     @property
     def dry(self) -> bool:
@@ -90,66 +85,33 @@ class Driven:
         """Derivative of the state, (size,)."""
         n, found = self.stations, self._solved(y)
         speeds, rates = y[2 * n : 4 * n], y[4 * n + self.weights : -2]
-        lateral, spin, phi2 = found[: 2 * n], found[2 * n], found[2 * n + 1 :]
-        return np.concatenate([speeds, lateral, rates, phi2, [y[-1], spin]])
+        lateral, phi2 = np.split(found[:-1], [2 * n])
+        return np.concatenate([speeds, lateral, rates, phi2, y[-1:], found[-1:]])
 
     def accelerations_of(self, _turning: Turning, states: Array) -> tuple[Array, Array]:
         """As `Monolith.accelerations_of`, of states (T, size)."""
-        found = np.array([self._solved(y) for y in states])
-        return found[:, : self.shaft].reshape(len(states), 2, -1), found[:, self.shaft + 1 :]
+        found, lateral = self._solved(states), 2 * self.stations
+        return found[:, :lateral].reshape(len(states), 2, -1), found[:, lateral:-1]
 
     def turning(self, _time: Array, states: Array) -> Turning:
         """Angle, speed and angular acceleration of the shaft, each (T,)."""
-        spin = np.array([self._solved(y)[self.shaft] for y in states])
-        return states[:, -2], states[:, -1], spin
+        return states[:, -2], states[:, -1], self._solved(states)[:, -1]
 
     def _solved(self, y: Array) -> Array:
-        """Second derivatives of x, y, the shaft's angle and phi, (2 n + 1 + N,)."""
-        n, shaft, rotor, motor = self.stations, self.shaft, self.assembly.rotor, self.drive.motor
-        (angle, w), rates = y[-2:], y[4 * n + self.weights : -2]
-        x, yy, v_x, v_y = y[: 4 * n].reshape(4, n)
-        z, speeds = x + 1j * yy, np.concatenate([v_x, v_y, [w], rates])
-        u = rotor.unbalance * np.exp(1j * angle)
-        v = v_x + 1j * v_y
-        sheared = rotor.internal_damping @ (v - 1j * w * z)
-        inertia = np.zeros((len(speeds),) * 2)
-        inertia[:n, :n] = inertia[n:shaft, n:shaft] = self._mass
-        inertia[shaft, :shaft] = inertia[:shaft, shaft] = np.concatenate([-u.imag, u.real])
-        inertia[shaft, shaft] = motor.inertia
-        right = np.zeros(len(speeds))
-        push = w * w * u - sheared + 1j * w * (rotor.gyroscopic @ v)
-        right[:n] = push.real - rotor.stiffness_x @ x - rotor.damping_x @ v_x
-        right[n:shaft] = push.imag - rotor.stiffness_y @ yy - rotor.damping_y @ v_y
-        right[shaft] = torque_of(motor, w) + (z.conj() @ sheared).imag
-        for k, (mounted, device) in enumerate(self._each):
-            phi, path = y[4 * n + k], np.zeros(len(speeds), complex)
-            row, centre = rotor.planes[mounted.plane], mounted.offset * np.exp(1j * angle)
-            arm = device.track_radius * np.exp(1j * phi)
-            path[:n], path[n:shaft], path[shaft], path[shaft + 1 + k] = (
-                row,
-                1j * row,
-                1j * centre,
-                1j * arm,
-            )
-            bias = -w * w * centre - rates[k] ** 2 * arm
-            inertia += device.mass * np.outer(path.conj(), path).real
-            right -= device.mass * (path.conj() * bias).real
-            # a body that rolls turns by (1 + r/R) w - phi', times R/r; kappa - 1 = J/(m r^2)
-            roll, slip = np.zeros((2, len(speeds)))
-            roll[shaft], roll[shaft + 1 + k] = -1.0 - device.radius / device.track_radius, 1.0
-            slip[shaft], slip[shaft + 1 + k] = -1.0, 1.0
-            square = device.track_radius**2
-            inertia += (device.kappa - 1.0) * device.mass * square * np.outer(roll, roll)
-            right -= device.drag * square * (slip @ speeds) * slip
-        found = np.asarray(np.linalg.solve(inertia, right), float)
+        """Second derivatives of x, y, phi and the shaft's angle, (..., 2 n + N + 1)."""
+        motor, gravity = self.drive.motor, self.assembly.rotor.gravity
+        inertia, force = self._begun.lagrange(y[..., -2:-1], y[..., -1:], y[..., :-2])
+        inertia[..., -1, -1] += motor.inertia
+        force[..., -1] += torque_of(motor, y[..., -1])
+        found = np.asarray(np.linalg.solve(inertia, force[..., None]), float)[..., 0]
         # gravity acts as if all were accelerated against it
-        found[:shaft] += np.repeat([rotor.gravity.real, rotor.gravity.imag], n)
+        found[..., : 2 * self.stations] += np.repeat([gravity.real, gravity.imag], self.stations)
         return found
 
 
-def torque_of(motor: Drive, speed: float) -> float:
+def torque_of(motor: Drive, speed: Array) -> Array:
     """The motor's torque [N m]: lines through the points, the outer ones continued."""
     speeds, torques = motor.speeds, motor.torques
     steep = np.diff(torques) / np.diff(speeds)
-    below, above = min(0.0, speed - speeds[0]), max(0.0, speed - speeds[-1])
-    return float(np.interp(speed, speeds, torques) + steep[0] * below + steep[-1] * above)
+    below, above = np.minimum(0.0, speed - speeds[0]), np.maximum(0.0, speed - speeds[-1])
+    return np.interp(speed, speeds, torques) + steep[0] * below + steep[-1] * above

@@ -11,17 +11,17 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
-from scipy.integrate import solve_ivp
+from scipy.optimize import OptimizeResult
 
 from ..arrays import Array
-from .coupled import REST, Monolith, Start
+from .coupled import Monolith, Start
+from .phases import solve_to_event
 
 MARGIN = 1e-9  # of a limit: what holds may push by so much more, so that rounding frees nothing
 TURN_RATE_ROUNDING = 1e-14  # of the rate at which a weight turns in space
-LONGEST = 0.3  # rad of the fastest turning in a step: nothing may stop and go within one
-MOST_EVENTS = 5000  # of a run
 
 
 @dataclass(frozen=True)
@@ -45,7 +45,7 @@ class Dry:
 
     def __init__(self, system: Monolith) -> None:
         self.system, n = system, system.stations
-        self.count = system.weights
+        self.count, self._vibration = system.weights, system.fastest_vibration
         mounted = [m for m in system.assembly.weights for _ in m.angles]
         self.weights = [k for k, m in enumerate(mounted) if m.rolling_resistance]
         self._of = [mounted[k] for k in self.weights]
@@ -60,10 +60,6 @@ class Dry:
         # of every grip the place of its rate in the state
         self.places = turning + [(2 + s.axis) * n + s.station for s in self.sliders]
 
-    def initial(self, start: Start) -> Array:
-        """State at time 0, springs without force."""
-        return np.concatenate([self.system.initial(start), np.zeros(len(self._springs))])
-
     def scales(self, start: Start) -> Array:
         """Typical size of each part of the state."""
         limits = [s.limit for s in self._springs]
@@ -75,7 +71,7 @@ class Dry:
         rates[: len(self.weights)] -= self.system.profile.speed(t)
         return rates
 
-    def accelerations(self, t: float, y: Array, pushes: Array) -> tuple[Array, Array]:
+    def pushed(self, t: float, y: Array, pushes: Array) -> tuple[Array, Array]:
         """As `Monolith.accelerations`, with `pushes` (k, s) of the grips that are solved for."""
         trials, weights = len(pushes), len(self.weights)
         push, force = np.zeros((trials, self.count)), np.zeros((trials, 2 * self.system.stations))
@@ -88,7 +84,7 @@ class Dry:
     def answers(self, t: float, y: Array, pushes: Array) -> Array:
         """Accelerations of stations and weights, of the grips that are solved for, and loads n;
         of each of the `pushes` (k, s) a row."""
-        a, phi2 = self.accelerations(t, y, pushes)
+        a, phi2 = self.pushed(t, y, pushes)
         profile, rotor = self.system.profile, self.system.assembly.rotor
         w, w1 = profile.speed(t), profile.acceleration(t)
         grips = [*(phi2[:, self.weights] - w1).T, *(a[:, s.axis, s.station] for s in self._rigid)]
@@ -103,7 +99,7 @@ class Dry:
         rest = np.array([*grips, *loads]).reshape(-1, len(pushes)).T
         return np.hstack([a.reshape(len(pushes), -1), phi2, rest])
 
-    def solve(self, t: float, y: Array, phase: Phase) -> tuple[Array, Array, Array]:
+    def balance(self, t: float, y: Array, phase: Phase) -> tuple[Array, Array, Array]:
         """Pushes of the grips, accelerations of stations and weights, limits of all grips (g,).
 
         Accelerations, loads and so limits are linear in the pushes that they are to agree with.
@@ -122,10 +118,15 @@ class Dry:
         factors = np.concatenate([[1.0], pushes])
         return pushes, (factors @ answers)[:lateral], factors @ limits
 
+    def accelerations(self, t: float, y: Array, phase: Phase) -> tuple[Array, Array]:
+        """Of stations (2, n) and weights (N,)."""
+        lateral, bend = np.split(self.balance(t, y, phase)[1], [2 * self.system.stations])
+        return lateral.reshape(2, -1), bend
+
     def rhs(self, t: float, y: Array, phase: Phase) -> Array:
         """Derivative of the state."""
         n = self.system.stations
-        accelerations = self.solve(t, y, phase)[1]
+        accelerations = self.balance(t, y, phase)[1]
         springs = [
             0.0 if slips else -s.stiffness * y[place]
             for s, slips, place in zip(
@@ -143,7 +144,7 @@ class Dry:
 
     def watched(self, t: float, y: Array, phase: Phase) -> Array:
         """What falls through 0 where a grip comes to rest or lets go, or a weight changes walls."""
-        pushes, _, limits = self.solve(t, y, phase)
+        pushes, _, limits = self.balance(t, y, phase)
         forces = np.concatenate([pushes, y[self.system.size :]])
         room = limits * (1.0 + MARGIN) - np.abs(forces)
         # by rounding nothing that has just let go comes to rest
@@ -156,7 +157,7 @@ class Dry:
     ) -> tuple[Array, Phase]:
         """State and phase behind events, numbered as `watched`."""
         y, slips, sides = y.copy(), phase.slips.copy(), phase.sides.copy()
-        forces = [*self.solve(t, y, phase)[0], *y[self.system.size :]]
+        forces = [*self.balance(t, y, phase)[0], *y[self.system.size :]]
         changed = [j - len(slips) for j in happened if j >= len(slips)]
         sides[changed] *= -1.0
         for j in happened:
@@ -171,10 +172,12 @@ class Dry:
                 if j >= self.solved:
                     spring = j - self.solved
                     y[self.system.size + spring] = -slips[j] * self._springs[spring].limit
-        return y, self.settled(t, y, Phase(slips, sides), changed)
+        return self.settled(t, y, Phase(slips, sides), changed)
 
-    def settled(self, t: float, y: Array, phase: Phase, changed: Sequence[int] = ()) -> Phase:
-        """The phase once walls carry what lies on them, and all has let go that cannot be held.
+    def settled(
+        self, t: float, y: Array, phase: Phase, changed: Sequence[int] = ()
+    ) -> tuple[Array, Phase]:
+        """State and phase once walls carry what lies on them, and what cannot be held has let go.
 
         Args:
             changed: weights that have just come to the wall they are on, with a load of 0.
@@ -185,7 +188,7 @@ class Dry:
         slips, sides = phase.slips.copy(), phase.sides.copy()
         weights = len(self.weights)
         for _ in range((1 + self.solved) * (1 + weights)):
-            pushes, _, limits = self.solve(t, y, Phase(slips, sides))
+            pushes, _, limits = self.balance(t, y, Phase(slips, sides))
             carried = limits[:weights] < 0.0
             carried[list(changed)] = False
             if carried.any():
@@ -195,84 +198,26 @@ class Dry:
                 over = np.abs(pushes) / np.abs(limits[: self.solved] * (1.0 + MARGIN))
             over[slips[: self.solved] != 0.0] = 0.0
             if not (over > 1.0).any():
-                return Phase(slips, sides)
+                return y, Phase(slips, sides)
             first = int(np.nanargmax(over))
             slips[first] = -np.sign(pushes[first])
         raise ArithmeticError(f"no weight knows which wall carries it at {t:g} s")
 
-    def start_phase(self, y: Array) -> Phase:
-        """The phase of the start: what moves slips, springs are slack."""
+    def begin(self, start: Start) -> tuple[Array, Phase]:
+        """State and phase at time 0: what moves slips, springs are slack."""
+        y = np.concatenate([self.system.initial(start), np.zeros(len(self._springs))])
         slips = np.sign(self.rates(0.0, y))
         slips[self.solved :] = 0.0
         return self.settled(0.0, y, Phase(slips, np.ones(len(self.weights))))
 
+    def fastest(self, _y: Array) -> float:
+        """Fastest turning [rad/s], which limits a step."""
+        return max(abs(self.system.profile.end), self._vibration)
+
+    def solve(self, t: float, end: float, y: Array, phase: Phase, **options: Any) -> OptimizeResult:
+        """The motion up to the next event."""
+        return solve_to_event(self, t, end, y, phase, **options)
+
 
 def _lever(device: object) -> float:
     return device.kappa * device.track_radius  # type: ignore[attr-defined]
-
-
-def integrate_dry(
-    system: Monolith, time: Array, initial: Start = REST, *, method: str, rtol: float
-) -> tuple[Array, list[tuple[Array, Array]]]:
-    """States at ascending times (T, size), and what `Monolith.accelerations` gives there.
-
-    Raises:
-        ArithmeticError: the method gave up, or there is no end of sticking and slipping.
-    """
-    grips = Dry(system)
-    y, t, left = grips.initial(initial), 0.0, MOST_EVENTS
-    phase, absolute = grips.start_phase(y), rtol * grips.scales(initial)
-    states = np.empty((len(time), system.size))
-    solved: list[tuple[Array, Array]] = []
-
-    def keep(grips: Dry, phase: Phase, at: Array, reached: Array) -> None:
-        for moment, state in zip(at, reached, strict=True):
-            states[len(solved)] = state[: system.size]
-            answer = grips.solve(moment, state, phase)[1]
-            lateral, bend = np.split(answer, [2 * system.stations])
-            solved.append((lateral.reshape(2, -1), bend))
-
-    if time[0] == 0.0:
-        keep(grips, phase, time[:1], y[None])
-    for stop in system.stops(float(time[-1])):
-        grips = Dry(system.between(t, stop))
-        phase = grips.settled(t, y, phase)
-        while t < stop:
-            fastest = max(abs(grips.system.profile.end), system.fastest_vibration)
-            done = solve_ivp(
-                grips.rhs, (t, stop), y, method, args=(phase,), events=_events(grips, phase),
-                rtol=rtol, atol=absolute, dense_output=True, max_step=LONGEST / fastest,
-            )  # fmt: skip
-            if not done.success or not np.isfinite(done.y).all():
-                raise ArithmeticError(f"{method} stopped after {done.t[-1]:g} s: {done.message}")
-            at = time[(time > t) & (time <= done.t[-1])]
-            if len(at):
-                keep(grips, phase, at, done.sol(at).T)
-            t, y = float(done.t[-1]), done.y[:, -1]
-            happened = [j for j, times in enumerate(done.t_events) if len(times)]
-            if happened:
-                y, phase = grips.after(t, y, phase, happened)
-            left -= 1
-            if not left:
-                raise ArithmeticError(f"more than {MOST_EVENTS} stops and starts by {t:g} s")
-    return states, solved
-
-
-def _events(grips: Dry, phase: Phase) -> list:
-    """One event of `solve_ivp` for every value watched, which are computed once for all."""
-    last: list = [None, None, None]
-
-    def value(t: float, y: Array, number: int) -> float:
-        if last[0] != t or not np.array_equal(last[1], y):
-            last[:] = t, y.copy(), grips.watched(t, y, phase)
-        return float(last[2][number])
-
-    events = []
-    for number in range(len(phase.slips) + len(phase.sides)):
-
-        def event(t: float, y: Array, *_: object, number: int = number) -> float:
-            return value(t, y, number)
-
-        event.terminal, event.direction = True, -1  # type: ignore[attr-defined]
-        events.append(event)
-    return events

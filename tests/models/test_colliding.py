@@ -109,7 +109,7 @@ def test_a_bounce_that_ends_in_contact_gives_the_rotor_its_momentum():
     touching = assembly(2, 0.5, angles=(0.4, 0.4 + 2.0 * ALPHA), speeds=(0.0, 0.1 * LOWEST**0.5))
     bodies = Colliding(Monolith(touching, SpeedProfile.constant(SPEED)))
     y = bodies.system.initial(Start(x=0.3, y=0.2))  # which presses the first against the second
-    after, joined = bodies.settle(0.0, y, bodies.pairs[:1])
+    after, joined = bodies.settled(0.0, y, bodies.pairs[:1])
 
     def momentum(y):
         _, _, vx, vy, *turned = y

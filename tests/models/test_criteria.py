@@ -1,6 +1,7 @@
 """Closed forms of Dubovik 2006 and Filimonikhina 2017 against each other and plain numerics."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -82,11 +83,11 @@ def test_window_closes_at_the_stated_external_damping():
 @pytest.mark.parametrize("unbalance", [1e-4, 1e-3, 0.5])
 @pytest.mark.parametrize("chi", [5.0, 200.0, 1e4])
 def test_touching_speeds_are_where_bending_exceeds_the_gap(unbalance, chi):
-    case = window(unbalance=unbalance, external_damping=chi)
-    gap = 1e-3
+    close = replace(LIQUID, float_radius=0.099)
+    case, gap = window(unbalance=unbalance, external_damping=chi, liquid=close), close.gap
     speeds = np.linspace(0.5, 3000.0, 400_001)
     inside = np.zeros(len(speeds), bool)
-    for low, high in case.touching_speeds(gap):
+    for low, high in case.touching_speeds():
         inside |= (speeds > low) & (speeds < (math.inf if high is None else high))
         assert case.bending(low) == pytest.approx(gap, rel=1e-9)
     assert np.array_equal(inside, case.bending(speeds) > gap)

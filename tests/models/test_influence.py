@@ -115,14 +115,6 @@ def test_scalar_coefficients_are_one_phase_for_all():
     np.testing.assert_allclose(np.abs(used), np.abs(k))
 
 
-def test_wrong_trials_are_refused():
-    first, runs = np.zeros(2), np.ones((2, 2))
-    with pytest.raises(ValueError, match="none may be zero"):
-        from_trial_runs(first, runs, np.array([1.0, 0.0]))
-    with pytest.raises(ValueError, match=r"shape \(2, 2\): must be \(1, 2\)"):
-        from_trial_runs(first, runs, np.array([1.0]))
-
-
 def test_two_planes_at_one_place_cannot_be_told_apart():
     k = influence(machine(planes=(0.2, 0.2)), 178.0)[0]
     with pytest.raises(ValueError, match="rank 1 for 2 planes"):

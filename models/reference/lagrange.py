@@ -1,0 +1,76 @@
+"""Inertia and forces of a rotor, its weights and its shaft, by Lagrange's equations.
+
+Formulated apart from the units, which work in the rotor frame and split the force: here the axes
+are fixed, the weights' angles phi absolute, and the shaft's angle is one more coordinate, which a
+speed profile prescribes or a motor drives.  Filimonikhina 2017 (4) with the liquid of Dubovik 2006
+(3) and the w' terms of (5), and the shaft's row.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from ..arrays import Array
+from ..assembly import Assembly, weights_of
+from ..liquid import Liquid
+
+
+class Lagrange:
+    """I q'' = f of an assembly, q = (x, y, phi, angle of the shaft), 2 n + N + 1 of them.
+
+    n stations; N weights of all balancers, in their order.  Gravity is not in f: it acts as if
+    everything were accelerated against it.
+    """
+
+    def __init__(self, assembly: Assembly) -> None:
+        self.rotor = rotor = assembly.rotor
+        n = rotor.stations
+        each = [(m, one) for m in assembly.weights for one in weights_of(m).each]
+        self.weights = len(each)
+        self.mass, self.radius, drag, kappa, size = np.array(
+            [(d.mass, d.track_radius, d.drag, d.kappa, d.radius) for _, d in each]
+        ).reshape(-1, 5).T  # fmt: skip
+        square = self.mass * self.radius**2
+        self.offset = np.array([m.offset for m, _ in each], complex)
+        self.turned_inertia = kappa * square
+        self.drag = drag * self.radius**2
+        liquids = tuple(m for m in assembly.balancers if isinstance(m.device, Liquid))
+        loaded = replace(assembly, balancers=liquids).loaded_rotor.mass
+        turns = np.hstack([np.zeros((self.weights, 2 * n)), np.eye(self.weights)])
+        # a body that rolls turns by (1 + r/R) w - phi', times R/r; kappa - 1 = J/(m r^2)
+        rolls = np.hstack([turns, -1.0 - (size / self.radius)[:, None]])
+        self.inertia = rolls.T @ (((kappa - 1.0) * square)[:, None] * rolls)
+        self.inertia[:n, :n] = self.inertia[n : 2 * n, n : 2 * n] = loaded
+        rows = rotor.planes[[m.plane for m, _ in each]].reshape(-1, n)
+        self.path = np.zeros((self.weights, len(self.inertia)), complex)
+        self.path[:, : 2 * n] = np.hstack([rows, 1j * rows])
+
+    def __call__(self, angle: Array | float, w: Array | float, y: Array) -> tuple[Array, Array]:
+        """I (..., D, D) and f (..., D) of states (x, y, vx, vy, phi, phi'), (..., 4 n + 2 N).
+
+        Args:
+            angle, w: of the shaft [rad, rad/s], numbers or columns (..., 1).
+        """
+        rotor, n, here = self.rotor, self.rotor.stations, np.arange(self.weights)
+        x, yy, v_x, v_y = (y[..., j * n : (j + 1) * n] for j in range(4))
+        phi, rates = y[..., 4 * n : 4 * n + self.weights], y[..., 4 * n + self.weights :]
+        z, v, turn = x + 1j * yy, v_x + 1j * v_y, np.exp(1j * angle)
+        centre, arm, u = self.offset * turn, self.radius * np.exp(1j * phi), rotor.unbalance * turn
+        # velocity of a weight, vx + i vy, by the velocities of the coordinates
+        path = np.broadcast_to(self.path, (*y.shape[:-1], *self.path.shape)).copy()
+        path[..., here, 2 * n + here], path[..., -1] = 1j * arm, 1j * centre
+        momentum = np.swapaxes(self.mass[:, None] * path.conj(), -1, -2)
+        inertia = self.inertia + (momentum @ path).real
+        inertia[..., -1, :n] -= u.imag
+        inertia[..., -1, n : 2 * n] += u.real
+        inertia[..., : 2 * n, -1] = inertia[..., -1, : 2 * n]
+        force = (momentum @ (w * w * centre + rates**2 * arm)[..., None])[..., 0].real
+        sheared, lag = (v - 1j * w * z) @ rotor.internal_damping.T, self.drag * (rates - w)
+        push = w * w * u - sheared + 1j * w * (v @ rotor.gyroscopic.T)
+        force[..., :n] += push.real - x @ rotor.stiffness_x.T - v_x @ rotor.damping_x.T
+        force[..., n : 2 * n] += push.imag - yy @ rotor.stiffness_y.T - v_y @ rotor.damping_y.T
+        force[..., 2 * n : -1] -= lag
+        force[..., -1] += lag.sum(axis=-1) + (z.conj() * sheared).sum(axis=-1).imag
+        return inertia, force
