@@ -2,8 +2,18 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complexfloating]
+
+Numbers = NDArray[Any]  # floats, or the objects that a proof computes with instead
+
+
+def numbers(values: Any) -> Numbers:
+    """An array of floats, or of the objects that a proof computes with instead."""
+    array = np.asarray(values)
+    return array if array.dtype == object else array.astype(float)

@@ -21,6 +21,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import rotor_kinds
+from .arrays import numbers
 
 Matrix = NDArray[np.float64]
 
@@ -89,11 +90,11 @@ class LinearRotor:
             internal_damping: Dubovik's p, damping of the rotating shaft [N s/m].
             unbalance, unbalance_angle: static moment [kg m] and its angle in the rotor [rad].
         """
-        k_x, k_y = np.broadcast_to(np.asarray(stiffness, float), 2)
-        c_x, c_y = np.broadcast_to(np.asarray(damping, float), 2)
+        k_x, k_y = np.broadcast_to(numbers(stiffness), 2)
+        c_x, c_y = np.broadcast_to(numbers(damping), 2)
 
         def cell(value: float) -> Matrix:
-            return np.array([[float(value)]])
+            return numbers([[value]])
 
         return cls(
             mass=cell(mass),
@@ -164,7 +165,7 @@ class LinearRotor:
 
     def with_added_mass(self, added_mass: ArrayLike) -> LinearRotor:
         """The same rotor carrying `added_mass` [kg] (p,) rigidly at its planes."""
-        added = np.asarray(added_mass, float)
+        added = numbers(added_mass)
         return replace(self, mass=self.mass + self.planes.T @ (added[:, None] * self.planes))
 
     def coefficients(self, speed: float) -> tuple[NDArray, NDArray, NDArray]:

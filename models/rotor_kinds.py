@@ -6,12 +6,13 @@ Filimonikhin 2011 (1) for the shaft, with the shaft's compliance inverted to a s
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
+from .arrays import numbers
 from .constants import SAME_PLACE
 from .shaft import (
     Matrix,
@@ -58,12 +59,12 @@ def two_support(
     Raises:
         ValueError: no body has this polar inertia.
     """
-    if not polar_inertia <= 2.0 * inertia:
+    if polar_inertia > 2.0 * inertia:
         raise ValueError(
             f"polar_inertia = {polar_inertia!r} kg m^2: must be 0 to 2 inertia = {2.0 * inertia:g}"
         )
-    k, c = np.asarray(stiffness, float), np.asarray(damping, float)
-    tilt = np.array([[-1.0, 1.0]]) / span
+    k, c = numbers(stiffness), numbers(damping)
+    tilt = numbers([[-1.0, 1.0]]) / span
     at_centre = line_rows([span / 2.0 if com is None else com], span)
     u = _unbalances(unbalances)
     return cls(
@@ -92,6 +93,7 @@ def flexible(
     compliance: Sequence[Sequence[float]] | None = None,
     internal_damping: float = 0.0,
     unbalances: Sequence[tuple[float, float, float]] = (),
+    elastic: Callable[[Matrix, Matrix], tuple[Matrix, float]] = shaft_stiffness,
 ) -> LinearRotor:
     """Discs on a massless shaft, q = their displacements: Filimonikhin 2011 (1).
 
@@ -108,6 +110,7 @@ def flexible(
             feel where the shaft is softest; with one disc it is Dubovik's p.
         unbalances: (place [m], amount [kg m], angle in the rotor [rad]); a disc's place, or one
             between discs of a uniform shaft.
+        elastic: the shaft's stiffness and its largest compliance by compliance and bending rows.
 
     Raises:
         ValueError: stations, supports or unbalances have places that they cannot have, a station
@@ -118,17 +121,15 @@ def flexible(
     if p == q:
         raise ValueError(f"supports = {[p, q]}: must be two different stations, 1 to {len(z)}")
     ends = p - 1, q - 1
-    k, c = np.asarray(support_stiffness, float), np.asarray(support_damping, float)
+    k, c = numbers(support_stiffness), numbers(support_damping)
     rows = bending_rows(z, ends)
     if compliance is not None:
         delta = symmetric_compliance(compliance, len(rows))
     else:
         assert bending_stiffness is not None, "one of both is given"
         delta = beam_compliance(z, ends, bending_stiffness)
-    shaft = shaft_stiffness(delta, rows)
-    # Dubovik's p belongs to the stiffness 1/delta that a disc feels where the shaft is softest
-    retardation = internal_damping * max(delta.diagonal(), default=0.0)
-    if internal_damping and not len(rows):
+    shaft, softest = elastic(delta, rows)
+    if internal_damping > 0.0 and not len(rows):
         raise ValueError("internal_damping: a shaft with discs at its supports only cannot bend")
     return cls(
         mass=np.diag(m),
@@ -136,7 +137,8 @@ def flexible(
         damping_y=_at(ends, c[:, 1], len(z)),
         stiffness_x=shaft + _at(ends, k[:, 0], len(z)),
         stiffness_y=shaft + _at(ends, k[:, 1], len(z)),
-        internal_damping=retardation * shaft,
+        # Dubovik's p belongs to the stiffness 1/delta that a disc feels where the shaft is softest
+        internal_damping=internal_damping * softest * shaft,
         gyroscopic=np.zeros_like(shaft),
         planes=np.eye(len(z)),
         unbalance=_shaft_unbalance(z, unbalances, uniform=compliance is None),
@@ -149,13 +151,13 @@ def line_rows(positions: Sequence[float], span: float) -> Matrix:
 
     Polushkin 2016 (15), (17): the force's lever, for any plane, between the supports or overhung.
     """
-    share = np.asarray(positions) / span
+    share = numbers(positions) / span
     return np.stack([1.0 - share, share], axis=1)
 
 
 def _discs(stations: Sequence[float], masses: Sequence[float]) -> tuple[Matrix, Matrix]:
-    z = np.asarray(stations, float)
-    if np.any(np.diff(z) <= 0.0):
+    z = numbers(stations)
+    if not np.all(np.diff(z) > 0.0):
         raise ValueError(f"stations = {z.tolist()}: must be at least two, each beyond the last [m]")
     for number, value in enumerate(masses, 1):
         if not value > 0.0:
@@ -164,7 +166,7 @@ def _discs(stations: Sequence[float], masses: Sequence[float]) -> tuple[Matrix, 
                 "a station without mass has no motion of its own: give a support station the mass "
                 "of its journal, and leave out any other"
             )
-    return z, np.asarray(masses, float)
+    return z, numbers(masses)
 
 
 def _shaft_unbalance(
@@ -193,6 +195,6 @@ def _unbalances(unbalances: Sequence[Unbalance]) -> list[tuple[float, complex]]:
 
 
 def _at(ends: tuple[int, int], values: Matrix, size: int) -> Matrix:
-    diagonal = np.zeros(size)
+    diagonal = np.zeros(size, values.dtype)
     diagonal[list(ends)] = values
     return np.diag(diagonal)

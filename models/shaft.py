@@ -11,6 +11,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from .arrays import numbers
 from .constants import SHAFT_SINGULAR, SHAFT_SYMMETRIC
 
 Matrix = NDArray[np.float64]
@@ -21,9 +22,9 @@ def bending_rows(z: Sequence[float] | Matrix, supports: tuple[int, int]) -> Matr
 
     Filimonikhin 2011 (1): x_j - (1 - zt_j) x_p - zt_j x_q for every disc but p, q (from 0).
     """
-    z = np.asarray(z)
+    z = numbers(z)
     p, q = supports
-    rows = np.eye(len(z), dtype=np.result_type(z, float))  # objects too: balls of a proof
+    rows = np.eye(len(z), dtype=z.dtype)
     share = (z - z[p]) / (z[q] - z[p])
     rows[:, p] -= 1.0 - share
     rows[:, q] -= share
@@ -39,7 +40,7 @@ def beam_compliance(
     the line through the supports - the rows T, from both sides - leaves the supported beam:
     delta = T |z_j - z_k|^3 T^T / (12 E I).  A single disc at mid-span gives l^3/(48 E I).
     """
-    z = np.asarray(z)
+    z = numbers(z)
     rows = bending_rows(z, supports)
     gaps = np.abs(z[:, None] - z)
     delta = rows @ (gaps * gaps * gaps) @ rows.T / (12.0 * bending_stiffness)
@@ -59,15 +60,22 @@ def beam_shares(z: Matrix, position: float) -> Matrix:
 
 def symmetric_compliance(compliance: Sequence[Sequence[float]], size: int) -> Matrix:
     """A measured compliance made symmetric, (size, size) [m/N]; ValueError if it is not nearly."""
-    delta = np.array(compliance, float).reshape(size, size)
+    delta = numbers(compliance).reshape(size, size)
     scale = np.abs(delta).max(initial=0.0)
-    if not np.all(np.abs(delta - delta.T) <= SHAFT_SYMMETRIC * scale):
+    if np.any(np.abs(delta - delta.T) > SHAFT_SYMMETRIC * scale):
         raise ValueError("compliance: must be symmetric (Maxwell's reciprocity)")
     return (delta + delta.T) / 2.0
 
 
-def shaft_stiffness(delta: Matrix, rows: Matrix) -> Matrix:
-    """T^T delta^-1 T (n, n) [N/m]; raises ValueError if delta is not positive definite."""
+def shaft_stiffness(delta: Matrix, rows: Matrix) -> tuple[Matrix, float]:
+    """T^T delta^-1 T (n, n) [N/m], and the largest delta_jj [m/N].
+
+    Args:
+        delta, rows: compliance (n-2, n-2) [m/N], and T (n-2, n).
+
+    Raises:
+        ValueError: the compliance is not positive definite.
+    """
     # scaled: discs close to a support are stiffer by orders of magnitude
     scale = np.sqrt(np.abs(delta.diagonal()))
     try:
@@ -81,4 +89,4 @@ def shaft_stiffness(delta: Matrix, rows: Matrix) -> Matrix:
             "shaft its own way (are two stations almost at one place?)"
         ) from None
     bent = np.linalg.inv(lower) / scale @ rows
-    return bent.T @ bent
+    return bent.T @ bent, float(delta.diagonal().max(initial=0.0))

@@ -15,7 +15,7 @@ from ...models.linear.balanced import CannotBalance, balanced_angles
 from ...models.papers.window import LiquidWindow
 from ...models.proof.balanced import Seen, WeightBalls, seen
 from ...models.proof.equations import Equations, matrices
-from ...models.proof.rotors import KINDS, RotorBalls, Unproved
+from ...models.proof.rotors import Unproved, rotor_balls
 from ...models.proof.slopes import Exact, Number, Sloped, ball
 from ...models.proof.window import WindowBalls
 from ...models.weights import KAPPA
@@ -186,24 +186,21 @@ class Tables:
             Unproved: a balanced motion is not proved to exist.
         """
         self.damp()
-        rotor: RotorBalls = KINDS[self.rotor["kind"]](self.rotor)
-        mass, weights = rotor.mass, []
-        angles = _angles(self.scene)
+        weights, added, angles = [], [], _angles(self.scene)
         for table in self.balancers.values():
             plane = table["at"] - 1
-            row = rotor.planes[plane]
             if table["kind"] == "liquid":
-                added = _liquid_mass(table)
+                added.append((plane, _liquid_mass(table)))
             else:
                 count = table["count"]
-                added = table["mass"] * count
+                added.append((plane, table["mass"] * count))
                 stand = tuple(next(angles) for _ in range(count))
                 each, radius, drag = (table[key] for key in ("mass", "track_radius", "drag"))
                 kappa = _exact(KAPPA[table["kind"]])
                 weights.append(WeightBalls(plane, count, each, radius, drag, kappa, stand))
-            mass = mass + row[:, None] * row * added
+        rotor = rotor_balls(self.rotor, added)
         found = seen(rotor, weights)
-        return matrices(rotor, mass, found), found
+        return matrices(rotor, found), found
 
 
 def _mapped(value: Any, known: dict[int, Number]) -> Any:

@@ -17,11 +17,13 @@ The rates left over, of weights of equal drag rate d, decay freely as e^{-d t}.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ..arrays import Numbers
 from ..assembly import Assembly
 from ..rotor import LinearRotor
 from .balanced import WeightTable, balanced_angles
@@ -65,16 +67,43 @@ class Linearised:
 
 
 @dataclass(frozen=True, eq=False)
-class _Couplings:
+class Couplings:
     """Weights in the coordinates that the rotor sees: turns g (r,) and rates v (R,)."""
 
-    pull_turn: Matrix  # (2n, r)  S^T ds = pull_turn g
-    pull_rate: Matrix  # (2n, R)  and of the rates
-    feed: Matrix  # (r, R)   g' = feed v
-    drag: NDArray[np.float64]  # (R,)     v' = -drag v - drive a
-    drive: Matrix  # (R, 2n)
-    neutral: int
-    free_decay: NDArray[np.float64]
+    pull_turn: Numbers  # (2n, r)  S^T ds = pull_turn g
+    pull_rate: Numbers  # (2n, R)  and of the rates
+    feed: Numbers  # (r, R)   g' = feed v
+    drag: Numbers  # (R,)     v' = -drag v - drive a
+    drive: Numbers  # (R, 2n)
+    neutral: int = 0
+    free_decay: NDArray[np.float64] = field(default_factory=lambda: np.zeros(0))
+
+
+@dataclass(frozen=True, eq=False)
+class RotorParts:
+    """Stiffness and damping of a rotor, (n, n) each: means of both axes and half the differences.
+
+    Internal damping and the gyroscopic matrix are as in `LinearRotor`.
+    """
+
+    stiffness: Numbers
+    half_stiffness: Numbers
+    damping: Numbers
+    half_damping: Numbers
+    internal: Numbers
+    gyroscopic: Numbers
+
+    @classmethod
+    def of(cls, rotor: LinearRotor) -> RotorParts:
+        """Those of a rotor."""
+        return cls(
+            (rotor.stiffness_x + rotor.stiffness_y) / 2.0,
+            (rotor.stiffness_x - rotor.stiffness_y) / 2.0,
+            (rotor.damping_x + rotor.damping_y) / 2.0,
+            (rotor.damping_x - rotor.damping_y) / 2.0,
+            rotor.internal_damping,
+            rotor.gyroscopic,
+        )
 
 
 def _row_space(matrix: Matrix) -> Matrix:
@@ -84,7 +113,7 @@ def _row_space(matrix: Matrix) -> Matrix:
     return rows[:rank].T
 
 
-def _couplings(assembly: Assembly, table: WeightTable, angles: NDArray) -> _Couplings:
+def _couplings(assembly: Assembly, table: WeightTable, angles: NDArray) -> Couplings:
     """Split the weights' turns and rates, group by group of equal drag rate."""
     planes = assembly.rotor.planes[table.plane]  # (K, n)
     tangent = np.hstack(
@@ -109,7 +138,7 @@ def _couplings(assembly: Assembly, table: WeightTable, angles: NDArray) -> _Coup
         weight = table.moment[group] * reach[group] / table.kappa_radius[group]
         drives.append(inside.T @ (weight[:, None] * tangent[group]))
     rates = np.hstack(bases)
-    return _Couplings(
+    return Couplings(
         pull_turn=column @ turns,
         pull_rate=column @ rates,
         feed=turns.T @ rates,
@@ -131,7 +160,7 @@ class _Blocks:
     size: int
 
     @classmethod
-    def of(cls, couplings: _Couplings) -> _Blocks:
+    def of(cls, couplings: Couplings) -> _Blocks:
         n2, r = couplings.pull_turn.shape
         size = 2 * n2 + r + couplings.pull_rate.shape[1]
         v = slice(2 * n2 + r, size)
@@ -144,24 +173,44 @@ def _kron(axes: Matrix, matrix: Matrix) -> Matrix:
     return (axes[:, None, :, None] * matrix[None, :, None, :]).reshape(size, size)
 
 
-def _forces(rotor: LinearRotor, c: _Couplings, at: _Blocks) -> tuple[Matrix, Matrix]:
-    """Rows of M_eff D^2 zeta: by powers of w (3, 2n, d), and by cos, sin of 2 beta (2, 2n, d)."""
-    both, turn = np.eye(2), _kron(_TURN, np.eye(rotor.stations))
-    mean_stiffness = (rotor.stiffness_x + rotor.stiffness_y) / 2.0
-    mean_damping = (rotor.damping_x + rotor.damping_y) / 2.0 + rotor.internal_damping
-    steady = np.zeros((3, 2 * rotor.stations, at.size))
-    steady[0, :, at.q] = -_kron(both, mean_stiffness)
-    steady[0, :, at.u] = -_kron(both, mean_damping)
-    steady[0, :, at.v] = c.pull_rate * c.drag
-    steady[1, :, at.q] = turn @ _kron(both, rotor.internal_damping)
-    steady[1, :, at.u] = turn @ _kron(both, rotor.gyroscopic)
-    steady[1, :, at.v] = -2.0 * turn @ c.pull_rate
-    steady[2, :, at.g] = c.pull_turn
-    swing = np.zeros((2, 2 * rotor.stations, at.size))
-    for part, mirror in enumerate(_MIRRORS):
-        swing[part, :, at.q] = -_kron(mirror, (rotor.stiffness_x - rotor.stiffness_y) / 2.0)
-        swing[part, :, at.u] = -_kron(mirror, (rotor.damping_x - rotor.damping_y) / 2.0)
-    return steady, swing
+def small_motions(
+    rotor: RotorParts, mass: Numbers, c: Couplings, solve: Callable[..., Numbers] = np.linalg.solve
+) -> Numbers:
+    """The matrices (5, d, d) of `Linearised`: steady, cosine and sine.
+
+    Numbers may be of any kind that `solve` can compute with: a proof has balls.
+
+    Args:
+        rotor: its stiffness and damping.
+        mass: of the rotor with its balancers, (2n, 2n), as D^2 zeta feels it.
+    """
+    at = _Blocks.of(c)
+    n, both = len(rotor.internal), np.eye(2)
+    turn = _kron(_TURN, np.eye(n))
+    forces = np.zeros((5, 2 * n, at.size), mass.dtype)  # rows of M_eff D^2 zeta
+    forces[0, :, at.q] = -_kron(both, rotor.stiffness)
+    forces[0, :, at.u] = -_kron(both, rotor.damping + rotor.internal)
+    forces[0, :, at.v] = c.pull_rate * c.drag
+    forces[1, :, at.q] = turn @ _kron(both, rotor.internal)
+    forces[1, :, at.u] = turn @ _kron(both, rotor.gyroscopic)
+    forces[1, :, at.v] = -2.0 * turn @ c.pull_rate
+    forces[2, :, at.g] = c.pull_turn
+    for part, mirror in enumerate(_MIRRORS, start=3):
+        forces[part, :, at.q] = -_kron(mirror, rotor.half_stiffness)
+        forces[part, :, at.u] = -_kron(mirror, rotor.half_damping)
+    acceleration = solve(mass, forces)
+    result = np.zeros((5, at.size, at.size), mass.dtype)
+    result[:, at.u], result[:, at.v] = acceleration, -c.drive @ acceleration
+    result[0, at.q, at.u] += np.eye(2 * n, dtype=int)
+    result[0, at.g, at.v] += c.feed
+    result[0, at.v, at.v] -= np.diag(c.drag)
+    if c.drag.size:
+        result[1, at.q, at.q] -= turn
+        result[1, at.u, at.u] -= turn
+    else:  # in fixed axes, where beta stays 0
+        result[0] += result[3]
+        result[3:] = 0.0
+    return result
 
 
 def _fastest(rotor: LinearRotor, mass: Matrix) -> float:
@@ -183,32 +232,14 @@ def linearise(assembly: Assembly) -> Linearised:
     rotor = assembly.loaded_rotor
     rotor.refuse_sliders("linear stability")
     angles = balanced_angles(assembly)
-    in_rotor = len(angles) > 0
     c = _couplings(assembly, WeightTable.of(assembly), angles)
-    at = _Blocks.of(c)
     mass = _kron(np.eye(2), rotor.mass) - c.pull_rate @ c.drive
-
-    def rows(force: Matrix) -> Matrix:
-        """A as far as it comes from D^2 zeta."""
-        acceleration = np.linalg.solve(mass, force)
-        out = np.zeros((*force.shape[:-2], at.size, at.size))
-        out[..., at.u, :], out[..., at.v, :] = acceleration, -c.drive @ acceleration
-        return out
-
-    forces, swing = _forces(rotor, c, at)
-    steady, (cosine, sine) = rows(forces), rows(swing)
-    steady[0, at.q, at.u] += np.eye(2 * rotor.stations)
-    steady[0, at.g, at.v] += c.feed
-    steady[0, at.v, at.v] -= np.diag(c.drag)
-    turning = np.zeros((at.size, at.size))
-    if in_rotor:
+    *steady, cosine, sine = small_motions(RotorParts.of(rotor), mass, c)
+    turning, at = np.zeros_like(cosine), _Blocks.of(c)
+    if c.drag.size:
         turning[at.q, at.q] = turning[at.u, at.u] = _kron(_TURN, np.eye(rotor.stations))
-        steady[1] -= turning
-    else:
-        steady[0] += cosine
-        cosine, sine = np.zeros_like(cosine), np.zeros_like(sine)
     return Linearised(
-        steady=steady,
+        steady=np.array(steady),
         cosine=cosine,
         sine=sine,
         turning=turning,

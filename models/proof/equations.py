@@ -1,30 +1,28 @@
 """Small motions about the balanced motion, x' = A(w, beta) x, with balls for coefficients.
 
-The equations are those of `linear.linearised`, in other coordinates: zeta, D zeta, the moments of
-the weights in the planes, and their rates for each balancer.  In these the turns of weights that
-change no moment do not appear at all: N - 2 neutral directions of N weights in a plane are divided
-out exactly, and the rates left over decay as e^{-d t}.
+The equations are assembled by `linear.linearised`, but from other coordinates: zeta, D zeta, the
+moments of the weights in the planes, and their rates for each balancer.  In these the turns of
+weights that change no moment do not appear at all: N - 2 neutral directions of N weights in a plane
+are divided out exactly, and the rates left over decay as e^{-d t}.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import pairwise
 
 import numpy as np
 from flint import arb
 from numpy.typing import NDArray
 from scipy.linalg import matrix_balance
 
+from ..linear.linearised import Couplings, small_motions
 from .balanced import Seen
 from .rotors import RotorBalls, balls, solve
 from .series import UP, Series, monomials
 from .slopes import Exact, Sloped, ball, slopes_of
 
 _AXES = np.eye(2, dtype=int)
-_TURN = np.array([[0, -1], [1, 0]])  # i
-_MIRRORS = np.array([[[1, 0], [0, -1]], [[0, -1], [-1, 0]]])  # of cos 2 beta and sin 2 beta
 
 
 @dataclass(frozen=True, eq=False)
@@ -95,53 +93,28 @@ class Equations:
         return Series(out, bound, self.variables)
 
 
-def matrices(rotor: RotorBalls, mass: Exact, weights: Sequence[Seen]) -> Exact:
-    """The matrices (5, d, d) of a rotor with its balancers, as `Equations` has them, not scaled.
-
-    Args:
-        mass: the rotor's mass matrix with all balancers.
-    """
-    n = len(mass)
+def matrices(rotor: RotorBalls, weights: Sequence[Seen]) -> Exact:
+    """The matrices (5, d, d) of a rotor with its balancers, as `Equations` has them, not scaled."""
+    n = len(rotor.mass)
     sees = [np.kron(_AXES, rotor.planes[w.plane][None]) for w in weights]  # (2, 2n) each
     pulls = [rows.T @ w.basis for rows, w in zip(sees, weights, strict=True)]
-    drives = [w.drive @ rows for rows, w in zip(sees, weights, strict=True)]
     pull_turn, feeds = _turns(rotor, weights, pulls, sees)
-    widths = [2 * n, 2 * n, pull_turn.shape[1], *(p.shape[1] for p in pulls)]
-    ends = np.cumsum([0, *widths])
-    q, u, g, *v = (slice(a, b) for a, b in pairwise(ends))
-    size, turn = int(ends[-1]), np.kron(_TURN, np.eye(n, dtype=int))
-    effective = np.kron(_AXES, mass)
-    forces = balls(np.zeros((5, 2 * n, size)))
-    forces[0, :, q] = -np.kron(_AXES, rotor.stiffness)
-    forces[0, :, u] = -np.kron(_AXES, rotor.damping + rotor.internal)
-    forces[1, :, q] = np.kron(_TURN, rotor.internal)
-    forces[1, :, u] = np.kron(_TURN, rotor.gyroscopic)
-    forces[2, :, g] = pull_turn
-    for w, pull, drive, at in zip(weights, pulls, drives, v, strict=True):
-        effective = effective - pull @ drive
-        forces[0, :, at] = pull * w.rate
-        forces[1, :, at] = -2 * (turn @ pull)
-    for k, mirror in enumerate(_MIRRORS, start=3):
-        forces[k, :, q] = -np.kron(mirror, rotor.half_stiffness)
-        forces[k, :, u] = -np.kron(mirror, rotor.half_damping)
-    acceleration = solve(effective, np.hstack(list(forces)))
-    result = balls(np.zeros((5, size, size)))
-    for k, part in enumerate(np.split(acceleration, 5, axis=1)):
-        result[k, u] = part
-        for drive, at in zip(drives, v, strict=True):
-            result[k, at] = -(drive @ part)
-    result[0, q, u] += np.eye(2 * n, dtype=int)
-    for feed, w, at in zip(feeds, weights, v, strict=True):
-        result[0, g, at] += feed
-        for k in range(at.start, at.stop):
-            result[0, k, k] -= w.rate
-    if weights:
-        result[1, q, q] -= turn
-        result[1, u, u] -= turn
-    else:  # in fixed axes, where beta stays 0
-        result[0] += result[3]
-        result[3:] = balls(np.zeros((2, size, size)))
-    return result
+    nothing = balls(np.zeros((0, 2 * n)))
+    drives = [w.drive @ rows for rows, w in zip(sees, weights, strict=True)]
+    couplings = Couplings(
+        pull_turn=pull_turn,
+        pull_rate=np.hstack([nothing.T, *pulls]),
+        feed=np.hstack([balls(np.zeros((pull_turn.shape[1], 0))), *feeds]),
+        drag=balls([w.rate for w in weights for _ in w.basis.T]),
+        drive=np.vstack([nothing, *drives]),
+    )
+    mass = np.kron(_AXES, rotor.mass) - couplings.pull_rate @ couplings.drive
+    return balls(small_motions(rotor, mass, couplings, _solve_each))
+
+
+def _solve_each(matrix: Exact, parts: Exact) -> Exact:
+    """matrix^-1 of each part (k, d, e)."""
+    return np.stack(np.split(solve(matrix, np.hstack(list(parts))), len(parts), axis=1))
 
 
 def _turns(

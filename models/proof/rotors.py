@@ -1,9 +1,7 @@
 """Matrices of the rotor in ball arithmetic, without rounding.
 
-Arrays hold python-flint's `arb`, or `Sloped` where the machines of a set differ.  Geometry comes
-from `rotor_kinds` and `shaft`, whose functions take such arrays.  What these do with LAPACK, and
-the sum of both axes' stiffness with the shaft's, stands here again: rounding would void the proof,
-and in a difference of sums equal slopes do not cancel.
+Arrays hold python-flint's `arb`, or `Sloped` where the machines of a set differ.  The formulas are
+those of `LinearRotor`, which take such numbers; its LAPACK for the shaft rounds, and is replaced.
 """
 
 from __future__ import annotations
@@ -16,10 +14,15 @@ from typing import Any
 import numpy as np
 from flint import arb, arb_mat
 
+from ..arrays import Numbers
 from ..constants import SAME_PLACE
-from ..rotor_kinds import line_rows
-from ..shaft import beam_compliance, bending_rows
+from ..linear.linearised import RotorParts
+from ..rotor import LinearRotor
 from .slopes import Exact, Number, Sloped, ball, largest
+
+_NO_ARGUMENTS = (  # of a constructor of `LinearRotor`, or used apart from it
+    "kind", "friction", "damping_ratio", "unbalance", "unbalance_angle", "unbalances",
+)  # fmt: skip
 
 
 class Unproved(ValueError):
@@ -27,31 +30,21 @@ class Unproved(ValueError):
 
 
 @dataclass(frozen=True, eq=False)
-class RotorBalls:
-    """As `LinearRotor`, with the mean of both axes and half their difference.
+class RotorBalls(RotorParts):
+    """The matrices of a rotor, and where its unbalance is.
 
     Attributes:
+        mass, planes: as in `LinearRotor`.
         places: (p,) of the planes [m].
         unbalances: (place [m], moment [kg m] along and across).
         rigid: the displacement at a place follows from those at two others.
     """
 
-    mass: Exact
-    stiffness: Exact
-    half_stiffness: Exact
-    damping: Exact
-    half_damping: Exact
-    internal: Exact
-    gyroscopic: Exact
-    planes: Exact
+    mass: Numbers
+    planes: Numbers
     places: tuple[Number, ...]
     unbalances: tuple[tuple[Number, Exact], ...]
-    rigid: bool = False
-
-    def with_added_mass(self, plane: int, mass: Number) -> Exact:
-        """The mass matrix with `mass` [kg] at a plane."""
-        row = self.planes[plane]
-        return self.mass + np.outer(row, row) * mass
+    rigid: bool
 
     def at_planes(self, used: Sequence[int], loads: Sequence[tuple[Number, Exact]]) -> list[Exact]:
         """Moments at `used` planes that do what `loads` at their places do.
@@ -114,84 +107,48 @@ def solve(matrix: Exact, right: Exact) -> Exact:
     return found
 
 
-def _axes(pairs: Sequence[Sequence[Number]]) -> tuple[Exact, Exact]:
-    """Diagonal matrices: mean of x and y, and half their difference."""
-    return _diagonal([(x + y) / 2 for x, y in pairs]), _diagonal([(x - y) / 2 for x, y in pairs])
+def rotor_balls(table: Mapping[str, Any], added: Sequence[tuple[int, Number]]) -> RotorBalls:
+    """The rotor of a scene's table, every number a ball, with `added` masses [kg] at its planes.
 
-
-def _diagonal(values: Sequence[Number]) -> Exact:
-    result = balls(np.zeros((len(values), len(values))))
-    for k, value in enumerate(values):
-        result[k, k] = value
-    return result
-
-
-def _moments(unbalances: Sequence[Mapping[str, Any]]) -> tuple[tuple[Number, Exact], ...]:
-    return tuple((u["position"], rotated(u["amount"], u["angle"])) for u in unbalances)
-
-
-def rotated(length: Any, angle: Any) -> Exact:
-    """length e^{i angle}, both parts."""
-    return balls([length * angle.cos(), length * angle.sin()])
-
-
-def planar(table: Mapping[str, Any]) -> RotorBalls:
-    """A disc in one plane."""
-    stiffness, half_stiffness = _axes([table["stiffness"]])
-    damping, half_damping = _axes([table["damping"]])
-    zero = arb(0)
+    Raises:
+        Unproved: it is not proved that there is such a rotor.
+    """
+    given = {key: value for key, value in table.items() if key not in _NO_ARGUMENTS}
+    kind, prefix, halves = table["kind"], "", []
+    if kind == "planar":
+        places = [arb(0)]
+        loads = [(places[0], table["unbalance"], table["unbalance_angle"])]
+    else:
+        places = table.get("stations", table.get("planes"))
+        loads = [(u["position"], u["amount"], u["angle"]) for u in table["unbalances"]]
+    if kind == "flexible":
+        prefix, given["elastic"] = "support_", _elastic
+    for key in (f"{prefix}stiffness", f"{prefix}damping"):
+        pairs = np.reshape(balls(given[key]), (-1, 2))
+        # both axes alike: what tells them apart is without the shaft's stiffness
+        given[key] = np.reshape([[(x + y) / 2] * 2 for x, y in pairs], np.shape(given[key]))
+        halves.append([(x - y) / 2 for x, y in pairs])
+    try:
+        rotor: LinearRotor = getattr(LinearRotor, kind)(**given)
+    except ValueError as error:
+        raise Unproved(str(error)) from error
+    masses = balls([0] * rotor.plane_count)
+    for plane, mass in added:
+        masses[plane] += mass
+    ends = [number - 1 for number in table.get("supports", range(1, rotor.stations + 1))]
+    half_stiffness, half_damping = (balls(np.zeros(rotor.mass.shape)) for _ in halves)
+    half_stiffness[ends, ends], half_damping[ends, ends] = halves
     return RotorBalls(
-        balls([[table["mass"]]]), stiffness, half_stiffness, damping, half_damping,
-        balls([[table["internal_damping"]]]), balls([[0]]), balls([[1]]), (zero,),
-        ((zero, rotated(table["unbalance"], table["unbalance_angle"])),),
+        rotor.stiffness_x, half_stiffness, rotor.damping_x, half_damping, rotor.internal_damping,
+        rotor.gyroscopic, rotor.with_added_mass(masses).mass, rotor.planes, tuple(places),
+        tuple((place, balls([size * angle.cos(), size * angle.sin()]))
+              for place, size, angle in loads),
+        rigid=kind == "two_support",
     )  # fmt: skip
 
 
-def two_support(table: Mapping[str, Any]) -> RotorBalls:
-    """A rigid body on two supports."""
-    span = table["span"]
-    (centre,) = line_rows([span / 2 if table["com"] is None else table["com"]], span)
-    tilt = balls([-1 / span, 1 / span])
-    stiffness, half_stiffness = _axes(table["stiffness"])
-    damping, half_damping = _axes(table["damping"])
-    return RotorBalls(
-        np.outer(centre, centre) * table["mass"] + np.outer(tilt, tilt) * table["inertia"],
-        stiffness, half_stiffness, damping, half_damping, balls(np.zeros((2, 2))),
-        np.outer(tilt, tilt) * table["polar_inertia"], balls(line_rows(table["planes"], span)),
-        tuple(table["planes"]), _moments(table["unbalances"]), rigid=True,
-    )  # fmt: skip
-
-
-def flexible(table: Mapping[str, Any]) -> RotorBalls:
-    """Discs on a massless shaft."""
-    z, ends = table["stations"], tuple(s - 1 for s in table["supports"])
-    zero = balls(np.zeros((len(z), len(z))))
-    shaft, internal = zero, zero
-    if len(z) > len(ends):
-        rows = balls(bending_rows(z, ends))
-        if table["compliance"] is not None:
-            given = balls(table["compliance"])
-            delta = (given + given.T) / 2
-        else:
-            delta = beam_compliance(z, ends, table["bending_stiffness"])
-        shaft = rows.T @ solve(delta, rows)
-        softest = functools.reduce(largest, delta.diagonal())
-        internal = shaft * (table["internal_damping"] * softest)
-
-    def at_supports(pairs: Sequence[Sequence[Number]]) -> tuple[Exact, Exact]:
-        mean, half = _axes(pairs)
-        both = zero.copy(), zero.copy()
-        for matrix, small in zip(both, (mean, half), strict=True):
-            for k, end in enumerate(ends):
-                matrix[end, end] = small[k, k]
-        return both
-
-    stiffness, half_stiffness = at_supports(table["support_stiffness"])
-    damping, half_damping = at_supports(table["support_damping"])
-    return RotorBalls(
-        _diagonal(table["masses"]), stiffness + shaft, half_stiffness, damping, half_damping,
-        internal, zero, _diagonal([arb(1)] * len(z)), tuple(z), _moments(table["unbalances"]),
-    )  # fmt: skip
-
-
-KINDS = {"planar": planar, "two_support": two_support, "flexible": flexible}
+def _elastic(delta: Exact, rows: Exact) -> tuple[Exact, Number]:
+    """Stiffness of a shaft, and its largest compliance."""
+    if not len(rows):
+        return balls(np.zeros((rows.shape[1],) * 2)), arb(0)
+    return rows.T @ solve(delta, rows), functools.reduce(largest, delta.diagonal())

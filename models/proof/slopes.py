@@ -32,6 +32,8 @@ class Sloped:
         return Sloped(self.value + other, self.slopes)
 
     def __mul__(self, other: Any) -> Sloped:
+        if isinstance(other, np.ndarray):
+            return NotImplemented  # the array multiplies its entries
         if isinstance(other, Sloped):
             slopes = self.slopes * other.value + other.slopes * self.value
             return Sloped(self.value * other.value, slopes)
@@ -65,6 +67,12 @@ class Sloped:
 
     def __gt__(self, other: Any) -> bool:
         return bool(self.value > ball(other))
+
+    def __le__(self, other: Any) -> bool:
+        return bool(self.value <= ball(other))
+
+    def __ge__(self, other: Any) -> bool:
+        return bool(self.value >= ball(other))
 
     def __float__(self) -> float:
         return float(self.value)

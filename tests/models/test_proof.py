@@ -48,8 +48,8 @@ def test_the_bound_of_a_product_holds_and_is_near_to_rounding():
 
 
 @pytest.mark.parametrize("name", [*ISOTROPIC, *PERIODIC, *UNLOADED])
-def test_growth_rates_are_those_of_the_other_derivation(name):
-    """`linear.linearised` derives the equations in other coordinates, and integrates them."""
+def test_growth_rates_are_those_of_other_coordinates(name):
+    """`linear.linearised` has other coordinates of the weights, and integrates the equations."""
     scene = load_scene(name)
     speeds = scene.profile().end * np.array([0.4, 1.0, 1.9])
     found = [Certificate.of(system(scene), w, 0).growth for w in speeds]
