@@ -8,8 +8,7 @@ of finite size stand there without touching: of the family of positions only som
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
-from functools import lru_cache
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -252,27 +251,9 @@ def balanced_angles(assembly: Assembly) -> NDArray[np.float64]:
         CannotBalance: the unbalance is out of the weights' reach.
         ArithmeticError: no balanced position was found although none of these limits forbids one.
     """
-    table, rotor = WeightTable.of(assembly), assembly.rotor
+    table = WeightTable.of(assembly)
     if len(table.angle) == 0:
         return table.angle
-    sizes = np.concatenate([np.append(sines, len(sines)) for _, sines in table.tracks])
-    decides = (rotor.unbalance, rotor.planes, table.angle, table.plane, table.moment, sizes)
-    return _found(_Task(tuple(array.tobytes() for array in decides), assembly, table)).copy()
-
-
-@dataclass(frozen=True)
-class _Task:
-    """An assembly by what its balanced angles depend on: neighbours on a map share them."""
-
-    decides: tuple[bytes, ...]
-    assembly: Assembly = field(compare=False)
-    table: WeightTable = field(compare=False)
-
-
-@lru_cache(maxsize=256)
-def _found(task: _Task) -> NDArray[np.float64]:
-    """As `balanced_angles`."""
-    assembly, table = task.assembly, task.table
     moments = check_reach(assembly, table)
     start = table.angle.copy()
     for plane, moment in moments.items():

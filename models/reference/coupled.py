@@ -74,11 +74,7 @@ class Monolith:
         return self.angle + angle, speed, change
 
     def initial(self, start: Start = REST) -> Array:
-        """State at time 0, (size,).
-
-        Raises:
-            ValueError: a weight's angle is missing, or a value is not one number or n of them.
-        """
+        """State at time 0, (size,)."""
         parts = [
             np.broadcast_to(np.asarray(value, float), self.stations)
             for value in (start.x, start.y, start.vx, start.vy)
@@ -86,11 +82,8 @@ class Monolith:
         angles: list[float] = []
         rates: list[float] = []
         for m in self.assembly.weights:
-            count = weights_of(m).count
-            if len(m.angles) != count or len(m.speeds) not in (0, count):
-                raise ValueError(f"{m.name}: needs {count} angles, and as many speeds or none")
             angles += m.angles
-            rates += m.speeds or (0.0,) * count
+            rates += m.speeds or (0.0,) * len(m.angles)
         phi = np.array(angles) + start.angle
         return np.concatenate([*parts, phi, np.array(rates) + self.profile.speed(0.0)])
 

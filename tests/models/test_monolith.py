@@ -323,17 +323,6 @@ def test_differences_measure_by_the_range_of_each_signal() -> None:
     assert all(gap == 0.0 for name, gap in found.items() if name != "rotor.x")
 
 
-def test_a_start_or_times_that_do_not_fit_are_refused() -> None:
-    for times in ([], [-1.0, 2.0], [1.0, 1.0], [[1.0]], [np.nan]):
-        with pytest.raises(ValueError, match="ascending"):
-            simulate(two_balls(), SPEED, times)
-    bare = Assembly(two_balls().rotor, (Mounted("weights", Weights(2, 0.1, 1.0)),))
-    with pytest.raises(ValueError, match="weights: needs 2 angles"):
-        simulate(bare, SPEED, [1.0])
-    with pytest.raises(ValueError, match=r"broadcast|shape"):
-        simulate(two_balls(), SPEED, [1.0], initial=Start(x=(1.0, 2.0)))
-
-
 def test_times_given_are_times_returned() -> None:
     every = simulate(two_balls(), RUN_UP, [0.0, 1.0, 4.0, 5.0], rtol=1e-11)
     assert every.x[0, 0] == 0.0
