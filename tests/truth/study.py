@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -13,9 +13,9 @@ from typing import Any
 import tomli_w
 
 from autobalancer.harness.output.table import Sheet
-from autobalancer.harness.output.workers import Kept, Progress, Workers, in_order
-from tests.truth.draw import FAMILIES, draw
-from tests.truth.judge import FACTOR, MISSES, OUTCOMES, SET_ASIDE, Verdict, judge
+from autobalancer.harness.output.workers import Progress, Workers, in_order
+from tests.truth.draw import draw
+from tests.truth.judge import MISSES, OUTCOMES, SET_ASIDE, Verdict, judge
 
 
 @dataclass(frozen=True)
@@ -30,27 +30,13 @@ class Study:
     seed: int = 1
     changes: tuple[tuple[str, Any], ...] = ()
     verify: bool = False
-    separate: bool = field(default=False, repr=False)
-
-    def __post_init__(self) -> None:
-        unknown = set(self.counts) - set(FAMILIES)
-        if unknown:
-            raise ValueError(f"family {sorted(unknown)}: must be one of {', '.join(FAMILIES)}")
+    separate: bool = False
 
 
-def verdicts(
-    study: Study,
-    workers: Workers = 1,
-    progress: Progress | None = None,
-    kept: Kept[Verdict] | None = None,
-) -> list[Verdict]:
-    """Verdicts of all scenes, by family and number; those that are `kept` are not judged again."""
-    return in_order(partial(_judged, study), items_of(study), workers, progress, kept)
-
-
-def items_of(study: Study) -> list[tuple[str, int]]:
-    """Family and number of every scene."""
-    return [(family, n) for family, count in study.counts.items() for n in range(count)]
+def verdicts(study: Study, workers: Workers = 1, progress: Progress | None = None) -> list[Verdict]:
+    """Verdicts of all scenes, by family and number."""
+    items = [(family, n) for family, count in study.counts.items() for n in range(count)]
+    return in_order(partial(_judged, study), items, workers, progress)
 
 
 def _judged(study: Study, item: tuple[str, int]) -> Verdict:
@@ -90,12 +76,6 @@ def _per_cent(part: int, whole: int) -> str:
     return f"{100.0 * part / whole:.1f}" if whole else "-"
 
 
-def every(found: Sequence[Verdict]) -> Sheet:
-    """Every scene's verdict with all its digits, for CSV."""
-    names = [entry.name for entry in fields(Verdict)]
-    return Sheet(names, [[getattr(v, name) for name in names] for v in found])
-
-
 def misses(found: Iterable[Verdict]) -> list[Verdict]:
     """Runs that were wrong without saying so rightly, worst first."""
     wrong = [v for v in found if v.outcome in MISSES]
@@ -110,16 +90,6 @@ def line(verdict: Verdict) -> str:
     return (
         f"{verdict.family} {verdict.number}: {verdict.outcome}: errs by {verdict.error:.2g} in "
         f"{verdict.where}{stated} ({verdict.steps} steps)"
-    )
-
-
-def kept(found: Sequence[Verdict], tolerance: float) -> str:
-    """How well a tolerance that was asked for is kept, in words."""
-    ended = [v for v in found if v.error is not None and v.outcome not in SET_ASIDE]
-    beyond = [sum(v.error > times * tolerance for v in ended) for times in (FACTOR, 10, 100)]  # type: ignore[operator]
-    return (
-        f"Of {len(ended)} runs with a tolerance of {tolerance:g}, {beyond[0]} err by more than "
-        f"{FACTOR:g} times it, {beyond[1]} by more than 10 times, {beyond[2]} by more than 100"
     )
 
 

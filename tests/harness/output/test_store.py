@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import warnings
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -17,9 +16,6 @@ from autobalancer.harness.output.store import StoredArray, open_store
 from autobalancer.harness.output.workers import in_order
 from autobalancer.harness.stability.axis import Axis
 from autobalancer.harness.stability.map import stability_map
-from tests.truth.judge import Verdict
-from tests.truth.store import Verdicts
-from tests.truth.study import Study, verdicts
 
 pytestmark = pytest.mark.slow
 
@@ -154,17 +150,3 @@ def test_a_place_that_can_be_neither_picture_nor_store_is_refused_in_words(tmp_p
     command = ["map", "filimonikhina", "--x", "speed=2:3:2", "--y", "weights.drag=1e-3:1:3:log"]
     done = CliRunner().invoke(program(), [*command, "-o", str(tmp_path / name)])
     assert (done.exit_code, why in " ".join(done.output.split())) == (2, True)
-
-
-def test_a_study_from_its_store_is_the_study(tmp_path):
-    study = Study({"planar": 1, "liquid": 1}, seed=3)
-    path = tmp_path / "study.zarr"
-    begun = Verdicts(path, study)
-    begun[0] = odd = Verdict("planar", 0, "gross", None, "rotor.x", 0.5, "wörds", 3, 0.0, False)
-    first = verdicts(study, kept=begun)
-    kept = Verdicts(path, study)
-    assert len(kept) == 2
-    assert verdicts(study, kept=kept) == [replace(verdict, seconds=0.0) for verdict in first]
-    assert kept[0] == odd
-    with pytest.raises(UserError, match="made for another study"):
-        Verdicts(path, Study({"planar": 2}, seed=3))
