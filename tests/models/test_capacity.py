@@ -8,6 +8,9 @@ import math
 import numpy as np
 import pytest
 
+from autobalancer.models.assembly import Assembly, Mounted
+from autobalancer.models.linear.floquet import exponents
+from autobalancer.models.linear.linearised import linearise
 from autobalancer.models.papers.capacity import (
     best_ratio,
     capacity,
@@ -151,37 +154,6 @@ def test_impossible_sizes_are_refused():
         weight_mass("rollers", 0.1, 1.0)
 
 
-def slowest_by_differences(rotor_mass, k, c, weights, angles, unbalance, speed):
-    """Eigenvalues of the nonlinear equations in the rotor frame, by central differences."""
-    n, m, kappa, d = weights.count, weights.mass, weights.kappa, weights.damping_rate
-
-    def rhs(y):
-        z, v = complex(y[0], y[1]), complex(y[2], y[3])
-        units, rates = np.exp(1j * y[4 : 4 + n]), y[4 + n :]
-        loaded = rotor_mass + n * m
-        # D = d/dt + i w; loaded a = unbalance - c D z - k z + m sum((w + nu)^2 - i theta'') u
-        matrix = loaded * np.eye(2)
-        right = unbalance * speed**2 - c * (v + 1j * speed * z) - k * z
-        for u, nu in zip(units, rates, strict=True):
-            normal = np.array([-u.imag, u.real])
-            matrix -= m / kappa * np.outer(normal, normal)
-            right += m * ((speed + nu) ** 2 + 1j * d * nu) * u
-        a = complex(*np.linalg.solve(matrix, [right.real, right.imag]))
-        bends = -(a * units.conj()).imag / kappa - d * rates
-        vdot = a - 2j * speed * v + speed**2 * z
-        return np.array([v.real, v.imag, vdot.real, vdot.imag, *rates, *bends])
-
-    rest = np.array([0.0] * 4 + list(angles) + [0.0] * n)
-    assert abs(rhs(rest)).max() < 1e-12
-    step = 1e-6
-    columns = [
-        (rhs(rest + step * e) - rhs(rest - step * e)) / (2 * step) for e in np.eye(len(rest))
-    ]
-    roots = np.linalg.eigvals(np.array(columns).T)
-    moving = roots[(abs(roots) > 1e-7)]  # without the neutral direction of the third weight
-    return sorted(moving, key=lambda r: -r.real)
-
-
 @pytest.mark.parametrize("damping", [0.0, 0.4])
 def test_slow_root_is_the_limit_of_the_eigenvalues_for_light_weights(damping):
     errors = []
@@ -191,8 +163,10 @@ def test_slow_root_is_the_limit_of_the_eigenvalues_for_light_weights(damping):
         angles = completed_angles(weights, 0.0, unbalance, [0.4])
         rotor = LinearRotor.planar(1.0, 1.0, damping, unbalance=unbalance)
         loaded = rotor.with_added_mass([weights.added_mass])
-        exact = slowest_by_differences(1.0, 1.0, damping, weights, angles, unbalance, speed)
-        exact = [r for r in exact if abs(r.imag) < 0.5 and r.real > -0.5]
+        assembly = Assembly(rotor, (Mounted("balls", weights, 0, tuple(angles)),))
+        values = exponents([linearise(assembly)], np.zeros(1, int), np.array([speed]))[0]
+        exact = [r for r in values if abs(r.imag) < 0.5 and r.real > -0.5]
+        exact.sort(key=lambda root: -root.real)
         found = slow_roots(weights, alignment(angles), plane_response(loaded, speed))[:2]
         errors.append(abs(found[0] / exact[0] - 1.0))
         assert found[1] == pytest.approx(exact[1], rel=0.1)

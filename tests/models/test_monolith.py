@@ -11,6 +11,7 @@ from numpy.testing import assert_allclose
 from scipy.integrate import quad
 
 from autobalancer.models.assembly import Assembly, Mounted, SpeedProfile
+from autobalancer.models.cubic import hermite
 from autobalancer.models.liquid import Liquid
 from autobalancer.models.monolith import ReferenceDisagreement, reference, simulate
 from autobalancer.models.reference.coupled import Monolith, Start
@@ -192,13 +193,6 @@ def test_a_rotor_with_liquid_moves_as_the_exact_step(isotropic: bool) -> None:
     assert_allclose(run["liquid.clearance"], 0.01 - abs(expected), rtol=1e-9)
 
 
-def hermite(h: float, start: tuple, end: tuple) -> tuple:
-    """Value and derivatives at the start of the cubic with the given values and slopes."""
-    (f0, g0), (f1, g1) = start, end
-    rise = (f1 - f0) / h
-    return f0, g0, (6 * rise - 4 * g0 - 2 * g1) / h, (6 * (g0 + g1) - 12 * rise) / h**2
-
-
 @pytest.mark.parametrize("profile", [SPEED, SpeedProfile.run_up(2.0, 3.0, 8.0)])
 def test_weights_follow_the_monolith_when_shown_its_acceleration(profile: SpeedProfile) -> None:
     assembly, h = mixed(), 0.01
@@ -212,7 +206,8 @@ def test_weights_follow_the_monolith_when_shown_its_acceleration(profile: SpeedP
         assert isinstance(device, Weights)
         angles, speeds = list(run.theta[name][2]), list(run.angle_rate[name][2])
         for k in range(2, 196):
-            signal = hermite(h, (a[k], slopes[k]), (a[k + 1], slopes[k + 1]))
+            ends = a[k], slopes[k], a[k + 1], slopes[k + 1]
+            signal = *ends[:2], *hermite(*ends, h)
             w1 = profile.acceleration(time[k])
             angles, speeds = advance(device, angles, speeds, signal, w1, h)
         assert_allclose(angles, run.theta[name][196], atol=2e-7)

@@ -6,9 +6,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
-from scipy.linalg import block_diag
 
-from autobalancer.models.assembly import Assembly, Mounted
+from autobalancer.models.assembly import Assembly, Mounted, SpeedProfile
 from autobalancer.models.linear import floquet
 from autobalancer.models.linear.balanced import (
     CannotBalance,
@@ -22,6 +21,7 @@ from autobalancer.models.liquid import Liquid
 from autobalancer.models.papers.dimensionless import Dimensionless
 from autobalancer.models.papers.tables import TABLE_1, TABLE_2
 from autobalancer.models.papers.window import LiquidWindow
+from autobalancer.models.reference.coupled import Monolith
 from autobalancer.models.rotor import LinearRotor
 from autobalancer.models.stability import growth_map, growth_rates
 from autobalancer.models.weights import Weights, alignment
@@ -69,53 +69,19 @@ def two_stations(isotropic):
 
 
 def one_turn_map(assembly, speed):
-    """Multipliers of the nonlinear equations (4), fixed axes and absolute angles, by SciPy alone.
+    """Multipliers of the nonlinear equations in fixed axes, with absolute angles.
 
     Derivatives of the map after a revolution by central differences.
     """
-    rotor, n = assembly.rotor, assembly.rotor.stations
-    rows = [(m.device, m.plane) for m in assembly.weights for _ in range(m.device.count)]
-    shape = np.array([rotor.planes[plane] for _, plane in rows])
-    m = np.array([d.mass for d, _ in rows])
-    r = np.array([d.track_radius for d, _ in rows])
-    b = np.array([d.drag for d, _ in rows])
-    kappa = np.array([d.kappa for d, _ in rows])
-    count = len(rows)
-    liquid = np.zeros(rotor.plane_count)
-    for mounted in assembly.balancers:
-        if isinstance(mounted.device, Liquid):
-            liquid[mounted.plane] += mounted.device.added_mass
-    body = (
-        rotor.mass
-        + rotor.planes.T @ np.diag(liquid) @ rotor.planes
-        + shape.T @ (m[:, None] * shape)
-    )
-    inner, gyro = rotor.internal_damping, speed * rotor.gyroscopic
-    damping = np.block([[rotor.damping_x + inner, gyro], [-gyro, rotor.damping_y + inner]])
-    stiffness = np.block([[rotor.stiffness_x, speed * inner], [-speed * inner, rotor.stiffness_y]])
-    big = 2 * n + count
-    mass = block_diag(body, body, np.diag(kappa * m * r * r))
-
-    def rhs(t, y):
-        q, phi, v, nu = np.split(y, [2 * n, big, big + 2 * n])
-        sin, cos = np.sin(phi), np.cos(phi)
-        mass[2 * n :, :n] = -(m * r * sin)[:, None] * shape
-        mass[2 * n :, n : 2 * n] = (m * r * cos)[:, None] * shape
-        mass[: 2 * n, 2 * n :] = mass[2 * n :, : 2 * n].T
-        pull = np.concatenate([(m * r * nu**2 * cos) @ shape, (m * r * nu**2 * sin) @ shape])
-        turned = rotor.unbalance * speed**2 * np.exp(1j * speed * t)
-        force = pull + np.concatenate([turned.real, turned.imag]) - damping @ v - stiffness @ q
-        return np.concatenate(
-            [v, nu, np.linalg.solve(mass, np.concatenate([force, -b * r * r * (nu - speed)]))]
-        )
-
-    start = np.concatenate(
-        [np.zeros(2 * n), balanced_angles(assembly), np.zeros(2 * n), np.full(count, speed)]
+    system = Monolith(assembly, SpeedProfile.constant(speed))
+    start = np.zeros(system.size)
+    start[4 * system.stations :] = np.append(
+        balanced_angles(assembly), np.full(system.weights, speed)
     )
     period, h = 2.0 * math.pi / speed, 1e-4
 
     def after(y):
-        run = solve_ivp(rhs, (0.0, period), y, "DOP853", rtol=1e-12, atol=1e-14)
+        run = solve_ivp(system.rhs, (0.0, period), y, "DOP853", rtol=1e-12, atol=1e-14)
         return run.y[:, -1]
 
     columns = [

@@ -1,11 +1,8 @@
-"""Proofs against Floquet: on random machines, or on every bundled scene that can be proved.
+"""Proofs against Floquet multipliers on random machines.
 
     python -m tests.proof [COUNT] [SEED]
-    python -m tests.proof scenes
-    python -m tests.proof tables
 
-Prints contradictions, the share of a range left undecided, and processor times; `tables` proves
-brackets of all boundaries of Filimonikhina's Tables 1 and 2, in units of w_x.
+Prints contradictions, the share of a range left undecided, and times.
 """
 
 from __future__ import annotations
@@ -13,14 +10,10 @@ from __future__ import annotations
 import sys
 import time
 
-import flint
 import numpy as np
 
-from autobalancer.harness import Scene, bundled_scenes, load_scene
-from autobalancer.harness.checks.filimonikhina import RANGE, TABLES, variant
-from autobalancer.harness.stability.exact import system
-from autobalancer.harness.stability.proved import PRECISION, Proof, prove
-from autobalancer.models.proof.certificate import Certificate
+from autobalancer.harness import Scene
+from autobalancer.harness.stability.proved import Proof, prove
 from autobalancer.models.proof.rotors import Unproved
 from autobalancer.models.stability import growth_rates
 
@@ -82,46 +75,6 @@ def contradictions(name: str, scene: Scene, proof: Proof, random: np.random.Gene
     return wrong
 
 
-def scenes() -> int:
-    """A line for each bundled scene from 0.3 to 2 of its speed; the number of contradictions."""
-    random, wrong = np.random.default_rng(1), 0
-    for name in bundled_scenes():
-        scene = load_scene(name)
-        speed = scene.profile().end
-        begun = time.process_time()
-        try:
-            proof = prove(scene, 0.3 * speed, 2.0 * speed)
-        except Unproved as error:
-            print(f"{name:22} refused: {error}")
-            continue
-        taken = time.process_time() - begun
-        with flint.ctx.workprec(PRECISION):
-            begun = time.process_time()
-            Certificate.of(system(scene), speed, 0).state(speed, speed)
-            point = time.process_time() - begun
-        wrong += (found := contradictions(name, scene, proof, random))
-        states = [sum(b.state == s for b in proof.bands) for s in ("stable", "unstable")]
-        print(
-            f"{name:22} stable {states[0]}, unstable {states[1]}, undecided {proof.undecided:.1e}; "
-            f"point {1e3 * point:.0f} ms, range {taken:.2f} s; contradictions {found}",
-            flush=True,
-        )
-    return wrong
-
-
-def tables() -> int:
-    """A line for each row with its brackets; the number of rows with a wider one than 1e-6."""
-    wide = 0
-    for row in TABLES:
-        scene, w_x = variant(load_scene("filimonikhina_tables"), row)
-        bands = prove(scene, RANGE[0] * w_x, RANGE[1] * w_x, narrowest=1e-6 * w_x).boundaries
-        brackets = [(band.low / w_x, band.high / w_x) for band, _ in bands]
-        wide += max(high - low for low, high in brackets) > 1e-6
-        text = ", ".join(f"{low:.8f} to {high:.8f}" for low, high in brackets)
-        print(f"Table {row.table}, {row.eps:g} {row.mu_w:g} {row.mu_xi:g} {row.mu_eta:g}: {text}")
-    return wide
-
-
 def main(count: int, seed: int) -> int:
     """The number of contradictions."""
     random = np.random.default_rng(seed)
@@ -151,7 +104,5 @@ def main(count: int, seed: int) -> int:
 
 
 if __name__ == "__main__":
-    if sys.argv[1:] in (["scenes"], ["tables"]):
-        sys.exit({"scenes": scenes, "tables": tables}[sys.argv[1]]() > 0)
     numbers = [int(text) for text in sys.argv[1:]]
     sys.exit(main(*(numbers + [500, 1][len(numbers) :])) > 0)
