@@ -18,79 +18,49 @@ from autobalancer.models.linear.boundaries import balancing_boundaries
 from autobalancer.models.linear.linearised import linearise
 from autobalancer.models.linear.modes import critical_speeds as rotor_critical_speeds
 from autobalancer.models.monolith import reference
-from autobalancer.models.rotor import LinearRotor
 from autobalancer.models.stability import growth_rates
 
 pytestmark = pytest.mark.slow
 
 
 BODY = {
-    "mass": 12.0,
-    "inertia": 0.7,
-    "polar_inertia": 0.9,
-    "span": 0.8,
-    "com": 0.3,
-    "support[1].stiffness_x": 2e5,
-    "support[1].stiffness_y": 3e5,
-    "support[2].stiffness_x": 1.5e5,
-    "support[2].stiffness_y": 2.5e5,
-    "support[1].damping_x": 150.0,
-    "support[1].damping_y": 60.0,
-    "support[2].damping_x": 90.0,
-    "support[2].damping_y": 120.0,
-    "plane[1].position": -0.1,
-    "plane[2].position": 0.95,
-    "unbalance[1].position": 0.1,
-    "unbalance[1].amount": 3e-3,
-    "unbalance[1].angle": 0.4,
-    "unbalance[2].position": 0.9,
-    "unbalance[2].amount": 2e-3,
-    "unbalance[2].angle": 2.0,
-}
-BODY_MODEL = {
-    "mass": 12.0,
-    "inertia": 0.7,
-    "polar_inertia": 0.9,
-    "span": 0.8,
-    "com": 0.3,
-    "stiffness": ((2e5, 3e5), (1.5e5, 2.5e5)),
-    "damping": ((150.0, 60.0), (90.0, 120.0)),
-    "planes": (-0.1, 0.95),
-    "unbalances": [(0.1, 3e-3, 0.4), (0.9, 2e-3, 2.0)],
-}
-BODY_SIZES = {"kind": "two_support", "stations": 2, "planes": 2, "unbalances": 2}
-PLACES, MASSES = (0.0, 0.12, 0.3, 0.45), (1.0, 2.0, 1.5, 0.8)
-SHAFT = {
-    **{f"station[{j}].z": z for j, z in enumerate(PLACES, 1)},
-    **{f"station[{j}].mass": m for j, m in enumerate(MASSES, 1)},
-    "support[1].position": 0.3,
-    "support[2].position": 0.0,
-    **{f"support[1].{what}_{a}": v for what, v in (("stiffness", 3e5), ("damping", 80.0))
-       for a in "xy"},
-    **{f"support[2].{what}_{a}": v for what, v in (("stiffness", 2e5), ("damping", 60.0))
-       for a in "xy"},
-    "internal_damping": 5.0,
-    "plane[1].position": 0.45,
-    "plane[2].position": 0.12,
-    "unbalance[1].position": 0.45,
-    "unbalance[1].amount": 1e-3,
-    "unbalance[1].angle": 0.7,
+    "kind": "two_support", "mass": 12.0, "inertia": 0.7, "polar_inertia": 0.9, "span": 0.8,
+    "com": 0.3, "stiffness": [[2e5, 3e5], [1.5e5, 2.5e5]],
+    "damping": [[150.0, 60.0], [90.0, 120.0]], "planes": [-0.1, 0.95],
+    "unbalances": [
+        {"position": 0.1, "amount": 3e-3, "angle": 0.4},
+        {"position": 0.9, "amount": 2e-3, "angle": 2.0},
+    ],
 }  # fmt: skip
-SHAFT_MODEL = {
-    "stations": PLACES,
-    "masses": MASSES,
-    "supports": (3, 1),
-    "support_stiffness": ((3e5, 3e5), (2e5, 2e5)),
-    "support_damping": ((80.0, 80.0), (60.0, 60.0)),
-    "internal_damping": 5.0,
-    "unbalances": [(0.45, 1e-3, 0.7)],
-}
-SHAFT_SIZES = {"kind": "flexible", "stations": 4, "planes": 2, "unbalances": 1}
+SHAFT = {
+    "kind": "flexible", "stations": [0.0, 0.12, 0.3, 0.45], "masses": [1.0, 2.0, 1.5, 0.8],
+    "supports": [3, 1], "support_stiffness": [[3e5, 3e5], [2e5, 2e5]],
+    "support_damping": [[80.0, 80.0], [60.0, 60.0]], "internal_damping": 5.0,
+    "unbalances": [{"position": 0.45, "amount": 1e-3, "angle": 0.7}],
+}  # fmt: skip
 DISC = {
-    **{"mass": 2.0, "stiffness_x": 8e4, "stiffness_y": 5e4, "damping_x": 40.0, "damping_y": 70.0},
-    **{"internal_damping": 10.0, "unbalance": 2e-4, "unbalance_angle": 0.6},
-}
-DELTA = ((4e-6, -2e-6), (-2e-6, 5e-6))
+    "kind": "planar", "mass": 2.0, "stiffness": [8e4, 5e4], "damping": [40.0, 70.0],
+    "internal_damping": 10.0, "unbalance": 2e-4, "unbalance_angle": 0.6,
+}  # fmt: skip
+UNIFORM = {**SHAFT, "bending_stiffness": 2e3}
+ROTORS = {
+    "planar": DISC,
+    "two_support": BODY,
+    "shaft": UNIFORM,
+    "compliance": {**SHAFT, "compliance": [[4e-6, -2e-6], [-2e-6, 5e-6]]},
+    "unbalance between discs": {
+        **UNIFORM, "unbalances": [{"position": 0.2, "amount": 1e-3, "angle": 0.7}],
+    },
+}  # fmt: skip
+
+
+def case(table):
+    """Sizes and parameters of the unit with two planes, the same rotor, and rows of the planes."""
+    table = Scene.from_document({"rotor": table, "operation": {"speed": 260.0}}).rotor
+    used = {"planar": (1, 1), "two_support": (1, 2), "flexible": (4, 2)}[table.kind]
+    rotor = table.build()
+    rows = rotor.planes[[number - 1 for number in used]]
+    return {**table.sizes(used), "planes": 2}, table.start(used), rotor, rows
 
 
 @pytest.fixture
@@ -109,31 +79,11 @@ def unit_of(probe, native_probe, backend):
     return make
 
 
-def cases():
-    """(sizes, parameters of the unit, the same rotor with its planes)"""
-    disc = LinearRotor.planar(2.0, (8e4, 5e4), (40.0, 70.0), 10.0, 2e-4, 0.6)
-    yield {"planes": 2}, DISC, disc, [0, 0]
-    yield BODY_SIZES, BODY, LinearRotor.two_support(**BODY_MODEL), None
-    rotor = LinearRotor.flexible(**SHAFT_MODEL, bending_stiffness=2e3)
-    uniform = {**SHAFT, "bending_stiffness": 2e3}
-    yield {**SHAFT_SIZES, "shaft": "uniform"}, uniform, rotor, [3, 1]
-    measured = {**SHAFT, "compliance[1,1]": 4e-6, "compliance[1,2]": -2e-6, "compliance[2,2]": 5e-6}
-    rotor = LinearRotor.flexible(**SHAFT_MODEL, compliance=DELTA)
-    yield {**SHAFT_SIZES, "shaft": "compliance"}, measured, rotor, [3, 1]
-    between = {**uniform, "unbalance[1].position": 0.2}
-    model = {**SHAFT_MODEL, "unbalances": [(0.2, 1e-3, 0.7)]}
-    rotor = LinearRotor.flexible(**model, bending_stiffness=2e3)
-    yield {**SHAFT_SIZES, "shaft": "uniform"}, between, rotor, [3, 1]
-
-
-CASES = list(cases())
-NAMES = ["planar", "two_support", "uniform shaft", "compliance", "unbalance between discs"]
 FORCES = np.array([[30.0 - 12.0j, 8.0 + 5.0j], [900.0j, -400.0], [3e4, 2e4j], [-4e6, 1e6j]])
 
 
-def integrated(rotor, planes, speed, spin_up, added, frame, duration, state):
+def integrated(rotor, rows, speed, spin_up, added, frame, duration, state):
     """Displacements and velocities (4 n,) by DOP853 in real x and y, from the matrices alone."""
-    rows = rotor.planes if planes is None else np.eye(rotor.stations)[planes]
     mass = rotor.mass + rows.T @ np.diag(added) @ rows
     inverse, n = np.linalg.inv(mass), rotor.stations
 
@@ -159,11 +109,10 @@ def integrated(rotor, planes, speed, spin_up, added, frame, duration, state):
 
 @pytest.mark.parametrize("frame", ["rotor", "fixed"])
 @pytest.mark.parametrize(("spin_up", "tolerance"), [(0.0, 1e-9), (400.0, 1e-7)])
-@pytest.mark.parametrize(("sizes", "values", "rotor", "planes"), CASES, ids=NAMES)
-def test_a_step_is_the_solution_of_the_equations(
-    sizes, values, rotor, planes, spin_up, tolerance, frame, unit_of
-):
+@pytest.mark.parametrize("kind", ROTORS)
+def test_a_step_is_the_solution_of_the_equations(kind, spin_up, tolerance, frame, unit_of):
     """A cubic force on two planes, added mass, unbalances, every kind of damping."""
+    sizes, values, rotor, rows = case(ROTORS[kind])
     n, step, speed, added = rotor.stations, 2e-3, 260.0, (0.3, 0.5)
     stations = [f"station[{j}]." for j in range(1, n + 1)] if n > 1 else [""]
     rng = np.random.default_rng(3)
@@ -181,7 +130,7 @@ def test_a_step_is_the_solution_of_the_equations(
     unit.exit_initialization_mode()
     h = step / 64 if spin_up else step  # Radau IIA has an error, the exact step has none
     assert unit.do_step(0.0, h)
-    end, acceleration = integrated(rotor, planes, speed, spin_up, added, frame, h, start)
+    end, acceleration = integrated(rotor, rows, speed, spin_up, added, frame, h, start)
     found = np.concatenate(
         [unit.look(*(f"{place}{name}" for place in stations)) for name in ("x", "y", "vx", "vy")]
     )  # fmt: skip
@@ -197,25 +146,32 @@ def test_a_step_is_the_solution_of_the_equations(
     np.testing.assert_allclose(
         a, acceleration * turn, rtol=0.0, atol=1e-6 * abs(acceleration).max()
     )
-    rows = rotor.planes if planes is None else np.eye(n)[planes]
     x = [unit.look(f"plane[{i}].x")[0] for i in (1, 2)]
     np.testing.assert_allclose(x, rows @ end[:n], rtol=0.0, atol=tolerance * abs(end[:n]).max())
 
 
 @pytest.mark.parametrize(
-    ("sizes", "changes", "message"),
+    ("kind", "changes", "message"),
     [
-        (BODY_SIZES, {"polar_inertia": 1.5}, r"polar_inertia = 1.5 .* 0 to 2 inertia"),
-        (CASES[2][0], {"plane[2].position": 0.2}, r"plane\[2\].position = 0.2 m: .* of a station"),
-        (CASES[2][0], {"support[2].position": 0.3}, r"supports = \[3, 3\]: must be two different"),
-        (CASES[2][0], {"station[2].z": 0.5}, r"stations = .* each beyond the last"),
-        (CASES[2][0], {"unbalance[1].position": 0.5}, r"position = 0.5 m: must be a disc's"),
-        (CASES[3][0], {"unbalance[1].position": 0.1}, r"or between them on a uniform shaft"),
-        (CASES[3][0], {"compliance[1,1]": -4e-6}, r"compliance = .* must be positive definite"),
+        ("two_support", {"polar_inertia": 1.5}, r"polar_inertia = 1.5 .* 0 to 2 inertia"),
+        (
+            "shaft",
+            {"plane[2].position": 0.2},
+            r"plane\[2\].position = 0.2 m: .* of a station",
+        ),
+        (
+            "shaft",
+            {"support[2].position": 0.3},
+            r"supports = \[3, 3\]: must be two different",
+        ),
+        ("shaft", {"station[2].z": 0.5}, r"stations = .* each beyond the last"),
+        ("shaft", {"unbalance[1].position": 0.5}, r"position = 0.5 m: must be a disc's"),
+        ("compliance", {"unbalance[1].position": 0.1}, r"or between them on a uniform shaft"),
+        ("compliance", {"compliance[1,1]": -4e-6}, r"compliance = .* must be positive definite"),
     ],
 )
-def test_impossible_rotors_are_refused_with_the_reason(sizes, changes, message, unit_of):
-    values = BODY if sizes is BODY_SIZES else next(v for s, v, _, _ in CASES if s is sizes)
+def test_impossible_rotors_are_refused_with_the_reason(kind, changes, message, unit_of):
+    sizes, values, _, _ = case(ROTORS[kind])
     unit = unit_of(sizes, {**values, **changes})
     with pytest.raises(RuntimeError, match=message):
         unit.exit_initialization_mode()
