@@ -57,6 +57,26 @@ def moved(rate, span, state, k):
     return solve_ivp(rate, span, state, "DOP853", args=(k,), **options).y[:, -1]
 
 
+def slope_of(value, rate, t, state, k):
+    """Derivative of `value(t, state, k)` along the motion, by a difference of order 6."""
+    total = 0.0
+    for n, weight in ((1, 3 / 4), (2, -3 / 20), (3, 1 / 60)):
+        for d in (n * DIFFERENCE, -n * DIFFERENCE):
+            end = moved(rate, (t, t + d), state, k)
+            total = total + weight * n / d * value(t + d, end, k)
+    return total
+
+
+def run(inputs, rate, outputs, state):
+    """Inputs and outputs of every communication point."""
+    given, answers = [], [outputs(0, 0.0, state)]
+    for k in range(COUNT):
+        given.append(inputs(k))
+        state = moved(rate, (0.0, STEP), state, k)
+        answers.append(outputs(k, STEP, state))
+    return given, answers
+
+
 def names(pattern: str) -> Iterator[str]:
     """Inputs of one vector signal, value and derivatives."""
     for order in ("{}", "der({})", "der({},2)", "der({},3)"):
@@ -120,7 +140,6 @@ def rotor(kind: str) -> tuple[list[dict], list[dict]]:
     # stiff at the stations between: a step of 0.5 ms at changing speed has errors to see there
     turning = partial(drive, ramp=0.0) if kind == "flexible" else drive
     added = np.array([0.2, 0.1][:p])
-    state = np.zeros(2 * n, complex)
 
     def rate(t, state, k):
         angle, speed, ramp = turning(k)
@@ -136,13 +155,7 @@ def rotor(kind: str) -> tuple[list[dict], list[dict]]:
         turn, w = np.exp(-1j * angle), speed + ramp * t
         slope = rate(t, state, k)
         a = rows @ slope[n:] * turn
-        # slope of the acceleration along the motion, by a difference of order 6
-        h, jerk = DIFFERENCE, 0.0
-        for m, weight in ((1, 3 / 4), (2, -3 / 20), (3, 1 / 60)):
-            for sign in (1, -1):
-                d = sign * m * h
-                end = moved(rate, (t, t + d), state, k)
-                jerk = jerk + sign * weight / h * rows @ rate(t + d, end, k)[n:]
+        jerk = slope_of(lambda *now: rows @ rate(*now)[n:], rate, t, state, k)
         jerk = jerk * turn - 1j * w * a
         found = {}
         for i in range(p):
@@ -166,18 +179,16 @@ def rotor(kind: str) -> tuple[list[dict], list[dict]]:
         found["torque"], found["der(torque)"] = -2e-4 * a[0].imag, -2e-4 * jerk[0].imag
         return found
 
-    given, answers = [], [outputs(0, 0.0, state)]
-    for k in range(COUNT):
-        inputs = {f"plane[{i + 1}].added_mass": added[i] for i in range(p)}
-        _, inputs["speed"], inputs["acceleration"] = turning(k)
-        inputs.update(CONSTANT)
+    def inputs(k):
+        found = {f"plane[{i + 1}].added_mass": added[i] for i in range(p)}
+        _, found["speed"], found["acceleration"] = turning(k)
+        found.update(CONSTANT)
         for i in range(p):
             values = parts(signal(3.0, i, k * STEP))
-            inputs.update(zip(names(f"plane[{i + 1}].F_{{}}"), values, strict=True))
-        given.append(inputs)
-        state = moved(rate, (0.0, STEP), state, k)
-        answers.append(outputs(k, STEP, state))
-    return given, answers
+            found.update(zip(names(f"plane[{i + 1}].F_{{}}"), values, strict=True))
+        return found
+
+    return run(inputs, rate, outputs, np.zeros(2 * n, complex))
 
 
 # -- balancers ------------------------------------------------------------------------------------
@@ -203,7 +214,6 @@ def liquid() -> tuple[list[dict], list[dict]]:
 def weights() -> tuple[list[dict], list[dict]]:
     """Filimonikhina 2017 (4) with absolute angles, the force as d^2/dt^2 of the moment."""
     m, r, kappa, b = 0.01, 0.05, 1.4, 0.05
-    state = np.array([0.0, math.pi, SPEED, SPEED])
 
     def centre(t, k):
         angle, speed, ramp = drive(k)
@@ -234,14 +244,8 @@ def weights() -> tuple[list[dict], list[dict]]:
     def outputs(k, t, state):
         angle, speed, ramp = drive(k)
         angle += speed * t + ramp * t * t / 2
-        value, slope, h = force(t, state, k), 0.0, DIFFERENCE
-        torque_slope = 0.0
-        for n, weight in ((1, 3 / 4), (2, -3 / 20), (3, 1 / 60)):
-            for sign in (1, -1):
-                d = sign * n * h
-                end = moved(rate, (t, t + d), state, k)
-                slope += sign * weight / h * force(t + d, end, k)
-                torque_slope += sign * weight / h * torque(t + d, end, k)
+        value, slope = force(t, state, k), slope_of(force, rate, t, state, k)
+        torque_slope = slope_of(torque, rate, t, state, k)
         theta = state[:2] - angle
         moment = m * r * np.exp(1j * theta).sum()
         found = {"F_xi": value.real, "F_eta": value.imag}
@@ -253,20 +257,16 @@ def weights() -> tuple[list[dict], list[dict]]:
         found |= {"torque": torque(t, state, k), "der(torque)": torque_slope}
         return {**found, "spread": abs(np.exp(2j * theta).sum()) / 2}
 
-    given, answers = [], [outputs(0, 0.0, state)]
-    for k in range(COUNT):
-        inputs = dict(zip(names("a_{}"), parts(signal(5.0, 0, k * STEP)), strict=True))
-        inputs["angle"], inputs["speed"], inputs["acceleration"] = drive(k)
-        inputs.update(CONSTANT)
-        given.append(inputs)
-        state = moved(rate, (0.0, STEP), state, k)
-        answers.append(outputs(k, STEP, state))
-    return given, answers
+    def inputs(k):
+        found = dict(zip(names("a_{}"), parts(signal(5.0, 0, k * STEP)), strict=True))
+        found["angle"], found["speed"], found["acceleration"] = drive(k)
+        return {**found, **CONSTANT}
+
+    return run(inputs, rate, outputs, np.array([0.0, math.pi, SPEED, SPEED]))
 
 
 def motor() -> tuple[list[dict], list[dict]]:
     """I w' = L(w) + tau with the start values of a motor of two points, 10 N m to 300 rad/s."""
-    given, answers, state = [], [], np.zeros(2)
 
     def pull(t, speed, k):
         orders = [z.real for z in signal(6.0, 0, k * STEP)]
@@ -283,14 +283,15 @@ def motor() -> tuple[list[dict], list[dict]]:
             "drive_torque": own, "power": own * speed,
         }  # fmt: skip
 
-    answers.append(outputs(0, 0.0, state))
-    for k in range(COUNT):
+    def inputs(k):
         orders = (z.real for z in signal(6.0, 0, k * STEP))
         torques = ("torque", "der(torque)", "der(torque,2)", "der(torque,3)")
-        given.append(dict(zip(torques, orders, strict=True)))
-        state = moved(lambda t, y, k: np.array([y[1], pull(t, y[1], k)[0]]), (0, STEP), state, k)
-        answers.append(outputs(k, STEP, state))
-    return given, answers
+        return dict(zip(torques, orders, strict=True))
+
+    def rate(t, state, k):
+        return np.array([state[1], pull(t, state[1], k)[0]])
+
+    return run(inputs, rate, outputs, np.zeros(2))
 
 
 # name -> unit, its folder, build options, computation, and how near the unit comes, in parts of an
