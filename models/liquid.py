@@ -47,10 +47,6 @@ class Liquid:
         """r m2 = rho pi r1^2 h [kg]: the mass of liquid that would fill the whole chamber."""
         return self.density * math.pi * self.chamber_radius**2 * self.height
 
-    def reaction(self, acceleration: complex) -> complex:
-        """Force on the rotor -r m2 a [N] for the chamber centre's acceleration a [m/s^2]."""
-        return -self.added_mass * acceleration
-
     def clearance(self, displacement: complex) -> float:
         """What is left of the gap when the chamber's centre is displaced [m]."""
         return self.gap - abs(displacement)

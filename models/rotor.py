@@ -192,7 +192,10 @@ class LinearRotor:
 
         2n for an isotropic rotor, else 4n.
         """
+        return np.linalg.eigvals(self.first_order(speed))
+
+    def first_order(self, speed: float) -> NDArray:
+        """A of (q, q')' = A (q, q') for the free motion at a constant speed [rad/s]."""
         mass, damping, stiffness = self.coefficients(speed)
-        dof = len(mass)
         still = np.linalg.solve(mass, np.hstack([-stiffness, -damping]))
-        return np.linalg.eigvals(np.vstack([np.eye(dof, 2 * dof, dof), still]))
+        return np.vstack([np.eye(len(mass), 2 * len(mass), len(mass)), still])

@@ -149,13 +149,8 @@ def speeds_of_interest(rotor: LinearRotor, speed: float) -> tuple[float, float]:
 
 def _eigenpairs(rotor: LinearRotor, speed: float) -> tuple[NDArray, NDArray]:
     """Eigenvalues (2 dof,) and displacement parts of the eigenvectors, (2 dof, dof)."""
-    mass, damping, stiffness = rotor.coefficients(speed)
-    dof = len(mass)
-    system = np.zeros((2 * dof, 2 * dof), dtype=mass.dtype)
-    system[:dof, dof:] = np.eye(dof)
-    system[dof:] = -np.linalg.solve(mass, np.hstack([stiffness, damping]))
-    values, vectors = np.linalg.eig(system)
-    return values, vectors[:dof].T
+    values, vectors = np.linalg.eig(rotor.first_order(speed))
+    return values, vectors[: len(values) // 2].T
 
 
 def _normalised(shapes: NDArray) -> NDArray:

@@ -14,7 +14,6 @@ from autobalancer.models.papers.influence import (
     unbalance_from_response,
 )
 from autobalancer.models.rotor import LinearRotor
-from autobalancer.models.rotor_kinds import line_rows
 from tests.papers import inverse_dynamic_stiffness, left_plane, right_plane
 
 MASS, INERTIA, SPAN, LEFT, RIGHT = 12.0, 0.7, 0.8, 0.15, 0.1
@@ -62,13 +61,6 @@ def test_either_closed_form_gives_any_plane():
             right_plane(inverse, SPAN, 260.0, SPAN - distance),
             rtol=1e-12,
         )
-
-
-def test_planes_can_be_asked_for_by_position():
-    rotor = machine()
-    np.testing.assert_array_equal(
-        influence(rotor, 200.0, line_rows([LEFT, SPAN - RIGHT], SPAN)), influence(rotor, 200.0)
-    )
 
 
 def test_isotropic_rotor_whirls_in_circles():

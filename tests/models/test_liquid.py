@@ -34,11 +34,6 @@ def test_a_gap_of_1e_12_of_the_radius_keeps_its_digits() -> None:
     assert liquid.liquid_mass == pytest.approx(math.pi * gap * (2.0 - gap), rel=1e-15)
 
 
-def test_reaction_is_against_the_acceleration() -> None:
-    liquid = Liquid(**SIZES)
-    assert liquid.reaction(2.0 - 1.0j) == -liquid.added_mass * (2.0 - 1.0j)
-
-
 def test_clearance_is_used_up_when_the_bending_reaches_the_gap() -> None:
     liquid = Liquid(**SIZES)
     assert liquid.clearance(0.0) == pytest.approx(0.01)

@@ -121,11 +121,3 @@ def test_far_above_resonance_the_rotor_turns_about_its_axis_of_inertia():
     rotor = rigid(polar_inertia=0.0)
     k = influence(rotor, 1e6, line_rows([MACHINE["com"]], MACHINE["span"]))
     np.testing.assert_allclose(k[0, :, 0], -1.0 / MACHINE["mass"], rtol=1e-5)
-
-
-def test_rigid_rotor_does_not_bend():
-    assert not rigid().deflection.any()
-
-
-def test_rotor_without_planes_has_none():
-    assert rigid(planes=()).plane_count == 0
