@@ -66,11 +66,6 @@ class Whirl:
         """Mean angles of the weights in the rotor (K,) [rad]."""
         return self.theta.mean(axis=0)
 
-    @property
-    def swing(self) -> Array:
-        """How far each weight leaves its mean angle (K,) [rad]."""
-        return np.abs(self.theta - self.angles).max(axis=0)
-
     @cached_property
     def amplitude(self) -> Array:
         """Largest distance of each station from its middle (n,) [m]."""

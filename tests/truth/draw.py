@@ -18,6 +18,7 @@ from tests.truth.sketch import (
     length_of,
     liquid_of,
     pair,
+    rounded,
     sized,
     sometimes,
     unbalance,
@@ -55,15 +56,13 @@ def _on_two_supports(generator: random.Random) -> tuple[Sketch, Document]:
     rotor = {
         "kind": "two_support",
         "mass": sketch.mass,
-        "inertia": float(f"{inertia:.4g}"),
-        "polar_inertia": float(
-            f"{sometimes(generator, 0.7, even(generator, 0.0, 1.8)) * inertia:.4g}"
-        ),
+        "inertia": rounded(inertia),
+        "polar_inertia": rounded(sometimes(generator, 0.7, even(generator, 0.0, 1.8)) * inertia),
         "span": span,
-        "com": float(f"{even(generator, 0.1, 0.9) * span:.4g}"),
+        "com": rounded(even(generator, 0.1, 0.9) * span),
         "stiffness": [pair(generator, sketch.stiffness) for _ in range(2)],
         "damping": [pair(generator, sketch.damping) for _ in range(2)],
-        "planes": [float(f"{place:.4g}") for place in planes],
+        "planes": [rounded(place) for place in planes],
         "unbalances": [unbalance(generator, sketch, generator.uniform(0.0, span))],
     }
     return sketch, rotor
@@ -86,17 +85,17 @@ def flexible(generator: random.Random) -> Document:
     count = generator.choice((3, 3, 4, 5))
     length = sized(generator, 0.2, 3.0)
     gaps = [generator.uniform(0.3, 1.0) for _ in range(count - 1)]
-    places = [float(f"{length * sum(gaps[:j]) / sum(gaps):.4g}") for j in range(count)]
+    places = [rounded(length * sum(gaps[:j]) / sum(gaps)) for j in range(count)]
     # the middle of a shaft of length l is softer than E I by l^3/48
     bending = sized(generator, 0.1, 10.0) * sketch.mass * sketch.mode**2 * length**3 / 48.0
     rotor = {
         "kind": "flexible",
         "stations": places,
-        "masses": [float(f"{sketch.mass * even(generator, 0.2, 1.0):.4g}") for _ in places],
+        "masses": [rounded(sketch.mass * even(generator, 0.2, 1.0)) for _ in places],
         "supports": [1, count],
         "support_stiffness": [pair(generator, sketch.stiffness) for _ in range(2)],
         "support_damping": [pair(generator, sketch.damping) for _ in range(2)],
-        "bending_stiffness": float(f"{bending:.4g}"),
+        "bending_stiffness": rounded(bending),
         "internal_damping": sometimes(generator, 0.3, 0.1 * sketch.damping(generator)),
         "unbalances": [unbalance(generator, sketch, places[generator.randrange(count)])],
     }
@@ -163,12 +162,12 @@ def _sized(
     turned = even(generator, 0.0, TURN)
     made = balancer | {
         "kind": generator.choice(("balls", "rollers")),
-        "mass": float(f"{balancer['mass'] * balancer['count'] / count:.4g}"),
+        "mass": rounded(balancer["mass"] * balancer["count"] / count),
         "count": count,
-        "weight_radius": float(f"{sketch.radius * math.sin(alpha):.4g}"),
+        "weight_radius": rounded(sketch.radius * math.sin(alpha)),
         "restitution": restitution,
         "angles": [
-            float(f"{turned + math.tau * k / count + generator.uniform(-0.9, 0.9) * slack:.4g}")
+            rounded(turned + math.tau * k / count + generator.uniform(-0.9, 0.9) * slack)
             for k in range(count)
         ],
     }
@@ -183,8 +182,8 @@ def offset(generator: random.Random) -> Document:
     sketch = Sketch(generator)
     balancer = weights_of(generator, sketch, 1e-5, 0.3)
     size, turn = sketch.radius * sized(generator, 1e-4, 0.1), generator.uniform(0.0, math.tau)
-    balancer["track_offset_xi"] = float(f"{size * math.cos(turn):.4g}")
-    balancer["track_offset_eta"] = float(f"{size * math.sin(turn):.4g}")
+    balancer["track_offset_xi"] = rounded(size * math.cos(turn))
+    balancer["track_offset_eta"] = rounded(size * math.sin(turn))
     document = at_constant_speed(generator, sketch, disc(generator, sketch), [balancer])
     return in_run_up(generator, sketch, document) if generator.random() < 0.25 else document
 
@@ -195,7 +194,7 @@ def sticking(generator: random.Random) -> Document:
     balancer = weights_of(
         generator, sketch, *((0.1, 2.0) if generator.random() < 0.2 else (1e-4, 0.1))
     )
-    balancer["drag"] = float(f"{balancer['drag'] / 300.0:.4g}")  # nothing stops a weight in drag
+    balancer["drag"] = rounded(balancer["drag"] / 300.0)  # nothing stops a weight in drag
     balancer["rolling_resistance"] = sized(generator, 1e-4, 0.1)
     document = at_constant_speed(generator, sketch, disc(generator, sketch), [balancer])
     return in_run_up(generator, sketch, document) if generator.random() < 0.25 else document
@@ -236,9 +235,9 @@ def motor(generator: random.Random) -> Document:
     mass = rotor["mass"] if "mass" in rotor else min(rotor["masses"])
     moment = rotor["unbalance"] if "unbalance" in rotor else rotor["unbalances"][0]["amount"]
     own = moment**2 / mass  # the least that a shaft with this unbalance can have
-    inertia = float(f"{10.0 * own + mass * sized(generator, 1e-4, 0.1):.4g}")
+    inertia = rounded(10.0 * own + mass * sized(generator, 1e-4, 0.1))
     seconds = 2.0 * math.pi * document["run"]["revolutions"] / speed
-    stall = float(f"{inertia * speed / seconds * sized(generator, 0.3, 10.0):.4g}")
+    stall = rounded(inertia * speed / seconds * sized(generator, 0.3, 10.0))
     drive: Document = {"inertia": inertia}
     if generator.random() < 0.5:
         corners = sorted({even(generator, 0.02, 0.95) for _ in range(generator.choice((1, 2, 7)))})
@@ -263,7 +262,7 @@ def unequal(generator: random.Random) -> Document:
         for key in ("mass", "drag", "weight_radius"):
             if key in balancer:  # smaller ones than those that fit, fit
                 balancer[key] = [
-                    float(f"{balancer[key] * generator.uniform(0.4, 1.0):.4g}")
+                    rounded(balancer[key] * generator.uniform(0.4, 1.0))
                     for _ in range(balancer["count"])
                 ]
     return document
@@ -293,8 +292,8 @@ def changing(generator: random.Random) -> Document:
     amount = rotor["unbalance"] if "unbalance" in rotor else rotor["unbalances"][0]["amount"]
     document["operation"]["unbalance_changes"] = [
         {
-            "time": float(f"{end * share:.4g}"),
-            "amount": float(f"{amount * sized(generator, 0.1, 4.0):.4g}"),
+            "time": rounded(end * share),
+            "amount": rounded(amount * sized(generator, 0.1, 4.0)),
             "angle": even(generator, 0.0, TURN),
         }
         for share in sorted(generator.uniform(0.05, 0.95) for _ in range(generator.randint(1, 4)))

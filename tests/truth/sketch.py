@@ -21,14 +21,19 @@ TURN = 6.283  # rad, as one types it
 LONGEST = 400.0  # radians of the fastest mode: longer runs gather error in the reference too
 
 
+def rounded(value: float) -> float:
+    """Four digits, as one types it."""
+    return float(f"{value:.4g}")
+
+
 def sized(generator: random.Random, low: float, high: float) -> float:
     """Log-uniform, four digits."""
-    return float(f"{math.exp(generator.uniform(math.log(low), math.log(high))):.4g}")
+    return rounded(math.exp(generator.uniform(math.log(low), math.log(high))))
 
 
 def even(generator: random.Random, low: float, high: float) -> float:
     """Uniform, four digits."""
-    return float(f"{generator.uniform(low, high):.4g}")
+    return rounded(generator.uniform(low, high))
 
 
 def sometimes(generator: random.Random, share: float, value: float) -> float:
@@ -57,7 +62,7 @@ class Sketch:
     def damping(self, generator: random.Random) -> float:
         """Viscous damping for a damping ratio of 0 to 0.5."""
         ratio = sometimes(generator, 0.85, sized(generator, 1e-5, 0.5))
-        return float(f"{2.0 * ratio * self.mass * self.mode:.4g}")
+        return rounded(2.0 * ratio * self.mass * self.mode)
 
 
 def pair(generator: random.Random, size: Callable[[random.Random], float]) -> list[float]:
@@ -79,8 +84,8 @@ def disc(generator: random.Random, sketch: Sketch) -> Document:
 def unbalance(generator: random.Random, sketch: Sketch, position: float) -> Document:
     eccentricity = sometimes(generator, 0.95, sketch.radius * sized(generator, 1e-6, 0.1))
     return {
-        "position": float(f"{position:.4g}"),
-        "amount": float(f"{sketch.mass * eccentricity:.4g}"),
+        "position": rounded(position),
+        "amount": rounded(sketch.mass * eccentricity),
         "angle": even(generator, 0.0, TURN),
     }
 
@@ -94,9 +99,9 @@ def weights_of(generator: random.Random, sketch: Sketch, least: float, most: flo
         "kind": generator.choice(("balls", "rollers", "pendulums")),
         "name": "weights",
         "count": count,
-        "mass": float(f"{mass:.4g}"),
+        "mass": rounded(mass),
         "track_radius": sketch.radius,
-        "drag": sometimes(generator, 0.9, float(f"{drag:.4g}")),
+        "drag": sometimes(generator, 0.9, rounded(drag)),
         "angles": [even(generator, 0.0, TURN) for _ in range(count)],
     }
     if generator.random() < 0.2:
@@ -112,8 +117,8 @@ def liquid_of(generator: random.Random, sketch: Sketch) -> Document:
         "kind": "liquid",
         "name": "liquid",
         "chamber_radius": chamber,
-        "float_radius": float(f"{chamber * even(generator, 0.3, 0.95):.4g}"),
-        "height": float(f"{carried / (1000.0 * math.pi * chamber**2):.4g}"),
+        "float_radius": rounded(chamber * even(generator, 0.3, 0.95)),
+        "height": rounded(carried / (1000.0 * math.pi * chamber**2)),
         "density": 1000.0,
         "inertia_as_force": generator.random() < 0.4,
     }
@@ -158,7 +163,7 @@ def along_profile(generator: random.Random, sketch: Sketch, document: Document) 
     wanted = 2.0 * math.pi * document["run"].pop("revolutions")
     times = [0.0, *accumulate(t * wanted / turned for t in lengths)]
     corners = zip(times, stops, strict=True)
-    profile = [[float(f"{time:.5g}"), float(f"{speed:.4g}")] for time, speed in corners]
+    profile = [[float(f"{time:.5g}"), rounded(speed)] for time, speed in corners]
     return {**document, "operation": {"profile": profile}}
 
 
@@ -169,9 +174,9 @@ def in_run_up(generator: random.Random, sketch: Sketch, document: Document) -> D
     revolutions = document["run"]["revolutions"]
     seconds = share * 2.0 * math.pi * revolutions / (0.5 * (start + sketch.speed))
     profile = {
-        "from": float(f"{start:.4g}"),
+        "from": rounded(start),
         "to": sketch.speed,
-        "seconds": float(f"{seconds:.4g}"),
+        "seconds": rounded(seconds),
     }
     return {**document, "operation": {"run_up": profile}}
 
