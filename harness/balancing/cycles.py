@@ -18,7 +18,7 @@ import numpy as np
 from ...models.arrays import Array, Complex
 from ...models.linear.synchronous import Synchronous
 from ...models.papers.influence import (
-    from_trial_runs,
+    from_runs,
     influence,
     scalar_coefficients,
     unbalance_from_response,
@@ -97,7 +97,7 @@ class BalancingReport(Outcome):
     """
 
     drawn_by: ClassVar[str] = "..balancing.plot:plot_corrections"
-    document_by: ClassVar[str] = "..balancing.documents:of_machine"
+    document_by: ClassVar[str] = "dataclasses:asdict"
 
     name: str
     title: str
@@ -176,11 +176,10 @@ def balance(scene: Scene, *, progress: Progress | None = None) -> BalancingRepor
 def trial_runs(machine: Machine, trial: float) -> tuple[Synchronous, Complex, Array]:
     """(20), (22): the first reading, the coefficients (s, p), and their standard uncertainty."""
     count = len(machine.planes)
-    first = machine.measure()
-    runs = [machine.measure(np.array(row, complex)) for row in (trial * np.eye(count)).tolist()]
-    amplitudes = np.array([run.amplitude for run in runs])
-    coefficients = from_trial_runs(first.amplitude, amplitudes, np.full(count, trial))
-    standard_error = [np.hypot(run.uncertainty, first.uncertainty) / trial for run in runs]
+    mounted = trial * np.eye(count + 1, count, -1, complex)  # nothing first, then plane by plane
+    first, *others = runs = [machine.measure(row) for row in mounted]
+    coefficients = from_runs(np.array([run.amplitude for run in runs]), mounted)
+    standard_error = [np.hypot(run.uncertainty, first.uncertainty) / trial for run in others]
     return first, coefficients, np.array(standard_error).T
 
 

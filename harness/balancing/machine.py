@@ -67,7 +67,7 @@ class Machine(Closing):
                 "times in each revolution, so that there is no steady state to measure"
             )
 
-    def measure(self, added: Complex | None = None) -> Synchronous:
+    def measure(self, added: Complex) -> Synchronous:
         """Run with unbalances `added` (p,) in the correction planes [kg m] and read the supports.
 
         The rotor is linear: its steady motion is found at once, with no waiting for the transient
@@ -77,7 +77,7 @@ class Machine(Closing):
             SimulationError: the vibration is not steady.
         """
         self.runs += 1
-        unbalances = np.array(self._room.present) + (0.0 if added is None else added)
+        unbalances = np.array(self._room.present) + added
         parameters = self._room.parameters
         for (size, direction), value in zip(parameters, unbalances.tolist(), strict=True):
             self.revolution.rotor[size], self.revolution.rotor[direction] = cmath.polar(value)

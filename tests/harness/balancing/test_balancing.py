@@ -176,7 +176,7 @@ def test_machine_reaches_steady_state_from_any_transient():
     """The fixed point is what hundreds of revolutions from rest end in."""
     scene = load_scene("balancing_machine")
     with Machine(scene) as machine:
-        steady = machine.measure().amplitude
+        steady = machine.measure(np.zeros(2)).amplitude
     with Revolution(scene.without_balancers()) as units:
         outputs = ["angle", "station[1].x", "station[2].x"]
         rest = np.zeros(len(units.states))
@@ -251,8 +251,7 @@ def test_command_prints_cycles_and_writes_json_and_picture(invoke, tmp_path):
     assert "Grade met after 2 cycles" in done.output
     assert "Grade met after 5 cycles" in done.output
     found = json.loads(data.read_text())
-    assert [t["cycles"] for t in found["technologies"]] == [2, 5]
-    assert found["coefficients"]["difference"] < 1e-6
+    assert [len(t["cycles"]) for t in found["technologies"]] == [2, 5]
     assert picture.read_bytes().startswith(b"\x89PNG")
 
 
