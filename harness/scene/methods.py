@@ -233,7 +233,6 @@ class Methods:
         scatter: float = 0.1,
         harmonic: bool = False,
         starts: int = 1,
-        logarithms: bool = True,
         progress: Progress | None = None,
     ) -> Fit:
         """Values of the scene from measured amplitudes, by least squares.
@@ -247,7 +246,6 @@ class Methods:
             scatter: standard deviation of a difference, against which priors are weighed.
             harmonic: search by harmonic balance alone; runs judge the result.
             starts: of harmonic balance.
-            logarithms: compare logarithms of amplitudes, not amplitudes.
 
         Returns:
             Values with 95 % intervals; `scene` is the scene with them.
@@ -271,7 +269,7 @@ class Methods:
         parameters = parse_free(paths, self._scene, limits, priors, scatter)
         data = read_measured(Path(measured), self._scene)
         options: dict[str, Any] = {"harmonic": harmonic, "starts": starts, "progress": progress}
-        return fit(self._scene, data, parameters, logarithms=logarithms, **options)
+        return fit(self._scene, data, parameters, **options)
 
     def balance(self, *, progress: Progress | None = None) -> BalancingReport:
         """Balance the rotor on the virtual machine of [balancing] (Polushkin 2016, ISO 21940-11).
