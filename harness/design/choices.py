@@ -17,7 +17,6 @@ from ..output.workers import Progress, Workers, in_order
 from ..scene import Scene
 from .decay import Decay
 from .scenes import (
-    STEEL,
     batches,
     drag_limit,
     is_isotropic,
@@ -28,6 +27,7 @@ from .scenes import (
     with_balls,
 )
 from .settling import SETTLED_UNBALANCE, SettlingRun, median_interval, refuse_few, run_batch
+from .space import MATERIALS
 
 
 @dataclass(frozen=True)
@@ -126,7 +126,7 @@ def design(
     unbalance: float | None = None,
     race: float | None = None,
     width: float | None = None,
-    density: float = STEEL,
+    density: float = MATERIALS["steel"],
     counts: Sequence[int] = range(2, 9),
     starts: int = 200,
     workers: Workers = 1,

@@ -84,7 +84,7 @@ def command(
         show(table(data, starts))
         if details:
             show(details_table(data))
-        for line in words(data, details):
+        for line in words(data):
             say(line)
         if not loaded.balancer:
             from .scenes import ASSUMED_RATE
