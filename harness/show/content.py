@@ -75,7 +75,6 @@ def content(scene: Scene) -> dict[str, Any]:
         "pace": max(1.0, scene.revolutions / SHOWN_IN),
         "mass": scene.rotor.mass,
         "grades": GRADES,
-        "unbalance": _single_unbalance(scene, made),
         "kick": KICK * _moment(scene, made) * profile.end,
         "stations": scene.rotor.stations,
         "supports": scene.rotor.supports,
@@ -180,14 +179,6 @@ def _moment(scene: Scene, made: Composition) -> float:
         b.count * b.mass * b.track_radius for b in scene.balancer if isinstance(b, WeightBalancer)
     )
     return unbalance or capacity or scene.rotor.mass * BARE
-
-
-def _single_unbalance(scene: Scene, made: Composition) -> list[float] | None:
-    """Of a rotor with one plane, in its axes [kg m]; None of others."""
-    if scene.rotor.kind != "planar":
-        return None
-    total = sum(_unbalances(made), 0j)
-    return [total.real, total.imag]
 
 
 def _changes(scene: Scene) -> list[list[float]]:
