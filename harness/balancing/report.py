@@ -38,16 +38,16 @@ def print_cycles(result: BalancingReport) -> None:
 
 
 def _coefficients(result: BalancingReport) -> Sheet:
-    measured = ("measured [1/kg]", "phase", "uncertainty")
+    measured = ("measured [1/kg]", "phase")
     columns = ("support", "plane", *measured, "equations [1/kg]", "difference")
     rows = []
     for (i, j), value in np.ndenumerate(result.measured):
-        exact, spread = result.analytic[i, j], result.uncertainty[i, j]
-        shown = (f"{abs(value):.6g}", f"{_degrees(value):.1f}°", f"{spread:.1e}")
+        exact = result.analytic[i, j]
+        shown = (f"{abs(value):.6g}", f"{_degrees(value):.1f}°")
         other = (f"{abs(exact):.6g}", f"{abs(value - exact) / abs(exact):.1e}")
         rows.append((str(i + 1), str(result.planes[j]), *shown, *other))
     title = "Influence coefficients, amplitude 0-peak per unbalance (20), (22)"
-    return Sheet(columns, rows, "llrrrrr", title)
+    return Sheet(columns, rows, "llrrrr", title)
 
 
 def _cycles(result: BalancingReport, technology: Technology) -> Sheet:
@@ -65,7 +65,7 @@ def _cycles(result: BalancingReport, technology: Technology) -> Sheet:
 
 def _row(result: BalancingReport, cycle: Cycle) -> list[str]:
     actual = (cycle.actual_at_supports / result.at_supports).max()
-    vectors = (*cycle.reading.amplitude, *cycle.found)
+    vectors = (*cycle.amplitude, *cycle.found)
     shares = (*cycle.at_supports / result.at_supports, actual)
     return [
         *(f"{abs(v):.3g} at {_degrees(v):.1f}°" for v in vectors),

@@ -65,7 +65,7 @@ def test_measured_runs_of_the_virtual_machine_give_its_unbalance(tmp_path):
     with Machine(scene) as machine:
         for run, mounted in masses.items():
             reading = machine.measure(1e-6 * radius * np.array(mounted, complex))
-            for sensor, value in enumerate(reading.amplitude.tolist()):
+            for sensor, value in enumerate(reading.tolist()):
                 cells = [run, sensor, abs(value), degrees(value), machine.speed * 30.0 / math.pi]
                 cells += [cell for mass in mounted for cell in (mass or "", 0, radius)]
                 lines.append(",".join(map(str, cells)))
