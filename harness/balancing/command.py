@@ -80,8 +80,8 @@ def command(
         with page.keeping():
             print_correction(result, Path(scene).name)
     else:
-        given = {"--angles": angles, "--min-max": min_max or None, "--grade": grade}
-        given |= {"--mass": mass, "--service-speed": service_speed}
+        given: dict[str, object] = {"--angles": angles, "--min-max": min_max or None}
+        given |= {"--grade": grade, "--mass": mass, "--service-speed": service_speed}
         if unfit := [option for option, value in given.items() if value is not None]:
             raise UserError(
                 f"{', '.join(unfit)}: belong to measured runs (FILE.csv), not to a scene"
