@@ -55,7 +55,7 @@ def closed_forms(speed, axis):
 
 
 @pytest.mark.parametrize("axis", ["x", "y"])
-@pytest.mark.parametrize("speed", [20.0, 58.0, 95.0, 170.0, 400.0])
+@pytest.mark.parametrize("speed", [20.0, 95.0, 400.0])
 def test_measured_coefficients_are_the_papers_closed_forms(speed, axis):
     """Below, between and above the resonances; one plane overhung."""
     result = balance(machine(speed, axis=axis, technology="complex"))
@@ -65,8 +65,7 @@ def test_measured_coefficients_are_the_papers_closed_forms(speed, axis):
 
 def scenes():
     yield "bundled", load_scene("balancing_machine")
-    for speed in (20.0, 95.0, 170.0, 400.0):
-        yield f"{speed:g} rad/s", machine(speed)
+    yield "overhung", machine(95.0)
     yield "gyroscopic", machine(120.0, rotor={"polar_inertia": 2.5, "com": 0.3})
     grinder = load_scene("grinder").model_dump(by_alias=True, exclude_none=True)
     shaft = {key: grinder[key] for key in ("rotor", "operation")}
@@ -209,11 +208,6 @@ def test_unstable_rotor_is_refused():
         ({"planes": [2, 2]}, r"balancing.planes = \[2, 2\]: must all be different"),
         ({"planes": [2]}, r"balancing.planes = \[2\]: must be 2 of the rotor's 2 planes"),
         ({"planes": []}, r"balancing.planes = \[\]: must have at least 1 value"),
-        ({"technology": "magic"}, r'balancing.technology = "magic": must be one of'),
-        ({"axis": "z"}, r'balancing.axis = "z": must be one of'),
-        ({"revolutions": 0.5}, r"balancing.revolutions = 0.5: must be a whole number"),
-        ({"service_speed": -3.0}, r"balancing.service_speed = -3.0 rad/s: must be greater than 0"),
-        ({"grad": "G1"}, r'balancing.grad: unknown key \(did you mean "grade"\?\)'),
     ],
 )
 def test_mistakes_in_the_table_are_named(changes, message):
@@ -228,8 +222,6 @@ def test_grade_is_required_and_a_scene_without_the_table_says_what_to_add():
         Scene.from_document(document)
     with pytest.raises(SceneError, match=r'no table \[balancing\]; .* grade = "G2.5"'):
         balance(load_scene("drum"))
-    with pytest.raises(SceneError, match=r"'balancing.grad': unknown"):
-        machine().replace({"balancing.grad": "G1"})
 
 
 def test_command_prints_cycles_and_writes_json_and_picture(invoke, tmp_path):

@@ -228,18 +228,7 @@ def test_command_writes_picture_table_and_document(invoke, tmp_path, monkeypatch
     assert "G6.3" in outcome.output
 
 
-@pytest.mark.parametrize(
-    ("arguments", "said"),
-    [
-        (["--vary", "weights.drag=gauss(1,2)"], "'gauss': must be one of normal"),
-        (["--vary", "wheels.drag=uniform(1,2)"], "cannot be varied"),
-        (
-            ["--vary", "weights.drag=uniform(1,2)", "-o", "a.bmp"],
-            "or .csv for a table, .zarr",
-        ),
-    ],
-)
-def test_command_refuses_what_is_wrong(invoke, arguments, said):
-    outcome = invoke("scatter", "two_balls", *arguments)
+def test_command_refuses_a_file_that_it_does_not_write(invoke):
+    outcome = invoke("scatter", "two_balls", "--vary", "weights.drag=uniform(1,2)", "-o", "a.bmp")
     assert outcome.exit_code == 2
-    assert said in " ".join(outcome.output.split())
+    assert "or .csv for a table, .zarr" in " ".join(outcome.output.split())
