@@ -134,11 +134,11 @@ COMMAND_LINES = {
     "rotor": ["drum --campbell campbell.png --response response.png"],
     "balance": [
         "balancing_machine -o corrections.png",
-        "runs.csv --angles 12 --min-max --largest-mass 5 --grade G2.5 --mass 8 -o corrections.png",
+        "runs.csv --angles 12 --min-max --grade G2.5 --mass 8 -o corrections.png",
     ],
     "design": [
         "finite_weights --starts 6 --most 3 --track 250mm --width 50mm --material steel "
-        "--unbalance '0..90 g m' --reserve 1.3 -o design.png"
+        "--unbalance '90 g m' --reserve 1.3 -o design.png"
     ],
     "scatter": ["two_balls --vary weights.drag=normal(0.2,10%) -n 10 -o scatter.csv"],
     "fit": ["two_balls --without-balancers --measured fit.csv --free rotor.unbalance -o fit.png"],

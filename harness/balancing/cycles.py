@@ -16,9 +16,8 @@ from typing import ClassVar
 import numpy as np
 
 from ...models.arrays import Array, Complex
-from ...models.linear.synchronous import Synchronous
 from ...models.papers.influence import (
-    from_trial_runs,
+    from_runs,
     influence,
     scalar_coefficients,
     unbalance_from_response,
@@ -41,7 +40,7 @@ class Cycle:
 
     Attributes:
         mounted: (p,) corrections in place during the run [kg m].
-        reading: what the supports did.
+        amplitude: (s,) of the supports [m].
         found: (p,) unbalance by the technology's coefficients [kg m].
         at_supports: (s,) the same, moved to the supports [kg m].
         actual: (p,) unbalance that really is there at this speed, by the rotor's equations [kg m].
@@ -49,7 +48,7 @@ class Cycle:
     """
 
     mounted: Complex
-    reading: Synchronous
+    amplitude: Complex
     found: Complex
     at_supports: Array
     actual: Complex
@@ -88,8 +87,7 @@ class BalancingReport(Outcome):
         permissible: U_per [kg m].
         at_supports: (s,) its share at each support [kg m].
         trial: unbalance of the trial runs [kg m].
-        measured, uncertainty: (s, p) coefficients by trial runs, and their standard uncertainty
-            (of real and imaginary part) [1/kg].
+        measured: (s, p) coefficients by trial runs [1/kg].
         analytic: (s, p) by the rotor's equations, (15), (17) [1/kg].
         technologies: in the order asked for.
         runs: of the machine in all.
@@ -97,7 +95,7 @@ class BalancingReport(Outcome):
     """
 
     drawn_by: ClassVar[str] = "..balancing.plot:plot_corrections"
-    document_by: ClassVar[str] = "..balancing.documents:of_machine"
+    document_by: ClassVar[str] = "dataclasses:asdict"
 
     name: str
     title: str
@@ -108,7 +106,6 @@ class BalancingReport(Outcome):
     at_supports: Array
     trial: float
     measured: Complex
-    uncertainty: Array
     analytic: Complex
     technologies: tuple[Technology, ...]
     runs: int
@@ -145,14 +142,14 @@ def balance(scene: Scene, *, progress: Progress | None = None) -> BalancingRepor
         total, shares = permissible(scene, setup)
         trial = TRIAL * total
         analytic, unbalance = _by_equations(scene, machine.planes, setup.axis)
-        first, measured, uncertainty = trial_runs(machine, trial)
+        first, measured = trial_runs(machine, trial)
         report(0.3)
         done = []
         for name in setup.technologies:
             used = measured
             if name == "scalar":
-                lag = float(np.angle(measured[0, 0])) if setup.lag is None else setup.lag
-                used = scalar_coefficients(measured, lag)
+                # the one phase is that of the first support under the first trial unbalance
+                used = scalar_coefficients(measured, float(np.angle(measured[0, 0])))
             done.append(_cycles(machine, name, used, first, levers, shares, unbalance))
             report(0.3 + 0.7 * len(done) / len(setup.technologies))
         return BalancingReport(
@@ -165,7 +162,6 @@ def balance(scene: Scene, *, progress: Progress | None = None) -> BalancingRepor
             at_supports=shares,
             trial=trial,
             measured=measured,
-            uncertainty=uncertainty,
             analytic=analytic,
             technologies=tuple(done),
             runs=machine.runs,
@@ -173,22 +169,19 @@ def balance(scene: Scene, *, progress: Progress | None = None) -> BalancingRepor
         )
 
 
-def trial_runs(machine: Machine, trial: float) -> tuple[Synchronous, Complex, Array]:
-    """(20), (22): the first reading, the coefficients (s, p), and their standard uncertainty."""
+def trial_runs(machine: Machine, trial: float) -> tuple[Complex, Complex]:
+    """(20), (22): the first amplitudes (s,) [m], and the coefficients (s, p)."""
     count = len(machine.planes)
-    first = machine.measure()
-    runs = [machine.measure(np.array(row, complex)) for row in (trial * np.eye(count)).tolist()]
-    amplitudes = np.array([run.amplitude for run in runs])
-    coefficients = from_trial_runs(first.amplitude, amplitudes, np.full(count, trial))
-    standard_error = [np.hypot(run.uncertainty, first.uncertainty) / trial for run in runs]
-    return first, coefficients, np.array(standard_error).T
+    mounted = trial * np.eye(count + 1, count, -1, complex)  # nothing first, then plane by plane
+    amplitudes = np.array([machine.measure(row) for row in mounted])
+    return amplitudes[0], from_runs(amplitudes, mounted)
 
 
 def _cycles(
     machine: Machine,
     name: str,
     used: Complex,
-    first: Synchronous,
+    first: Complex,
     levers: Array,
     allowed: Array,
     unbalance: Complex,
@@ -196,16 +189,16 @@ def _cycles(
     """Correct and run again until what is found is permissible."""
     mounted = np.zeros(len(machine.planes), complex)
     cycles: list[Cycle] = []
-    reading, meets = first, False
+    amplitude, meets = first, False
     try:
         while not meets and len(cycles) < MOST_CYCLES:
             if cycles:
                 mounted = mounted - cycles[-1].found
-                reading = machine.measure(mounted)
-            found = unbalance_from_response(used, reading.amplitude)
+                amplitude = machine.measure(mounted)
+            found = unbalance_from_response(used, amplitude)
             actual = unbalance + mounted
             sizes = [np.abs(levers @ each) for each in (found, actual)]
-            cycles.append(Cycle(mounted, reading, found, sizes[0], actual, sizes[1]))
+            cycles.append(Cycle(mounted, amplitude, found, sizes[0], actual, sizes[1]))
             meets = bool(np.all(sizes[0] <= allowed))
         note = "" if meets else f"grade not met after {len(cycles)} cycles"
     except ValueError as error:

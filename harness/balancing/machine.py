@@ -12,7 +12,7 @@ import cmath
 import numpy as np
 
 from ...models.arrays import Array, Complex
-from ...models.linear.synchronous import Synchronous, synchronous
+from ...models.linear.synchronous import synchronous
 from ..errors import SceneError, SimulationError
 from ..master.fmu import Closing
 from ..master.names import station
@@ -67,8 +67,8 @@ class Machine(Closing):
                 "times in each revolution, so that there is no steady state to measure"
             )
 
-    def measure(self, added: Complex | None = None) -> Synchronous:
-        """Run with unbalances `added` (p,) in the correction planes [kg m] and read the supports.
+    def measure(self, added: Complex) -> Complex:
+        """Amplitudes (s,) of the supports with unbalances `added` (p,) in the planes [kg m].
 
         The rotor is linear: its steady motion is found at once, with no waiting for the transient
         to die away.
@@ -77,7 +77,7 @@ class Machine(Closing):
             SimulationError: the vibration is not steady.
         """
         self.runs += 1
-        unbalances = np.array(self._room.present) + (0.0 if added is None else added)
+        unbalances = np.array(self._room.present) + added
         parameters = self._room.parameters
         for (size, direction), value in zip(parameters, unbalances.tolist(), strict=True):
             self.revolution.rotor[size], self.revolution.rotor[direction] = cmath.polar(value)
@@ -97,9 +97,9 @@ def _refuse_drift(angle: Array, samples: Array) -> None:
     half = len(angle) // 2
     first = synchronous(angle[:half], samples[:, :half])
     last = synchronous(angle[half:], samples[:, half:])
-    drift = np.abs(last.amplitude - first.amplitude)
+    drift = np.abs(last - first)
     # absolute: a support may happen to stand still
-    allowed = DRIFT * np.abs(last.amplitude).max()
+    allowed = DRIFT * np.abs(last).max()
     if np.any(drift > allowed):
         raise SimulationError(
             f"rotor: vibration is not steady: amplitude drifts by {drift.max():.3g} m during the "

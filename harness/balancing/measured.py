@@ -1,12 +1,8 @@
 """Runs measured in the workshop, from a CSV file: what was mounted and how the sensors answered.
 
-One line a run, speed and sensor:
+One line per run, speed and sensor:
 
     run,speed_rpm,sensor,amplitude_um,phase_lag_deg,mass_g[1],angle_deg[1],radius_mm[1],...
-
-or one line a run with its raw samples in a file of their own (`tachometer`):
-
-    run,samples,mass_g[1],angle_deg[1],radius_mm[1],...
 """
 
 from __future__ import annotations
@@ -22,12 +18,10 @@ import numpy as np
 from ...models.arrays import Array, Complex
 from ..errors import UserError
 from ..input_files import CsvRow, read_csv
-from .tachometer import read_samples
 
 _WEIGHT = re.compile(r"(mass_g|angle_deg|radius_mm)\[(.+)\]")
 _AMPLITUDE = re.compile(r"amplitude_(\w+)")
 _PHASES = {"phase_lead_deg": 1.0, "phase_lag_deg": -1.0}
-_SPEED = 0.02  # runs whose speeds differ by less were meant to be one
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,7 +31,7 @@ class MeasuredRuns:
     Attributes:
         runs: their names.
         sensors: (s,) each with its speed where there are several: "front at 3000 rpm".
-        unit: of the amplitudes; empty where it is not told.
+        unit: of the amplitudes.
         planes: names of the correction planes.
         radii: (p,) at which masses are mounted [mm]; None where the file has no radius.
         speeds: (s,) [rad/s].
@@ -78,10 +72,7 @@ def read_measured(path: Path) -> MeasuredRuns:
             f"{path}: a trial run is missing: in no run does the mass in plane "
             f"{', '.join(unmoved)} differ from that of the reference, {runs[0]!r}"
         )
-    if "samples" in names:
-        unit, by_run = "", _from_samples(path, rows)
-    else:
-        unit, by_run = _from_readings(path, rows, names)
+    unit, by_run = _readings(path, rows, names)
     sensors, speeds, responses = _table(path, runs, by_run)
     return MeasuredRuns(runs, sensors, unit, planes, radii, speeds, responses, mounted)
 
@@ -128,15 +119,13 @@ def _radii(
     return tuple(radii)
 
 
-def _from_readings(
-    path: Path, rows: Sequence[CsvRow], names: Sequence[str]
-) -> tuple[str, Readings]:
+def _readings(path: Path, rows: Sequence[CsvRow], names: Sequence[str]) -> tuple[str, Readings]:
+    """Unit of the amplitudes, and what was read."""
     units = [m[1] for name in names if (m := _AMPLITUDE.fullmatch(name))]
     phases = [name for name in names if name in _PHASES]
     if "sensor" not in names or len(units) != 1:
         raise UserError(
-            f"{path}: needs the columns `sensor` and one `amplitude_UNIT`, such as amplitude_um, "
-            "or a column `samples` with files of raw samples"
+            f"{path}: needs the columns `sensor` and one `amplitude_UNIT`, such as amplitude_um"
         )
     if len(phases) != 1:
         raise UserError(
@@ -158,23 +147,6 @@ def _from_readings(
         value = amplitude * complex(math.cos(phase), math.sin(phase))
         readings[sensor] = (rpm * math.pi / 30.0, value)
     return units[0], by_run
-
-
-def _from_samples(path: Path, rows: Sequence[CsvRow]) -> Readings:
-    by_run: Readings = {}
-    for row in rows:
-        run = row.cells["run"]
-        if run in by_run:
-            raise UserError(f"{row.place}: run {run!r} has samples already")
-        speed, amplitudes = read_samples(path.parent / row.cells["samples"])
-        by_run[run] = {name: (speed, value) for name, value in amplitudes.items()}
-    speeds = [next(iter(readings.values()))[0] for readings in by_run.values()]
-    if max(speeds) > (1.0 + _SPEED) * min(speeds):
-        raise UserError(
-            f"{path}: the samples' speeds differ: {min(speeds):.4g} to {max(speeds):.4g} rad/s; "
-            f"must agree within {_SPEED:.0%}"
-        )
-    return by_run
 
 
 def _table(

@@ -1,80 +1,100 @@
-"""Polar picture of balancing: what was mounted in each plane, cycle by cycle."""
+"""Polar pictures of balancing: what is mounted in each plane, and the vibration of runs."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
-from matplotlib.figure import Figure
-from matplotlib.layout_engine import ConstrainedLayoutEngine
+from numpy.typing import ArrayLike
 
-from ..output.plot import Drawing, readable, save
+from ..output.picture import GREY, Line, Panel, Picture, PlotAxis, colour
+from ..output.plot import readable
+from .correction import Correction
 from .cycles import BalancingReport, Technology
 
-# h_pad [inches]: the layout does not see titles that give way to the labels of angles
-LAYOUT = ConstrainedLayoutEngine(h_pad=0.2)
-_COLOURS = {"complex": "tab:blue", "scalar": "tab:orange"}
-_MARKERS = {"complex": "o", "scalar": "s"}
 _PREFIXES = ((1.0, "kg m"), (1e-3, "g m"), (1e-6, "g mm"), (1e-9, "mg mm"))
+_COLOURS = {"complex": colour(0), "scalar": colour(1)}
+_GOAL = colour(2)
+_PERMISSIBLE = "opposite of the actual unbalance: permissible at a support (the smaller share)"
+_NUMBERS = ("", "2", "3", "4")  # of the cycles; those after them lie close together
+_MARGIN = 1.15  # of the largest vector that is shown
 
 
-def moment(largest: float) -> tuple[float, str]:
-    """Factor and unit in which a static moment reads well."""
-    return readable(largest, _PREFIXES)
-
-
-def plot_corrections(result: BalancingReport, path: Path | None) -> Path | Drawing:
-    """One polar diagram a plane: what was mounted after every cycle, and where it had to go."""
-    count = len(result.planes)
+def plot_corrections(result: BalancingReport, path: Path | None) -> Path | Picture:
+    """One polar diagram per plane: what was mounted after every cycle, and where it had to go."""
     # a technology that diverges would shrink all else to a point
     shown = [t for t in result.technologies if t.meets] or list(result.technologies)
     needed = result.technologies[0].cycles[0].actual
     vectors = [needed, *(cycle.mounted for t in shown for cycle in t.cycles)]
     largest = float(np.abs(vectors).max())
-    factor, unit = moment(largest)
-    figure = Figure(figsize=(5.4 * count, 6.4), layout=LAYOUT)
+    factor, unit = readable(largest, _PREFIXES)
+    circle = result.at_supports.min() * np.exp(1j * np.linspace(0.0, 2.0 * np.pi, 181))
+    panels = []
     for i, plane in enumerate(result.planes):
-        axes: Any = figure.add_subplot(1, count, i + 1, projection="polar")
+        lines = [_line(factor * (circle - needed[i]), _PERMISSIBLE, _GOAL, "dashed")]
         for technology in result.technologies:
-            _path(axes, technology, i, factor)
-        goal = -needed[i]
-        axes.plot(
-            np.angle(goal), abs(goal) * factor, "*", color="tab:green", ms=16, zorder=1,
-            label="opposite of the actual unbalance",
-        )  # fmt: skip
-        _around(axes, goal * factor, float(result.at_supports.min()) * factor)
-        axes.set_rmax(1.15 * largest * factor)
-        axes.set_rlabel_position(float(np.degrees(np.angle(goal))) + 150.0)
-        axes.set_title(f"plane {plane}\nradius: mounted correction [{unit}], angle in the rotor")
-        axes.grid(alpha=0.4)
-    handles, labels = figure.axes[0].get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside lower center", ncols=2, fontsize="small")
-    figure.suptitle(f"{result.title}\n{result.grade} at {result.speed:g} rad/s on the machine")
-    return save(figure, path)
+            lines += _mounted(technology, i, factor, _MARGIN * largest)
+        title = f"plane {plane}: mounted [{unit}], angle in the rotor"
+        panels.append(_panel(lines, title, has_legend=not i))
+    title = f"{result.title}\n{result.grade} at {result.speed:g} rad/s on the machine"
+    return _drawn(title, panels, path)
 
 
-def _path(axes: Any, technology: Technology, plane: int, factor: float) -> None:
+def plot_measured(result: Correction, path: Path | None) -> Path | Picture:
+    """One polar diagram per plane, and one of the sensors."""
+    measured = result.measured
+    panels = []
+    for j, plane in enumerate(measured.planes):
+        trials = measured.mounted[:, j]
+        pieces = [p.mass * np.exp(1j * p.angle) for p in result.pieces if p.plane == plane]
+        lines = [
+            _line([0.0, result.exact[j]], f"correction, {result.method}", _GOAL),
+            _line(trials[np.abs(trials) > 0.0], "mounted in the runs", GREY, "marks"),
+            _line(pieces, "to mount", colour(0), "marks"),
+            _line([], "vibration measured", colour(1)),
+            _line([], "vibration expected", colour(3)),
+        ]
+        title = f"plane {plane}: mass [g], angle in the rotor"
+        panels.append(_panel(lines, title, has_legend=not j))
+    readings = zip(measured.sensors, result.before, result.after, strict=True)
+    lines = [
+        line
+        for name, before, after in readings
+        for line in (
+            _line([0.0, before], "", colour(1), texts=("", name)),
+            _line([0.0, after], "", colour(3)),
+        )
+    ]
+    panels.append(_panel(lines, f"vibration [{measured.unit}]"))
+    return _drawn(f"Run {measured.runs[0]!r}, and with the corrections\n", panels, path)
+
+
+def _mounted(technology: Technology, plane: int, factor: float, largest: float) -> list[Line]:
     """Corrections of one technology from nothing to the last, numbered by cycle."""
     mounted = np.array([cycle.mounted[plane] for cycle in technology.cycles])
-    colour, marker = _COLOURS[technology.name], _MARKERS[technology.name]
-    cycles = len(technology.cycles)
+    mounted = factor * mounted[np.abs(mounted) <= largest]
     end = "" if technology.meets else ", grade not met"
-    axes.plot(
-        np.angle(mounted), np.abs(mounted) * factor, marker=marker, ms=5, lw=1.2, color=colour,
-        label=f"{technology.name} coefficients: {cycles} cycles{end}",
-    )  # fmt: skip
-    for number, vector in list(enumerate(mounted, start=1))[1:4]:
-        axes.annotate(
-            str(number), (float(np.angle(vector)), float(abs(vector)) * factor),
-            textcoords="offset points", xytext=(6, 6), color=colour, fontsize="small",
-        )  # fmt: skip
+    label = f"{technology.name} coefficients: {len(technology.cycles)} cycles{end}"
+    paint = _COLOURS[technology.name]
+    return [_line(mounted, label, paint), _line(mounted, "", paint, "marks", _NUMBERS)]
 
 
-def _around(axes: Any, centre: complex, radius: float) -> None:
-    """A circle of what is permissible about a point of the polar diagram."""
-    circle = centre + radius * np.exp(1j * np.linspace(0.0, 2.0 * np.pi, 181))
-    axes.plot(
-        np.angle(circle), np.abs(circle), "--", color="tab:green", lw=1.0,
-        label="permissible at a support (the smaller share)",
-    )  # fmt: skip
+def _line(
+    values: ArrayLike, label: str, paint: str, style: str = "solid", texts: Sequence[str] = ()
+) -> Line:
+    """Complex values by angle and size."""
+    there = np.atleast_1d(np.asarray(values, complex))
+    points = np.angle(there), np.abs(there)
+    return Line(points, label, paint, style, texts=tuple(texts))  # type: ignore[arg-type]
+
+
+def _panel(lines: Sequence[Line], title: str, has_legend: bool = True) -> Panel:
+    named = lines if has_legend else [replace(line, label="") for line in lines]
+    return Panel((PlotAxis("angle"), PlotAxis("size")), named, title=title, kind="polar")
+
+
+def _drawn(title: str, panels: Sequence[Panel], path: Path | None) -> Path | Picture:
+    picture = Picture(title, panels, columns=len(panels), height=5.4, width=5.4)
+    return picture if path is None else picture.save(path)

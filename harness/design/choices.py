@@ -17,7 +17,6 @@ from ..output.workers import Progress, Workers, in_order
 from ..scene import Scene
 from .decay import Decay
 from .scenes import (
-    STEEL,
     batches,
     drag_limit,
     is_isotropic,
@@ -28,6 +27,7 @@ from .scenes import (
     with_balls,
 )
 from .settling import SETTLED_UNBALANCE, SettlingRun, median_interval, refuse_few, run_batch
+from .space import MATERIALS
 
 
 @dataclass(frozen=True)
@@ -86,7 +86,6 @@ class Design(Outcome):
         unbalance: the largest to be balanced [kg m].
         choices: by number of weights.
         reserve: capacity that is asked for, over the unbalance.
-        least: the smallest unbalance that occurs [kg m].
     """
 
     drawn_by: ClassVar[str] = "..design.plot:plot_capacity"
@@ -97,7 +96,6 @@ class Design(Outcome):
     race: float
     choices: tuple[Choice, ...]
     reserve: float = 1.0
-    least: float = 0.0
 
     @property
     def with_capacity(self) -> list[Choice]:
@@ -126,13 +124,12 @@ def design(
     unbalance: float | None = None,
     race: float | None = None,
     width: float | None = None,
-    density: float = STEEL,
+    density: float = MATERIALS["steel"],
     counts: Sequence[int] = range(2, 9),
     starts: int = 200,
     workers: Workers = 1,
     progress: Progress | None = None,
     reserve: float = 1.0,
-    least: float = 0.0,
 ) -> Design:
     """Compare numbers of weights on the rotor of a scene.
 
@@ -154,7 +151,7 @@ def design(
     for batch, outcome in zip(work, outcomes, strict=True):
         runs[weights_of(batch.scene).count] += outcome
     choices = tuple(_choice(scenes[n], reserve * amount, runs[n]) for n in counts)
-    return Design(scene.title, balls.kind, amount, race, choices, reserve, least)
+    return Design(scene.title, balls.kind, amount, race, choices, reserve)
 
 
 def _choice(scene: Scene, required: float, runs: list[SettlingRun]) -> Choice:

@@ -24,10 +24,9 @@ MEASURE = "Measure it (autobalancer drag) and give it in a [[balancer]] table: s
 def command(
     scene: Annotated[str, options.SCENE],
     unbalance: Annotated[
-        str | None,
-        typer.Option(
-            metavar="[LOW..]HIGH",
-            help='That occurs, kg m or such as "0..300 g mm"; default: the scene\'s.',
+        float | None,
+        options.quantity(
+            "kg m", "The largest one, kg m or with a unit; default: the scene's.", "--unbalance"
         ),
     ] = None,
     race: Annotated[
@@ -84,7 +83,7 @@ def command(
         show(table(data, starts))
         if details:
             show(details_table(data))
-        for line in words(data, details):
+        for line in words(data):
             say(line)
         if not loaded.balancer:
             from .scenes import ASSUMED_RATE

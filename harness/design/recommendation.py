@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ...models.constants import LOOSE_RESIDUAL
 from ...models.papers.touching import critical_unbalance
 from ..stability.whirl import whirl_at
 from .scenes import weights_of
@@ -22,12 +21,8 @@ if TYPE_CHECKING:
 NEAR = 0.15  # of the critical unbalance: ten per cent off, 58 of 200 starts had not settled
 
 
-def words(data: Design, details: bool = True) -> list[str]:
-    """The recommendation as lines of text, its reasons included.
-
-    Args:
-        details: also how the runs compare with Goncharov 2017.
-    """
+def words(data: Design) -> list[str]:
+    """The recommendation as lines of text, its reasons included."""
     required = data.reserve * data.unbalance
     if not data.with_capacity:
         best = max(data.choices, key=lambda c: c.capacity)
@@ -37,11 +32,10 @@ def words(data: Design, details: bool = True) -> list[str]:
             "larger race, a wider space or a denser material.",
             *_whirls(data),
         ]
-    lines = [*_recommendation(data), *(_ranking(data) if details else [])]
+    lines = _recommendation(data)
     if short := ", ".join(str(c.count) for c in data.choices if not c.has_capacity):
         lines.append(f"Too little capacity for {required:.4g} kg m, not run: n = {short}.")
-    lines += [*_whirls(data), *_critical(data)]
-    return [*lines, *_decays(data), *_steps(data), *_diameters(data)] if details else lines
+    return [*lines, *_whirls(data), *_critical(data)]
 
 
 def _whirls(data: Design) -> list[str]:
@@ -123,18 +117,6 @@ def order(choices: list[Choice]) -> str:
     return " ".join(str(c.count) for c in choices)
 
 
-def _ranking(data: Design) -> list[str]:
-    if all(math.isinf(c.median) for c in data.with_capacity):
-        return []
-    verdict = "No confidence intervals contradict the measure."
-    if pairs := contradicted(data):
-        verdict = f"Confidence intervals that do not touch contradict the measure: {pairs}."
-    return [
-        f"Fastest first: {order(by_measure(data))} by Goncharov's measure at the largest p, "
-        f"{order(by_median(data))} by the medians. {verdict}"
-    ]
-
-
 def _critical(data: Design) -> list[str]:
     """What three weights that touch do where two of them face the third."""
     lines = []
@@ -143,7 +125,7 @@ def _critical(data: Design) -> list[str]:
         if choice.count != 3:
             continue
         amount = critical_unbalance(balls.mass, balls.track_radius, balls.weight_radius or 0.0)
-        if (1.0 - NEAR) * data.least <= amount <= (1.0 + NEAR) * data.unbalance:
+        if amount <= (1.0 + NEAR) * data.unbalance:
             here = abs(data.unbalance / amount - 1.0) <= NEAR
             lines.append(
                 f"{'WARNING: ' if here else ''}n = 3 has a critical case at {amount:.4g} kg m, "
@@ -152,19 +134,6 @@ def _critical(data: Design) -> list[str]:
                 "Goncharov 2017 (13) counts weights that touch as free and does not see it."
             )
     return lines
-
-
-def _decays(data: Design) -> list[str]:
-    decays = data.decays
-    chosen = [one for one in decays if one.dominant]
-    line = f"Slow root dominant at the end of {len(chosen)} of {len(decays)} runs"
-    if reasons := excluded(decays):
-        line += f" (not compared: {reasons})"
-    if chosen:
-        off = deviations(chosen).items()
-        parts = [f"{name} {mid:.2%} (median), {worst:.2%} (worst)" for name, (mid, worst) in off]
-        line += f": {'; '.join(parts)}"
-    return [f"{line}."]
 
 
 def excluded(decays: Sequence[Decay]) -> str:
@@ -182,24 +151,3 @@ def deviations(decays: Sequence[Decay]) -> dict[str, tuple[float, float]]:
     }
     off = {name: np.abs(np.array(ratios) - 1.0) for name, ratios in pairs.items()}
     return {name: (float(np.median(each)), float(each.max())) for name, each in off.items()}
-
-
-def _steps(data: Design) -> list[str]:
-    runs = [run for c in data.with_capacity for run in c.runs]
-    left = sum(run.unconverged for run in runs)
-    if not left:
-        return []
-    return [
-        f"{left} of {sum(run.steps for run in runs)} communication steps, at contacts that "
-        f"open or close, left a residual above {LOOSE_RESIDUAL:g} of the force."
-    ]
-
-
-def _diameters(data: Design) -> list[str]:
-    return [
-        f"n = {c.count}: at p = 1 the weights stand on one diameter and have a direction "
-        "in which nothing drives them (slow root 0)"
-        + (": with no unbalance they end there." if not data.unbalance else ".")
-        for c in data.choices
-        if math.isinf(c.predicted)
-    ]

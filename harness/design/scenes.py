@@ -11,9 +11,9 @@ from ...models.weights import KAPPA
 from ..errors import SceneError
 from ..scene import Scene
 from ..scene.balancer import WeightBalancer
-from .settling import Batch, Start, random_start
+from .settling import Batch, Start, random_start, weights_in
+from .space import MATERIALS
 
-STEEL = 7800.0  # kg/m^3
 ASSUMED_RATE = 0.2  # of the speed: rate at which a ball of unknown drag loses its speed
 BATCH = 10  # starts that share one loading of the units
 SEED = 1
@@ -25,7 +25,7 @@ def sized(
     unbalance: float,
     race: float | None = None,
     width: float | None = None,
-    density: float = STEEL,
+    density: float = MATERIALS["steel"],
 ) -> dict[int, Scene]:
     """The scene with every number of weights in turn; arguments and errors as `design`.
 
@@ -115,7 +115,7 @@ def with_balls(scene: Scene, race: float | None, width: float | None) -> Scene:
     if one is not None or race is None or width is None:
         return scene
     radius = min(0.5 * width, theory.best_ratio("balls", 2) * race)
-    mass = theory.weight_mass("balls", radius, STEEL)
+    mass = theory.weight_mass("balls", radius, MATERIALS["steel"])
     drag = ASSUMED_RATE * scene.profile().end * KAPPA["balls"] * mass
     balls = {"kind": "balls", "name": "balls", "count": 2, "mass": mass, "drag": drag}
     document = {**scene.document, "balancer": [{**balls, "track_radius": race - radius}]}
@@ -144,9 +144,7 @@ def weights_of(scene: Scene) -> WeightBalancer:
         raise SceneError(f"{scene.name}: design: {wrong}")
     if is_isotropic(scene):
         _refuse_without_slow_root(scene)
-    (one,) = scene.balancer
-    assert isinstance(one, WeightBalancer)
-    return one
+    return weights_in(scene)
 
 
 def weights_with_slow_root(scene: Scene) -> WeightBalancer:
@@ -188,6 +186,5 @@ def drag_limit(scene: Scene) -> float:
     Raises:
         ValueError: there is none at this speed.
     """
-    (weights,), speed = scene.balancer, scene.profile().speed(0.0)
-    assert isinstance(weights, WeightBalancer)
-    return critical_drag_factor(scene.assembly().loaded_rotor, speed, weights.kappa)
+    speed, kappa = scene.profile().speed(0.0), weights_in(scene).kappa
+    return critical_drag_factor(scene.assembly().loaded_rotor, speed, kappa)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import random
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -19,13 +19,10 @@ from ..scene.balancer import WeightBalancer
 from .decay import WINDOW, Decay, below, decay
 
 Start = tuple[float, ...]  # angles of the weights [rad]
-# times [s], residuals over the scale, and angles of all weights [rad]
-Readings = tuple[np.ndarray, np.ndarray, list[list[float]]]
 
 SETTLED_UNBALANCE = 0.01  # of the scale: residual unbalance that counts as balanced
 READINGS = 8  # about, in a revolution: enough to see when a residual falls below a limit for good
 CONFIDENCE = 0.95
-_COUNTS = ("coupling.unconverged", "coupling.steps")
 FEWEST_STARTS = 6  # all on one side of the median: 2/2^6 = 3 %, but 2/2^5 = 6 %
 
 
@@ -52,15 +49,11 @@ class SettlingRun:
         alignment: p at the end.
         decay: the linear end of the run against the slow root; None where the supports are not
             isotropic.
-        unconverged, steps: communication steps whose loop left more than `LOOSE_RESIDUAL` of the
-            force; of all.
     """
 
     seconds: float
     alignment: float
     decay: Decay | None
-    unconverged: int = 0
-    steps: int = 0
 
     @property
     def predicted(self) -> float:
@@ -107,81 +100,46 @@ def run_batch(batch: Batch) -> list[SettlingRun]:
     """
     from ...fmus.composite.batch import BatchRuns  # compiles where it has to
 
-    balls, scene = _balls(batch), at_fixed_steps(batch.scene)
-    changed, asked = (
-        [f"{balls.label}.{name}" for name in of(balls)] for of in (_start_names, _read_names)
-    )
+    balls, scene = weights_in(batch.scene), at_fixed_steps(batch.scene)
+    weights = [f"{balls.label}.weight[{k}]" for k in range(1, balls.count + 1)]
+    read = [*(f"{balls.label}.moment_{axis}" for axis in ("xi", "eta")), *_named(weights, "angle")]
     ((length, count),) = schedule(scene)
-    runs = BatchRuns(composition_in_c(scene), changed, [*asked, *_COUNTS], count)
+    runs = BatchRuns(composition_in_c(scene), _named(weights, "angle0"), read, count)
     signals, reasons = runs(np.array(batch.starts), np.full(len(batch.starts), length * count))
     if any(reasons):
         raise SimulationError(f"{scene.name}: {next(filter(None, reasons))}")
-    numbers, settled = _read_after(scene), []
-    for rows in signals[:, numbers]:
-        samples = zip((length * number for number in numbers), rows[:, :-2].tolist(), strict=True)
-        readings = _until_settled(batch, samples)
-        counts = rows[len(readings[0]) - 1, -2:].astype(int).tolist()
-        settled.append(_settling_run(batch, balls, readings, *counts))
-    return settled
+    every = max(1, round(steps_per_rev(scene) / READINGS))
+    numbers = np.unique([*range(every, count + 1, every), count])
+    return [_settling_run(batch, length * numbers, rows) for rows in signals[:, numbers]]
 
 
-def _balls(batch: Batch) -> WeightBalancer:
-    balls = batch.scene.balancer[0]
+def weights_in(scene: Scene) -> WeightBalancer:
+    """The one set of weights of a scene for a design."""
+    balls = scene.balancer[0]
     assert isinstance(balls, WeightBalancer)
     return balls
 
 
-def _start_names(balls: WeightBalancer) -> list[str]:
-    return [f"weight[{k}].angle0" for k in range(1, balls.count + 1)]
+def _named(weights: list[str], variable: str) -> list[str]:
+    return [f"{each}.{variable}" for each in weights]
 
 
-def _read_names(balls: WeightBalancer) -> list[str]:
-    angles = [f"weight[{k}].angle" for k in range(1, balls.count + 1)]
-    return ["moment_xi", "moment_eta", *angles]
-
-
-def _read_after(scene: Scene) -> list[int]:
-    """Numbers of the steps after which a run is read."""
-    every = max(1, round(steps_per_rev(scene) / READINGS))
-    ((_, count),) = schedule(scene)
-    return [number for number in range(1, count + 1) if number % every == 0 or number == count]
-
-
-def _until_settled(batch: Batch, samples: Iterable[tuple[float, Sequence[float]]]) -> Readings:
-    """Readings until the run has settled, from times [s] with moments and angles of the weights."""
-    unbalance = complex(batch.scene.assembly().rotor.unbalance[0])
-    times, residuals, places = [], [], []
-    turn = math.tau / batch.scene.profile().speed(0.0)
-    low_since = math.inf
-    for time, (xi, eta, *angles) in samples:
-        times.append(time)
-        residuals.append(abs(unbalance + complex(xi, eta)) / batch.scale)
-        places.append(angles)
-        low_since = min(low_since, time) if residuals[-1] <= WINDOW[0] else math.inf
-        if time - low_since > turn:  # far below SETTLED_UNBALANCE for a whole revolution
-            break
-    return np.array(times), np.array(residuals), places
-
-
-def _settling_run(
-    batch: Batch,
-    balls: WeightBalancer,
-    readings: Readings,
-    unconverged: int,
-    steps: int,
-) -> SettlingRun:
-    times, residuals, places = readings
+def _settling_run(batch: Batch, times: np.ndarray, rows: np.ndarray) -> SettlingRun:
+    """From readings (k, 2 + weights) of the weights' moment [kg m] and their angles [rad]."""
     assembly, speed = batch.scene.assembly(), batch.scene.profile().speed(0.0)
+    moment = complex(assembly.rotor.unbalance[0]) + rows[:, 0] + 1j * rows[:, 1]
+    residuals = np.abs(moment) / batch.scale
+    # what follows a whole revolution far below SETTLED_UNBALANCE does not count
+    last_high = np.maximum.accumulate(np.where(residuals > WINDOW[0], np.arange(len(times)), -1))
+    low_since = times[np.minimum(last_high + 1, len(times) - 1)]
+    low = np.flatnonzero(times - low_since > math.tau / speed)
+    count = int(low[0]) + 1 if low.size else len(times)
+    times, residuals, angles = times[:count], residuals[:count], rows[:count, 2:]
     end = None
     if assembly.rotor.isotropic:
-        end = decay(assembly, speed, balls.half_angle, times, residuals, places)
-    return SettlingRun(
-        settled_at(times, residuals),
-        alignment(places[-1]),
-        end,
-        unconverged,
-        steps,
-    )
+        alpha = weights_in(batch.scene).half_angle
+        end = decay(assembly, speed, alpha, times, residuals, angles.tolist())
+    return SettlingRun(settled_at(times, residuals), alignment(angles[-1]), end)
 
 
 def settled_at(times: np.ndarray, residuals: np.ndarray) -> float:

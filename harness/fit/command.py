@@ -52,9 +52,6 @@ def command(
     starts: Annotated[
         int, typer.Option(min=1, help="Starts of harmonic balance: the scene's, others drawn.")
     ] = 1,
-    values: Annotated[
-        bool, typer.Option("--values", help="Squares of differences, not of logarithms' ones.")
-    ] = False,
     without_balancers: Annotated[
         bool, typer.Option("--without-balancers", help="It was measured without them.")
     ] = False,
@@ -89,14 +86,13 @@ def command(
             scatter=scatter,
             harmonic=harmonic,
             starts=starts,
-            logarithms=not values,
             progress=progress,
         )
         said = found.as_json()
         if predict is not None:
             said |= {"predicted": str(predict), "rms_predicted": found.predicted_rms(predict)}
     with page.keeping():
-        show(table(said))
+        show(table(found))
         for line in lines(said):
             say(line)
         together = ", ".join(u.label for u in loaded.balancer) or "the rotor"

@@ -16,15 +16,11 @@ from ..input_files import read_csv
 from ..master.alike import refuse_unvaried
 from ..master.names import station_residuals
 from ..scene import Scene
-from ..units import RPM
+from ..units import si_number
 from .parameters import value_at
 
 AMPLITUDE, LARGEST, SPEED = "amplitude", "residual", "speed"
-Factors = dict[str | None, float]
-
 _HEAD = re.compile(r"(?P<name>\S+)(?:\s+\[(?P<unit>.*)\])?")
-_LENGTHS: Factors = {"m": 1.0, "mm": 1e-3, "um": 1e-6, "µm": 1e-6, None: 1.0}
-_SPEEDS: Factors = {"rad/s": 1.0, "rpm": RPM, "Hz": math.tau, None: 1.0}
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,8 +49,8 @@ class MeasuredAmplitudes:
 def read_measured(path: Path, scene: Scene) -> MeasuredAmplitudes:
     """Read a file, in any form that `read_csv` takes.
 
-    A head is NAME or NAME [UNIT]: speed [rpm], [Hz] or [rad/s]; amplitudes [mm], [um] or [m];
-    values of the scene by their path, in the scene's units.
+    A head is NAME or NAME [UNIT]: speed [rpm], amplitude [mm], a path of the scene; without a unit
+    in SI units.
 
     Raises:
         UserError: the file cannot be read, or a head or a cell is wrong.
@@ -70,24 +66,19 @@ def read_measured(path: Path, scene: Scene) -> MeasuredAmplitudes:
     table = np.array(
         [[row.number(c) if row.cells[c] else math.nan for row in rows] for c in columns]
     )
-    settings, amplitudes = {}, {}
+    settings: dict[str, Array] = {}
+    amplitudes: dict[str, Array] = {}
     for head, column in zip(filter(None, heads), table, strict=True):
         name, unit = head["name"], head["unit"]
         if name in known:
-            amplitudes[name] = column * _factor(path, name, unit, _LENGTHS)
+            symbol, found = "m", amplitudes
         else:
-            factors: Factors = _SPEEDS if name == SPEED else {None: 1.0}
             _refuse_unknown(path, scene, name, known)
-            settings[name] = column * _factor(path, name, unit, factors)
+            symbol, found = "rad/s" if name == SPEED else scene.unit_of(name), settings
+        factor = si_number(f"1 {unit}", symbol, f"{path}: {name}:") if unit else 1.0
+        found[name] = factor * column
     _refuse_wrong(path, settings, amplitudes, known)
     return MeasuredAmplitudes(path, settings, amplitudes)
-
-
-def _factor(path: Path, name: str, unit: str | None, factors: Factors) -> float:
-    if unit not in factors:
-        allowed = ", ".join(one for one in factors if one) or "none, the scene's own holds"
-        raise UserError(f"{path}: {name} [{unit}]: unit must be one of: {allowed}")
-    return factors[unit]
 
 
 def _refuse_unknown(path: Path, scene: Scene, name: str, known: list[str]) -> None:
@@ -99,7 +90,7 @@ def _refuse_unknown(path: Path, scene: Scene, name: str, known: list[str]) -> No
         value_at(scene, name)
     except UserError as error:
         near = get_close_matches(name, [SPEED, *known], 1) or [f"speed [{name}]"] * (
-            name in _SPEEDS
+            name in ("rpm", "Hz")
         )
         meant = f"; did you mean {near[0]}?" if near else ""
         raise UserError(f"{path}: {name}: neither measured nor set{meant} ({error})") from None

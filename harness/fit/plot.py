@@ -9,7 +9,6 @@ from matplotlib.figure import Figure
 
 from ..output.plot import Drawing, metres, save
 from .measured import SPEED
-from .search import difference
 from .study import Fit
 
 
@@ -20,7 +19,7 @@ def plot_fit(found: Fit, path: Path | None) -> Path | Drawing:
         UserError: the format is unknown, or the file cannot be written.
     """
     measured, values = found.measured, found.measured.values
-    differ = difference(values, found.logarithms)
+    differences = np.log(found.simulated / values)
     count = len(next(iter(measured.amplitudes.values())))
     places = measured.settings.get(SPEED, np.arange(1.0, count + 1.0))
     columns = [places[~np.isnan(column)] for column in measured.amplitudes.values()]
@@ -34,14 +33,14 @@ def plot_fit(found: Fit, path: Path | None) -> Path | Drawing:
             x, factor * values[part], "o", ms=3.5, color=f"C{number}", label=f"{name}, measured"
         )
         upper.plot(x, factor * found.simulated[part], "x", ms=5, color=f"C{number}")
-        lower.plot(x, differ(found.simulated)[part], ".", color=f"C{number}")
+        lower.plot(x, differences[part], ".", color=f"C{number}")
     upper.plot([], [], "kx", label="fitted")
     upper.set(yscale="log", ylabel=f"amplitude [{unit}]")
     upper.legend(fontsize="small")
     lower.axhline(0.0, color="black", lw=0.8)
     lower.set(
         xlabel="speed [rad/s]" if SPEED in measured.settings else "measurement",
-        ylabel="simulated - measured\n(what is squared)",
+        ylabel="ln(simulated / measured)",
     )
     for axes in (upper, lower):
         axes.grid(which="both", alpha=0.25)

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any
-
-import numpy as np
 
 from ..output.table import Sheet
 from .study import Fit
@@ -19,7 +18,6 @@ def document(found: Fit) -> dict[str, Any]:
         "scene": found.start.heading,
         "measured": str(found.measured.path),
         "values": len(found.measured.values),
-        "difference": "logarithms" if found.logarithms else "values over their rms",
         "rms_before": found.rms[0],
         "rms": found.rms[1],
         "rms_first_guess": found.guessed if math.isfinite(found.guessed) else None,
@@ -44,17 +42,14 @@ def document(found: Fit) -> dict[str, Any]:
     }
 
 
-def table(said: Mapping[str, Any]) -> Sheet:
-    """A line a parameter."""
+def table(found: Fit) -> Sheet:
+    """A line per parameter."""
+    sheet = found.table()
     rows = [
-        [one["path"], *(f"{one[key]:.6g}" for key in ("start", "value")), _spread(one)]
-        for one in said["parameters"]
+        [label, f"{start:.6g}", f"{value:.6g}", f"{spread:.2g}" if math.isfinite(spread) else "-"]
+        for label, start, value, spread in sheet.rows
     ]
-    return Sheet(("parameter", "start", "fitted", "± (95 %)"), rows, "lrrr")
-
-
-def _spread(one: Mapping[str, Any]) -> str:
-    return f"{one['uncertainty']:.2g}" if np.isfinite(one["uncertainty"]) else "-"
+    return replace(sheet, rows=rows, title="")
 
 
 def lines(said: Mapping[str, Any]) -> list[str]:
@@ -65,7 +60,7 @@ def lines(said: Mapping[str, Any]) -> list[str]:
     guessed = said["rms_first_guess"]
     return [
         *([f"By harmonic balance, best of {said['starts']}: rms {guessed:.4g}"] if guessed else []),
-        f"{said['values']} measured amplitudes; rms of the difference in {said['difference']}: "
+        f"{said['values']} measured amplitudes; rms of ln(simulated / measured): "
         f"{said['rms_before']:.4g} before, {said['rms']:.4g} after ({said['ended']})",
         *predicted,
         *(f"Warning: {text}" for text in said["warnings"]),

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -25,17 +25,6 @@ ENOUGH = 1e-5  # change of a parameter or of the sum of squares at which the fit
 CONFIDENCE = 0.95
 BLIND = 1e-6  # of the strongest parameter's effect: none at all
 
-Difference = Callable[[Array], Array]  # of simulated amplitudes (..., n)
-
-
-def difference(measured: Array, logarithms: bool) -> Difference:
-    """What is squared and summed: ln(simulated / measured), or (simulated - measured) over the rms
-    of all that was measured."""
-    if logarithms:
-        return lambda simulated: np.log(simulated / measured)
-    size = math.sqrt(np.mean(measured**2))
-    return lambda simulated: (simulated - measured) / size
-
 
 def rms(values: Array) -> float:
     """Root of the mean square."""
@@ -53,13 +42,16 @@ class Guess(NamedTuple):
 def first_guess(
     harmonic: HarmonicModel,
     model: Model,
-    differ: Difference,
+    logarithms: Array,
     starts: int,
     progress: Progress | None,
 ) -> Guess:
     """By harmonic balance, the best of several starts.
 
     Once more with what it misses of the runs there (one set of them): these then have little to do.
+
+    Args:
+        logarithms: of the measured amplitudes.
 
     Raises:
         NoResponse: it has no answer, from whatever start.
@@ -69,7 +61,7 @@ def first_guess(
     found, reason = [], NoResponse()
     for number, first in enumerate(_drawn(model.parameters, starts)):
         try:
-            found.append(search(harmonic, differ, first))
+            found.append(search(harmonic, logarithms, first))
         except NoResponse as error:
             reason = error
         if progress:
@@ -77,9 +69,10 @@ def first_guess(
     if not found:
         raise reason
     best = min(found, key=lambda one: one.cost)
-    runs = differ(model.amplitudes(best.x[None] * scale)[0])
+    runs = np.log(model.amplitudes(best.x[None] * scale)[0])
     own = best.fun[: len(runs)]  # priors follow
-    closer = search(harmonic, lambda amplitudes: differ(amplitudes) + runs - own, best.x)
+    missed = runs - logarithms - own
+    closer = search(harmonic, logarithms - missed, best.x)
     return Guess(closer, rms(own), len(found))
 
 
@@ -104,13 +97,13 @@ def _bounds(parameters: Sequence[Parameter]) -> Array:
 
 def search(
     model: Model,
-    differ: Difference,
+    logarithms: Array,
     first: Array,
     progress: Progress | None = None,
 ) -> Any:
     """SciPy's result of a search from `first` (p,), of parameters over their starts.
 
-    Priors are rows after those of the amplitudes.
+    What is least are the squares of ln(simulated / measured).  Priors are rows after these.
     """
     parameters, steps = model.parameters, 0
     scale = np.array([parameter.start for parameter in parameters])
@@ -119,7 +112,7 @@ def search(
 
     def differences(sizes: Array) -> Array:
         amplitudes = model.amplitudes(sizes[None] * scale)[0]
-        return np.concatenate([differ(amplitudes), pulls @ (sizes - 1.0)])
+        return np.concatenate([np.log(amplitudes) - logarithms, pulls @ (sizes - 1.0)])
 
     def jacobian(sizes: Array) -> Array:
         nonlocal steps
@@ -128,7 +121,7 @@ def search(
             progress(min(1.0, steps / model.most_steps))
         ahead = np.where(sizes + STEP <= bounds[1], STEP, -STEP)
         sets = np.vstack([sizes, sizes + np.diag(ahead)])
-        nearby = differ(model.amplitudes(sets * scale))
+        nearby = np.log(model.amplitudes(sets * scale))
         slopes = ((nearby[1:] - nearby[0]) / ahead[:, None]).T
         # rounding must not drive what has no effect
         return np.vstack([np.where(_seen(slopes), slopes, 0.0), pulls])

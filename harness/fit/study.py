@@ -19,7 +19,7 @@ from ..scene import Scene
 from .measured import MeasuredAmplitudes, read_measured
 from .model import HarmonicModel, Model
 from .parameters import Parameter
-from .search import difference, first_guess, known, rms, search
+from .search import first_guess, known, rms, search
 
 if TYPE_CHECKING:
     from ..output.workers import Progress
@@ -34,14 +34,13 @@ class Fit(Outcome):
     Attributes:
         start: the scene that was fitted.
         measured: amplitudes.
-        logarithms: whether differences of logarithms were squared.
         parameters, values: (p,) what was free, and what it is.
         uncertainty: (p,) half the interval of 95 % confidence; infinite where the data do not tell,
             NaN where a value ended at its limit.
         correlation: (p, p) of the values.
         inflation: (p,) of the interval, over that with all other values known.
         simulated: (n,) amplitudes with these values, as `MeasuredAmplitudes.values` [m].
-        rms: of the difference, before and after.
+        rms: of ln(simulated / measured), before and after.
         guessed: rms that harmonic balance has with its own values, the least of all starts;
             NaN: the scene is not for it.
         starts: from how many harmonic balance found values.
@@ -53,7 +52,6 @@ class Fit(Outcome):
 
     start: Scene
     measured: MeasuredAmplitudes
-    logarithms: bool
     parameters: tuple[Parameter, ...]
     values: Array
     uncertainty: Array
@@ -82,12 +80,12 @@ class Fit(Outcome):
         >>> rows = ["speed [rad/s],amplitude [mm]", "0.5,0.5", "1.5,2.0", "2.5,1.2"]
         >>> text = open("measured.csv", "w").write("\\n".join(rows))
         >>> found = rotor.fit("measured.csv", "rotor.unbalance", harmonic=True)
-        >>> found.predicted_rms("measured.csv") < 0.5  # of logarithms
+        >>> found.predicted_rms("measured.csv") < 0.5  # of ln(simulated / measured)
         True
         """
         others = read_measured(Path(measured), self.start)
         simulated = Model(self.start, self.parameters, others).amplitudes(self.values[None])[0]
-        return rms(difference(others.values, self.logarithms)(simulated))
+        return rms(np.log(simulated / others.values))
 
     def table(self) -> Sheet:
         """A line a parameter, in SI units."""
@@ -121,7 +119,6 @@ def fit(
     measured: MeasuredAmplitudes,
     parameters: Sequence[Parameter],
     *,
-    logarithms: bool = True,
     harmonic: bool = False,
     starts: int = 1,
     progress: Progress | None = None,
@@ -139,12 +136,12 @@ def fit(
             f"{measured.path}: {len(values)} measured values for {len(parameters)} free "
             "parameters: there must be more"
         )
-    model, differ = Model(scene, parameters, measured), difference(values, logarithms)
+    model, logarithms = Model(scene, parameters, measured), np.log(values)
     scale = np.array([parameter.start for parameter in parameters])
     guess = None
     try:
         by_harmonic = HarmonicModel(scene, parameters, measured)
-        guess = first_guess(by_harmonic, model, differ, starts, progress if harmonic else None)
+        guess = first_guess(by_harmonic, model, logarithms, starts, progress if harmonic else None)
     except NoResponse as error:
         if harmonic or starts > 1:
             raise UserError(f"{scene.name}: no fit by harmonic balance: {error}") from None
@@ -152,21 +149,20 @@ def fit(
         solution = guess.closer
     else:
         first = guess.closer.x if guess else np.ones(len(parameters))
-        solution = search(model, differ, first, progress)
+        solution = search(model, logarithms, first, progress)
     uncertainty, correlation, inflation = known(solution.jac, solution.fun)
     uncertainty = np.where(solution.active_mask == 0, uncertainty, math.nan)
     before, simulated = model.amplitudes(np.array([scale, solution.x * scale]))
     return Fit(
         scene,
         measured,
-        logarithms,
         tuple(parameters),
         solution.x * scale,
         uncertainty * np.abs(scale),
         correlation,
         inflation,
         simulated,
-        (rms(differ(before)), rms(differ(simulated))),
+        (rms(np.log(before / values)), rms(np.log(simulated / values))),
         guess.rms if guess else math.nan,
         guess.starts if guess else 0,
         solution.message,

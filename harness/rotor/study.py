@@ -139,7 +139,7 @@ def _steady(units: Revolution, speed: float) -> NDArray[np.complexfloating]:
     state, _ = units.steady(speed, rest, units.monodromy(rest, speed))
     n = units.scene.assembly().rotor.stations
     table = units.record(state, speed, ["angle", *_outputs(n)])
-    return synchronous(table[:, 0], table[:, 1:].T).amplitude.reshape(2, n)
+    return synchronous(table[:, 0], table[:, 1:].T).reshape(2, n)
 
 
 def _run(scene: Scene) -> tuple[Array, Array]:

@@ -21,9 +21,8 @@ def command(
         typer.Option(
             metavar=VARY,
             help="A value and its distribution: normal(mean,deviation[,low,high]), "
-            "uniform(low,high), triangular(low,mode,high), lognormal(median,deviation), or one of "
-            "scipy.stats such as weibull_min(c=1.8,scale=0.02); with units and percentages, such "
-            "as normal(50g,10%). [*] in the path: every weight alone. Can be given several times.",
+            "uniform(low,high) or lognormal(median,deviation); with units and percentages, such as "
+            "normal(50g,10%). [*] in the path: every weight alone. Can be given several times.",
         ),
     ],
     n: Annotated[int, typer.Option("-n", min=1, help="Machines.")] = 10_000,
@@ -73,7 +72,7 @@ def command(
         elif path not in stores:
             study.plot(path)
         say(f"Written: {path}")
-    page.cited = "ISO 21940-11; Tissot & Prieur 2012"
+    page.cited = "ISO 21940-11"
     page.write()
     if json is not None:
         write_json(said, json)

@@ -68,12 +68,9 @@ def _grades(axes: Any, scatter: Scatter) -> None:
 
 def _importance(axes: Any, said: Mapping[str, Any]) -> None:
     rows = said["importance"][::-1]
-    indexed = not said["no_first_order"]
-    key = "first_order" if indexed else "rank_correlation"
-    spread = [one["uncertainty"] for one in rows] if indexed else None
-    names, shares = [one["path"] for one in rows], [one[key] for one in rows]
-    axes.barh(names, shares, 0.4, xerr=spread, color="C1")
+    axes.barh(
+        [one["path"] for one in rows], [one["rank_correlation"] for one in rows], 0.4, color="C1"
+    )
     axes.set_ylim(-0.8, len(rows) - 0.2)
-    words = "share of the variance alone (Sobol, first order)" if indexed else "rank correlation"
-    axes.set_xlabel(f"{words},\nof the residual amplitude")
+    axes.set_xlabel("rank correlation with the residual amplitude")
     axes.axvline(0.0, color="black", lw=0.8)

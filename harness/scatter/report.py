@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -11,7 +11,6 @@ from ..master.merged import SHORT
 from ..output.table import Sheet
 from ..output.words import kinds_of
 from ..scene.grade import GRADES
-from .importance import Importance, importances
 from .study import Scatter
 
 QUANTILES = (0.05, 0.5, 0.95, 0.99)
@@ -19,17 +18,8 @@ CONFIDENCE = 0.95
 MOST_REASONS = 5  # said; the table has all
 
 
-def whole_document(scatter: Scatter) -> dict[str, Any]:
-    """`document` with what is important."""
-    return document(scatter, *importances(scatter))
-
-
-def document(scatter: Scatter, important: Sequence[Importance], missing: str) -> dict[str, Any]:
-    """Everything that the command says.
-
-    Args:
-        important, missing: by `importances`.
-    """
+def document(scatter: Scatter) -> dict[str, Any]:
+    """Everything that the command says."""
     paths = [one.path for one in scatter.variations]
     return {
         "scene": scatter.title,
@@ -56,16 +46,7 @@ def document(scatter: Scatter, important: Sequence[Importance], missing: str) ->
         },
         "grades": [] if scatter.left_out else _grades(scatter),
         "no_grades": scatter.left_out,
-        "importance": [
-            {
-                "path": one.path,
-                "rank_correlation": one.rank_correlation,
-                "first_order": one.first_order,
-                "uncertainty": one.uncertainty,
-            }
-            for one in important
-        ],
-        "no_first_order": missing,
+        "importance": _importance(scatter),
     }
 
 
@@ -88,6 +69,23 @@ def _grades(scatter: Scatter) -> list[dict[str, Any]]:
     return rows
 
 
+def _importance(scatter: Scatter) -> list[dict[str, Any]]:
+    """Spearman's rank correlation of each value with the residual amplitude, the largest first.
+
+    Machines that failed are left out.  Nothing where all machines vibrate alike.
+    """
+    from scipy.stats import spearmanr
+
+    values, residual = scatter.values[scatter.ran], scatter.residual[scatter.ran]
+    if len(residual) < 3 or np.ptp(residual) == 0.0:
+        return []
+    rows = [
+        {"path": one.path, "rank_correlation": float(spearmanr(column, residual).statistic)}
+        for one, column in zip(scatter.variations, values.T, strict=True)
+    ]
+    return sorted(rows, key=lambda row: -abs(row["rank_correlation"]))
+
+
 def grade_table(said: Mapping[str, Any]) -> Sheet:
     """Grades between the last that no machine meets and the first that all meet."""
     shares = [row["share"] for row in said["grades"]]
@@ -102,14 +100,8 @@ def grade_table(said: Mapping[str, Any]) -> Sheet:
 
 def importance_table(said: Mapping[str, Any]) -> Sheet:
     """Most important first."""
-    rows = []
-    for one in said["importance"]:
-        index = "-"
-        if one["first_order"] is not None:
-            index = f"{one['first_order']:.3f} ± {one['uncertainty']:.3f}"
-        rows.append([one["path"], index, f"{one['rank_correlation']:+.3f}"])
-    heads = ("value", "share of variance alone (Sobol, first order)", "rank correlation")
-    return Sheet(heads, rows, "lrr")
+    rows = [[one["path"], f"{one['rank_correlation']:+.3f}"] for one in said["importance"]]
+    return Sheet(("value", "rank correlation with the residual amplitude"), rows, "lr")
 
 
 def lines(said: Mapping[str, Any]) -> list[str]:
@@ -128,8 +120,6 @@ def lines(said: Mapping[str, Any]) -> list[str]:
         )
     if said["no_grades"]:
         lines.append(f"No grades: {said['no_grades']}")
-    if said["no_first_order"]:
-        lines.append(f"No share of the variance: {said['no_first_order']}")
     if said["failed"]:
         ran = said["machines"] - said["failed"]
         lines.append(

@@ -49,7 +49,7 @@ class Scatter(Outcome):
     """
 
     drawn_by: ClassVar[str] = "..scatter.plot:plot_scatter"
-    document_by: ClassVar[str] = "..scatter.report:whole_document"
+    document_by: ClassVar[str] = "..scatter.report:document"
 
     title: str
     variations: tuple[Variation, ...]

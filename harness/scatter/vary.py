@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
+import inspect
 import math
 import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from difflib import get_close_matches
 from typing import Any
 
 import numpy as np
@@ -21,10 +21,6 @@ from ..units import si_number
 
 EXAMPLE = "PATH=NAME(NUMBER,...), such as balls.drag=normal(0.2,10%)"
 _TEXT = re.compile(r"(?P<path>[^=]+)=\s*(?P<name>\w+)\s*\((?P<arguments>[^()]*)\)\s*")
-# parameters in the unit of the value; lognormal's deviation and shapes are ratios
-_MEASURED = ("mean", "deviation", "median", "low", "mode", "high", "loc", "scale")
-_WHOLE = {"normal": "mean", "triangular": "mode"}  # what percentages are of
-_LOCATION = {"loc": 0.0, "scale": 1.0}  # what every distribution of SciPy has beside its shapes
 
 
 @dataclass(frozen=True)
@@ -34,7 +30,7 @@ class Variation:
     Attributes:
         path: as for `Scene.replace`.
         text: as it was written.
-        distribution: SciPy's, with its parameters.
+        distribution: of SciPy, with its parameters.
     """
 
     path: str
@@ -46,10 +42,8 @@ class Variation:
         """PATH=NAME(NUMBER,...), where parameters can also be given as KEY=NUMBER.
 
         `normal(mean, deviation, low, high)`, cut off at low and high if they are given,
-        `uniform(low, high)`, `triangular(low, mode, high)`, `lognormal(median, deviation)` with the
-        deviation of the logarithm; or a continuous distribution of `scipy.stats` by its name there
-        with its own parameters, `loc` and `scale` last.  Numbers may have units.  Percentages in
-        `normal` are of the mean, in `triangular` of the mode.
+        `uniform(low, high)`, or `lognormal(median, deviation)` with the deviation of the logarithm.
+        Numbers may have units.  Percentages in `normal` are of the mean.
 
         Args:
             scene: whose path it is; needed where numbers have units.
@@ -61,27 +55,14 @@ class Variation:
         if match is None:
             raise UserError(f"{text}: must be {EXAMPLE}")
         path = match["path"].strip()
-        makers = _makers()
-        if match["name"] not in makers:
-            near = get_close_matches(match["name"], makers, 3)
-            raise UserError(
-                f"{text}: {match['name']!r}: unknown; must be one of {', '.join(_OWN)}, or a "
-                f"continuous distribution of scipy.stats{', such as ' if near else ''}"
-                f"{', '.join(near)}"
-            )
-        names, defaults, make = makers[match["name"]]
-        unit = scene.unit_of(path) if scene else ""
-        given = _bound(text, match["arguments"], names, match["name"], unit)
-        missing = [name for name in names if name not in {**defaults, **given}]
-        if missing:
-            raise UserError(f"{text}: {', '.join(missing)}: missing; takes {', '.join(names)}")
+        make = _MAKERS.get(match["name"])
+        if make is None:
+            raise UserError(f"{text}: {match['name']!r}: must be one of {', '.join(_MAKERS)}")
+        numbers = _numbers(text, match["arguments"], make, scene.unit_of(path) if scene else "")
         try:
-            distribution = make(**{**defaults, **given})
-            fits = math.isfinite(distribution.ppf(0.5))
+            distribution = make(**numbers)
         except ValueError as error:
             raise UserError(f"{text}: {error}") from None
-        if not fits:
-            raise UserError(f"{text}: no distribution has these parameters: {', '.join(names)}")
         return cls(in_full(path), text.strip(), distribution)
 
     @classmethod
@@ -180,37 +161,34 @@ def _is_start(one: Variation) -> bool:
     return ".angles[" in one.path
 
 
-Maker = tuple[tuple[str, ...], dict[str, float], Callable[..., Any]]  # names, defaults
-
-
-def _bound(
-    text: str, arguments: str, names: Sequence[str], name: str, unit: str
-) -> dict[str, float]:
-    """Numbers by the parameters' names, in SI units; percentages are of `_WHOLE`."""
-    given: dict[str, str] = {}
-    parts = [part.strip() for part in arguments.split(",")] if arguments.strip() else []
-    for place, part in enumerate(parts):
+def _numbers(text: str, arguments: str, make: Callable[..., Any], unit: str) -> dict[str, float]:
+    """Numbers by the parameters' names, in SI units."""
+    signature, plain, named = inspect.signature(make), list[str](), dict[str, str]()
+    for part in arguments.split(",") if arguments.strip() else ():
         key, _, number = (piece.strip() for piece in part.rpartition("="))
-        if not key and place < len(names):
-            key = names[place]
-        if key not in names:
-            raise UserError(f"{text}: {part!r}: too many or unknown; takes {', '.join(names)}")
-        if key in given:
+        if key in named:
             raise UserError(f"{text}: {key}: given twice")
-        given[key] = number
-    whole, found = _WHOLE.get(name, ""), dict[str, float]()
-    for key in sorted(given, key=lambda key: key != whole):  # that first
-        share = key != whole and whole in given and given[key].endswith("%")
-        ratio = share or (name, key) == ("lognormal", "deviation") or key not in _MEASURED
-        found[key] = si_number(given[key], "" if ratio else unit, f"{text}: {key} =")
-        if share:
-            found[key] *= abs(found[whole]) if key == "deviation" else found[whole]
+        if key:
+            named[key] = number
+        else:
+            plain.append(number)
+    try:
+        given = signature.bind(*plain, **named).arguments
+    except TypeError as error:
+        raise UserError(f"{text}: {error}; takes {', '.join(signature.parameters)}") from None
+    found: dict[str, float] = {}
+    for key, number in given.items():
+        is_share = number.endswith("%") and "mean" in found
+        is_ratio = is_share or (make, key) == (_lognormal, "deviation")
+        found[key] = si_number(number, "" if is_ratio else unit, f"{text}: {key} =")
+        if is_share:
+            found[key] *= abs(found["mean"]) if key == "deviation" else found["mean"]
         if not math.isfinite(found[key]):
-            raise UserError(f"{text}: {given[key]!r}: must be finite")
+            raise UserError(f"{text}: {number!r}: must be finite")
     return found
 
 
-def _normal(mean: float, deviation: float, low: float, high: float) -> Any:
+def _normal(mean: float, deviation: float, low: float = -math.inf, high: float = math.inf) -> Any:
     from scipy.stats import norm, truncnorm
 
     if not deviation > 0.0:
@@ -230,14 +208,6 @@ def _uniform(low: float, high: float) -> Any:
     return uniform(low, high - low)
 
 
-def _triangular(low: float, mode: float, high: float) -> Any:
-    from scipy.stats import triang
-
-    if not (low <= mode <= high and low < high):
-        raise ValueError(f"must be rising: low = {low:g}, mode = {mode:g}, high = {high:g}")
-    return triang((mode - low) / (high - low), low, high - low)
-
-
 def _lognormal(median: float, deviation: float) -> Any:
     from scipy.stats import lognorm
 
@@ -246,21 +216,8 @@ def _lognormal(median: float, deviation: float) -> Any:
     return lognorm(deviation, scale=median)
 
 
-_OWN: dict[str, Maker] = {
-    "normal": (("mean", "deviation", "low", "high"), {"low": -math.inf, "high": math.inf}, _normal),
-    "uniform": (("low", "high"), {}, _uniform),
-    "triangular": (("low", "mode", "high"), {}, _triangular),
-    "lognormal": (("median", "deviation"), {}, _lognormal),
+_MAKERS: dict[str, Callable[..., Any]] = {
+    "normal": _normal,
+    "uniform": _uniform,
+    "lognormal": _lognormal,
 }
-
-
-def _makers() -> dict[str, Maker]:
-    """Distributions by name: SciPy's, and before them those that an engineer's words describe."""
-    from scipy import stats
-
-    shapes_of: dict[str, Maker] = {}
-    for name, one in vars(stats).items():
-        if isinstance(one, stats.rv_continuous):
-            shapes = tuple(part.strip() for part in (one.shapes or "").split(",") if part.strip())
-            shapes_of[name] = ((*shapes, *_LOCATION), dict(_LOCATION), one)
-    return shapes_of | _OWN

@@ -197,7 +197,7 @@ class Methods:
         """Number and size of balls or rollers for a rotor (Goncharov 2017).
 
         Args:
-            unbalance: the largest one [kg m], or "LOW..HIGH" with a unit; default: the scene's.
+            unbalance: the largest one [kg m]; default: the scene's.
             race: radius of the race [m]; default: that of the scene's weights.
             width: space along the axis [m]; default: the diameter of the scene's weights.
             material: a name such as "brass", or a density [kg/m^3].
@@ -212,7 +212,7 @@ class Methods:
             SimulationError: a run fails.
 
         >>> drum = ab.load("goncharov_balls").replace({"run.revolutions": 20})
-        >>> found = drum.design("2..5 g m", race="0.1 m", width="20 mm", starts=6, most=3)
+        >>> found = drum.design("5 g m", race="0.1 m", width="20 mm", starts=6, most=3)
         >>> [choice.count for choice in found.choices]
         [2, 3]
         """
@@ -233,7 +233,6 @@ class Methods:
         scatter: float = 0.1,
         harmonic: bool = False,
         starts: int = 1,
-        logarithms: bool = True,
         progress: Progress | None = None,
     ) -> Fit:
         """Values of the scene from measured amplitudes, by least squares.
@@ -247,7 +246,6 @@ class Methods:
             scatter: standard deviation of a difference, against which priors are weighed.
             harmonic: search by harmonic balance alone; runs judge the result.
             starts: of harmonic balance.
-            logarithms: compare logarithms of amplitudes, not amplitudes.
 
         Returns:
             Values with 95 % intervals; `scene` is the scene with them.
@@ -271,7 +269,7 @@ class Methods:
         parameters = parse_free(paths, self._scene, limits, priors, scatter)
         data = read_measured(Path(measured), self._scene)
         options: dict[str, Any] = {"harmonic": harmonic, "starts": starts, "progress": progress}
-        return fit(self._scene, data, parameters, logarithms=logarithms, **options)
+        return fit(self._scene, data, parameters, **options)
 
     def balance(self, *, progress: Progress | None = None) -> BalancingReport:
         """Balance the rotor on the virtual machine of [balancing] (Polushkin 2016, ISO 21940-11).

@@ -18,22 +18,17 @@ function capacity(machine) {
 }
 
 /* The rotor's unbalance, as its slider has it or as it has changed, in its axes [kg m]. */
-function unbalance({ data, settings, changed }) {
+function unbalance({ units, changed }) {
   if (changed) return changed;
-  const k = data.sliders.findIndex(({ label }) => label === "Unbalance");
-  const [xi, eta] = data.unbalance;
-  if (k < 0) return [xi, eta];
-  const { base, value } = data.sliders[k];
-  const factor = settings.factors[k];
-  if (value) return [xi * factor, eta * factor];
-  return [Object.values(base)[0] * factor, 0]; // of a scene that has none
+  const [size, angle] = units.reader(["rotor.unbalance", "rotor.unbalance_angle"])();
+  return [size * Math.cos(angle), size * Math.sin(angle)];
 }
 
 /* The balance of a rotor with one plane: words, or none where nothing is known. */
 function balanceWords(machine) {
   const { data, units, now } = machine;
   const labels = data.tracks.flat();
-  if (!data.unbalance || !labels.length) return "";
+  if (!units.index.has("rotor.unbalance") || !labels.length) return "";
   const [xi, eta] = unbalance(machine);
   const whole = Math.hypot(xi, eta);
   const moments = units.reader(labels.flatMap((l) => [`${l}.moment_xi`, `${l}.moment_eta`]))();

@@ -6,6 +6,7 @@ import cmath
 import math
 import re
 from collections.abc import Iterator, Mapping
+from dataclasses import asdict
 from itertools import product
 from typing import Any
 
@@ -64,18 +65,15 @@ def content(scene: Scene) -> dict[str, Any]:
         "profile": [list(corner) for corner in zip(profile.times, profile.speeds, strict=True)],
         "rate": max(0.0, profile.acceleration(0.0)) or profile.end**2 / (math.tau * CHANGED_IN),
         "window": {
+            **asdict(bands),
             "low": min(bands.low, profile.end),
             "high": max(bands.high, profile.end),
-            "ends": bands.ends,
-            "kinds": bands.kinds,
-            "words": bands.words,
         },
         "scene": document(scene),
         "sliders": list(_sliders(scene, made)),
         "pace": max(1.0, scene.revolutions / SHOWN_IN),
         "mass": scene.rotor.mass,
         "grades": GRADES,
-        "unbalance": _single_unbalance(scene, made),
         "kick": KICK * _moment(scene, made) * profile.end,
         "stations": scene.rotor.stations,
         "supports": scene.rotor.supports,
@@ -180,14 +178,6 @@ def _moment(scene: Scene, made: Composition) -> float:
         b.count * b.mass * b.track_radius for b in scene.balancer if isinstance(b, WeightBalancer)
     )
     return unbalance or capacity or scene.rotor.mass * BARE
-
-
-def _single_unbalance(scene: Scene, made: Composition) -> list[float] | None:
-    """Of a rotor with one plane, in its axes [kg m]; None of others."""
-    if scene.rotor.kind != "planar":
-        return None
-    total = sum(_unbalances(made), 0j)
-    return [total.real, total.imag]
 
 
 def _changes(scene: Scene) -> list[list[float]]:

@@ -8,7 +8,7 @@ const FADING = Math.exp(-1 / REMEMBERED); // of the largest displacement, a samp
 
 class Machine {
   constructor(module, data) {
-    Object.assign(this, { module, data, built: new Map(), copies: [] });
+    Object.assign(this, { module, data, built: new Map() });
     this.step = TURN / (SAMPLES * data.window.high);
     this.stations = data.stations.map((_, k) =>
       data.stations.length > 1 ? `rotor.station[${k + 1}]` : "rotor");
@@ -212,14 +212,14 @@ class Machine {
       name, label: name.split(".")[0], number: Number(name.match(/\[(\d+)\]/)[1]),
     }));
     if (!this.history) this.forget();
-    this.history.angles = weights.map((name) =>
-      before.get(name) ?? new Float64Array(REMEMBERED).fill(NaN));
+    const missing = this.history.time.map(() => NaN);
+    this.history.angles = weights.map((name) => before.get(name) ?? [...missing]);
   }
 
   forget() {
     this.filled = this.largest = 0;
-    const row = () => new Float64Array(REMEMBERED);
-    this.history = { time: row(), x: this.places.map(row), y: this.places.map(row),
+    const row = () => [];
+    this.history = { time: [], x: this.places.map(row), y: this.places.map(row),
       angles: this.weights.map(row) };
   }
 
@@ -232,30 +232,25 @@ class Machine {
   }
 
   remember() {
-    const at = this.filled % REMEMBERED;
-    this.history.time[at] = this.time;
-    this.now.pairs.forEach(({ x, y }, k) => {
-      this.history.x[k][at] = x;
-      this.history.y[k][at] = y;
-      this.largest = Math.max(this.largest, Math.hypot(x, y));
+    const { time, x, y, angles } = this.history;
+    time.push(this.time);
+    this.now.pairs.forEach((pair, k) => {
+      x[k].push(pair.x);
+      y[k].push(pair.y);
+      this.largest = Math.max(this.largest, Math.hypot(pair.x, pair.y));
     });
     this.largest *= FADING;
     this.sampled = this.time;
-    this.now.angles.forEach((angle, k) => (this.history.angles[k][at] = angle));
+    this.now.angles.forEach((angle, k) => angles[k].push(angle));
     this.filled++;
+    if (time.length >= 2 * REMEMBERED) { // seldom: every row is moved
+      for (const row of [time, ...x, ...y, ...angles]) row.splice(0, REMEMBERED);
+    }
   }
 
-  /* The last `count` samples of rows of the history, oldest first; valid until it is asked again. */
+  /* The last `count` samples of rows of the history, oldest first. */
   last(count, ...rows) {
-    const there = Math.min(count, this.filled, REMEMBERED);
-    const first = (this.filled - there) % REMEMBERED;
-    const unbroken = Math.min(there, REMEMBERED - first);
-    return rows.map((row, k) => {
-      const copy = (this.copies[k] ??= new Float64Array(REMEMBERED));
-      copy.set(row.subarray(first, first + unbroken));
-      copy.set(row.subarray(0, there - unbroken), unbroken);
-      return copy.subarray(0, there);
-    });
+    return rows.map((row) => row.slice(-Math.min(count, REMEMBERED)));
   }
 }
 

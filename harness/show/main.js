@@ -229,21 +229,6 @@ class Page {
     element(id).append(make("div", {}, make("dt", { textContent: name }), said));
     return said;
   }
-
-  /* -- for tests ------------------------------------------------------------------------------ */
-
-  /* Outputs of a run with the scene's own values, as `recordedRun` has them. */
-  recorded(end, points, names) {
-    return recordedRun(this.module, this.data.tokens[0].token, end, points, names);
-  }
-
-  /* Milliseconds that the motion of a frame at real time takes, over so many frames. */
-  measured(frames) {
-    const machine = new Machine(this.module, this.data);
-    const began = performance.now();
-    machine.advance((frames * FRAME) / 1000, Infinity);
-    return (performance.now() - began) / frames;
-  }
 }
 
 const data = JSON.parse(element("data").textContent);

@@ -1,8 +1,8 @@
 /* Signals against time, and their spectrum. */
 
 const WINDOW = 30; // revolutions shown, at the scene's speed
-const LISTENED = 1024; // last samples that a spectrum is of,
-const TRANSFORMED = 4096; // filled up with zeros to these, a power of two
+const LISTENED = 1024; // last samples that a spectrum is of
+const FREQUENCIES = 400; // of a spectrum
 const MARGIN = { left: 62, right: 30, top: 24, bottom: 20 };
 
 /* Axes over a cleared canvas; what maps values to pixels.  `scale` says how values are written: of
@@ -147,10 +147,9 @@ function plotSpectrum(canvas, colours, machine, place) {
   const { history } = machine;
   const [xs] = machine.last(LISTENED, history.x[place]);
   const highest = (1.5 * machine.data.window.high) / TURN;
-  const { frequencies, amplitudes } = spectrum(xs, machine.step);
-  const within = frequencies.findIndex((f) => f > highest);
-  const count = within < 0 ? frequencies.length : within;
-  const largest = Math.max(0, ...amplitudes.subarray(0, count));
+  const frequencies = Float64Array.from({ length: FREQUENCIES }, (_, k) => (highest * k) / FREQUENCIES);
+  const amplitudes = spectrum(xs, frequencies.map((f) => TURN * f * machine.step));
+  const largest = Math.max(...amplitudes);
   const area = axes(canvas, colours, `Spectrum of x, up to ${shown(largest, "m", true)}`,
     [0, highest], [0, 1.15 * (largest || 1)], "Hz", "m");
   const once = machine.now.speed / TURN;
@@ -159,55 +158,25 @@ function plotSpectrum(canvas, colours, machine, place) {
   line(area.c, area.px(once), area.top, area.px(once), area.bottom);
   area.c.setLineDash([]);
   area.c.fillText("once a revolution", area.px(once) + 4, area.top + 8);
-  curve(area, frequencies.subarray(0, count), amplitudes.subarray(0, count), colours.x);
+  curve(area, frequencies, amplitudes, colours.x);
 }
 
-/* Amplitudes by frequency of evenly spaced samples, Hann window. */
-function spectrum(samples, step) {
-  const n = samples.length;
-  const mean = samples.reduce((sum, value) => sum + value, 0) / (n || 1);
-  let weight = 0;
-  re.fill(0);
-  im.fill(0);
-  for (let k = 0; k < n; k++) {
-    const hann = 0.5 - 0.5 * Math.cos((TURN * (k + 0.5)) / n);
-    re[k] = (samples[k] - mean) * hann;
-    weight += hann;
-  }
-  transform(re, im);
-  for (let k = 0; k < frequencies.length; k++) {
-    frequencies[k] = k / (TRANSFORMED * step);
-    amplitudes[k] = (2 * Math.hypot(re[k], im[k])) / (weight || 1);
-  }
-  return { frequencies, amplitudes };
-}
-
-// used again for every spectrum: what is thrown away sixty times a second has to be collected
-const [re, im] = [new Float64Array(TRANSFORMED), new Float64Array(TRANSFORMED)];
-const [frequencies, amplitudes] = [re.slice(TRANSFORMED / 2), re.slice(TRANSFORMED / 2)];
-const cosines = re.map((_, k) => Math.cos((TURN * k) / TRANSFORMED));
-
-/* Fourier transform in place, radix 2. */
-function transform(re, im) {
-  const n = re.length;
-  for (let i = 1, j = 0; i < n; i++) {
-    let bit = n >> 1;
-    for (; j & bit; bit >>= 1) j ^= bit;
-    j ^= bit;
-    if (i < j) {
-      [re[i], re[j]] = [re[j], re[i]];
-      [im[i], im[j]] = [im[j], im[i]];
+/* Amplitudes of evenly spaced samples at angles per sample [rad]: Hann window, Goertzel's recurrence. */
+function spectrum(samples, angles) {
+  const n = samples.length || 1;
+  const mean = samples.reduce((sum, value) => sum + value, 0) / n;
+  const windowed = samples.map((value, k) =>
+    (value - mean) * (0.5 - 0.5 * Math.cos((TURN * (k + 0.5)) / n)));
+  const weight = n / 2; // the sum of the window
+  return angles.map((angle) => {
+    const twice = 2 * Math.cos(angle);
+    let [last, before] = [0, 0];
+    for (let k = 0; k < windowed.length; k++) {
+      const next = windowed[k] + twice * last - before;
+      before = last;
+      last = next;
     }
-  }
-  for (let size = 2; size <= n; size *= 2) {
-    const way = n / size; // of the cosines, from one turn to the next
-    for (let k = 0; k < size / 2; k++) {
-      const [c, s] = [cosines[k * way], cosines[(k * way + n / 4) % n]];
-      for (let a = k, b = k + size / 2; b < n; a += size, b += size) {
-        const [x, y] = [re[b] * c - im[b] * s, re[b] * s + im[b] * c];
-        [re[b], im[b]] = [re[a] - x, im[a] - y];
-        [re[a], im[a]] = [re[a] + x, im[a] + y];
-      }
-    }
-  }
+    const square = last * last + before * before - twice * last * before;
+    return (2 * Math.sqrt(Math.max(0, square))) / weight;
+  });
 }

@@ -94,16 +94,3 @@ class Units {
     };
   }
 }
-
-/* Outputs at evenly spread times of one run with the scene's own values: rows of points + 1. */
-function recordedRun(module, token, end, points, names) {
-  const units = new Units(module, token);
-  units.begin({}, 0);
-  const read = units.reader(names);
-  const rows = [Array.from(read())];
-  for (let k = 1; k <= points; k++) {
-    units.advance(end * (k / points));
-    rows.push(Array.from(read()));
-  }
-  return rows;
-}

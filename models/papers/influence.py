@@ -48,19 +48,8 @@ def influence(rotor: LinearRotor, speed: float, planes: NDArray | None = None) -
     return both.reshape(2, rotor.stations, -1)
 
 
-def from_trial_runs(first_run: NDArray, trial_runs: NDArray, trial_unbalances: NDArray) -> Complex:
-    """(20), (22): K (s, p) from what s sensors saw, one trial unbalance a run.
-
-    Args:
-        first_run: (s,) complex amplitudes A_i without trial unbalance [m].
-        trial_runs: (p, s) amplitudes A_ij with the trial unbalance in plane j alone [m].
-        trial_unbalances: (p,) complex trial unbalances, none of them zero [kg m].
-    """
-    return ((trial_runs - first_run) / trial_unbalances[:, None]).T
-
-
 def from_runs(responses: NDArray, mounted: NDArray) -> Complex:
-    """K (s, p) from runs with different unbalances mounted, the first one the reference.
+    """(20), (22): K (s, p) from runs with different unbalances mounted, the first the reference.
 
     Least squares where there are more runs than planes; trial masses may stay in place from run to
     run (Feese & Grazier 2004).
@@ -109,13 +98,8 @@ def unbalance_from_response(coefficients: NDArray, response: NDArray) -> Complex
     return solution
 
 
-def limited_correction(
-    coefficients: NDArray,
-    response: NDArray,
-    largest: NDArray | None = None,
-    min_max: bool = False,
-) -> Complex:
-    """Corrections (p,) with the least |A + K w|^2 summed over the sensors, or the least maximum.
+def least_maximum_correction(coefficients: NDArray, response: NDArray) -> Complex:
+    """Corrections w (p,) that make the largest |A + K w| of the sensors least.
 
     A convex problem, solved by sequential quadratic programming.  Foiles, Allaire and Gunter 2000
     compare such corrections.
@@ -123,8 +107,6 @@ def limited_correction(
     Args:
         coefficients: K (s, p).
         response: A (s,) complex amplitudes.
-        largest: (p,) bounds of |w|; by default none.
-        min_max: the largest amplitude is to be least.
 
     Raises:
         ValueError: the coefficients do not tell the planes apart.
@@ -135,41 +117,22 @@ def limited_correction(
     size = float(np.abs(response).max()) or 1.0
     k, a = np.asarray(coefficients) * (scale / size), np.asarray(response, complex) / size
 
-    def complex_of(v: NDArray) -> Complex:
-        return v[:count] + 1j * v[count : 2 * count]
-
-    def squares(v: NDArray) -> NDArray:
-        return np.abs(a + k @ complex_of(v)) ** 2
+    def remaining(v: NDArray) -> Complex:
+        return a + k @ (v[:count] + 1j * v[count : 2 * count])
 
     def slopes(v: NDArray) -> NDArray:
-        each = 2.0 * (a + k @ complex_of(v)).conj()[:, None] * k
-        return np.hstack([each.real, -each.imag])
+        each = 2.0 * remaining(v).conj()[:, None] * k
+        return np.hstack([-each.real, each.imag, np.ones((len(a), 1))])
 
-    begin, demands = best / scale, []
-    if largest is not None:
-        bound = np.asarray(largest, float) / scale
-        begin = begin * np.minimum(1.0, bound / np.maximum(np.abs(begin), 1e-300))
-        demands.append({"type": "ineq", "fun": lambda v: bound**2 - np.abs(complex_of(v)) ** 2})
-    start = np.concatenate([begin.real, begin.imag])
-    if min_max:  # the last unknown is the largest square
-        start = np.append(start, squares(start).max())
-        last = np.eye(len(start))[-1]
-        demands.append(
-            {
-                "type": "ineq",
-                "fun": lambda v: v[-1] - squares(v),
-                "jac": lambda v: np.hstack([-slopes(v), np.ones((len(a), 1))]),
-            }
-        )
-        found = minimize(lambda v: v[-1], start, jac=lambda v: last, constraints=demands, tol=1e-12)
-    else:
-        found = minimize(
-            lambda v: squares(v).sum(), start, jac=lambda v: slopes(v).sum(axis=0),
-            constraints=demands, tol=1e-12,
-        )  # fmt: skip
+    # the last unknown is the largest square
+    start = np.concatenate([best.real / scale, best.imag / scale, [0.0]])
+    start[-1] = (np.abs(remaining(start)) ** 2).max()
+    last = np.eye(len(start))[-1]
+    below = {"type": "ineq", "fun": lambda v: v[-1] - np.abs(remaining(v)) ** 2, "jac": slopes}
+    found = minimize(lambda v: v[-1], start, jac=lambda v: last, constraints=[below], tol=1e-12)
     if not np.isfinite(found.x).all():
         raise ArithmeticError(f"no correction was found: {found.message}")
-    return complex_of(found.x) * scale
+    return (found.x[:count] + 1j * found.x[count : 2 * count]) * scale
 
 
 def scalar_coefficients(coefficients: NDArray, lag: float = 0.0) -> Complex:

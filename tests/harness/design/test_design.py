@@ -36,10 +36,10 @@ from tests.papers import fan_angles
 pytestmark = pytest.mark.slow
 
 
-def rows_of(measure, scene, *workers, **options):
+def rows_of(measure, scene, **options):
     """All rows of a paper's check; `scene` may be the name of a bundled one."""
     scene = load_scene(scene) if isinstance(scene, str) else scene
-    return list(measure(scene, lambda fraction: None, *workers, **options))
+    return list(measure(scene, lambda fraction: None, **options))
 
 
 def test_random_starts_never_overlap_and_reach_the_whole_circle():
@@ -73,10 +73,10 @@ def test_settling_time_is_the_last_time_above_the_limit():
 def test_interval_of_the_median_covers_it_95_times_in_100():
     rng = np.random.default_rng(4)
     covered = 0
-    for _ in range(1000):
+    for _ in range(300):
         _, low, high = median_interval(rng.exponential(1.0, 40).tolist())
         covered += low <= math.log(2.0) <= high
-    assert 935 <= covered <= 990
+    assert 278 <= covered <= 298
     assert median_interval([1.0] * 5 + [math.inf] * 5)[2] == math.inf
     with pytest.raises(SimulationError, match="too few"):
         median_interval([1.0] * 5)
@@ -166,7 +166,7 @@ def test_a_rotor_below_its_critical_speed_is_refused():
 
 def test_ranking_rows_compare_first_and_order_and_the_step():
     scene = load_scene("goncharov_balls").replace({"run.revolutions": 100})
-    rows = rows_of(check_ranking, scene, 2, starts=6, most=3, halved=1)
+    rows = rows_of(check_ranking, scene, starts=6, most=3, halved=1)
     named = {row.quantity.split(",")[0]: row for row in rows}
     first = named["balls: first to settle"]
     assert first.expected == "3"
@@ -180,7 +180,7 @@ def test_ranking_rows_compare_first_and_order_and_the_step():
 
 def test_three_weights_at_the_largest_p_have_the_slow_direction_of_two_and_it_is_named():
     options = {"most": 4, "revolutions": 250}
-    two, three, four, best = rows_of(check_largest_spread, "goncharov_rollers", 2, **options)
+    two, three, four, best = rows_of(check_largest_spread, "goncharov_rollers", **options)
     for row in (two, three):
         assert row.quantity.endswith("slow direction")
         assert row.measured == "not settled"
@@ -242,7 +242,12 @@ def test_two_weights_without_unbalance_are_named_not_failed():
     # what is left falls in the driven direction: nothing has to move along the other one
     assert two.median < 2.0
     assert all(run.alignment == pytest.approx(1.0, abs=0.01) for run in two.runs)
-    assert any("one diameter" in line for line in words(data))
+
+
+@pytest.fixture
+def one_process(monkeypatch):
+    """Commands without processes of their own, which take longer to begin than these runs."""
+    monkeypatch.setattr("os.cpu_count", lambda: 1)
 
 
 ROTOR = """
@@ -254,11 +259,11 @@ SPACE = ["--track", "180mm", "--width", "30mm", "--starts", "6", "--most", "4"]
 
 
 def test_a_rotor_without_balls_on_unequal_supports_gets_the_fewest_that_hold_its_unbalance(
-    invoke, tmp_path
+    invoke, tmp_path, one_process
 ):
     scene = tmp_path / "rotor.toml"
     scene.write_text(ROTOR, encoding="utf-8")
-    asked = ["design", scene, *SPACE, "--unbalance", "0..30 g m", "--reserve", "1.3"]
+    asked = ["design", scene, *SPACE, "--unbalance", "30 g m", "--reserve", "1.3"]
     steel = invoke(*asked, "-o", tmp_path / "steel.png")
     assert steel.exit_code == 0, steel.output
     assert "n = 2" in steel.output  # 2 balls of 110 g on a circle of 165 mm hold 36 g m, not 39
@@ -273,7 +278,7 @@ def test_a_rotor_without_balls_on_unequal_supports_gets_the_fewest_that_hold_its
 @pytest.mark.parametrize(
     ("arguments", "problem"),
     [
-        (["--unbalance", "300..0 g mm"], "must be 0 or more, such as"),
+        (["--unbalance", "-3 g mm"], "must be 0 or more"),
         (["--unbalance", "3 kg"], "an unbalance is expected"),
         (["--material", "stel"], 'did you mean "steel"'),
         (["--reserve", "0.5"], "must be 1 or more"),
@@ -297,7 +302,9 @@ def test_a_scene_that_is_none_for_a_design_is_refused_with_every_reason():
         design(load_scene("two_balls"), starts=6)
 
 
-def test_design_command_shows_a_table_words_and_a_picture(invoke, tmp_path, monkeypatch):
+def test_design_command_shows_a_table_words_and_a_picture(
+    invoke, tmp_path, monkeypatch, one_process
+):
     monkeypatch.setenv("COLUMNS", "80")
     scene = tmp_path / "short.toml"
     text = load_scene("finite_weights").path.read_text()

@@ -93,12 +93,10 @@ def test_many_runs_tell_which_have_merged():
 def test_a_scatter_counts_machines_that_cannot_part_their_weights():
     study = scatter(drum(), [Variation.parse("rotor.unbalance=uniform(0.018,0.022)")], 3)
     assert study.merged.tolist() == [1.0, 1.0, 1.0]
-    assert lines(document(study, [], ""))[1].startswith("Residual amplitude")
-    assert "In 3 machines identical weights end at one angle" in "\n".join(
-        lines(document(study, [], ""))
-    )
+    assert lines(document(study))[1].startswith("Residual amplitude")
+    assert "In 3 machines identical weights end at one angle" in "\n".join(lines(document(study)))
     parted = scatter(
         drum([0.1, 2.0, 4.0]), [Variation.parse("rotor.unbalance=uniform(0.018,0.022)")], 3
     )
     assert not parted.merged.any()
-    assert math.isclose(document(parted, [], "")["merged"], 0.0)
+    assert math.isclose(document(parted)["merged"], 0.0)

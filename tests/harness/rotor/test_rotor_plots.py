@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from autobalancer.harness import UserError, load_scene
-from autobalancer.harness.balancing import plot as rotor_polar
 from autobalancer.harness.balancing.cycles import balance
+from autobalancer.harness.output.picture import colour
 from autobalancer.harness.rotor import plot as pictures
 from autobalancer.harness.rotor import study as rotor_study
 from autobalancer.harness.scene import Scene
@@ -35,8 +35,7 @@ def drawn(monkeypatch):
         figures.append(figure)
         return path
 
-    for module in (pictures, rotor_polar):
-        monkeypatch.setattr(module, "save", keep)
+    monkeypatch.setattr(pictures, "save", keep)
     return figures
 
 
@@ -135,24 +134,15 @@ def test_the_larger_peak_of_a_run_up_is_within_the_picture_wherever_it_is(drawn)
     assert all(axes.get_ylim()[1] > top and axes.get_ylim()[0] == 0.0 for axes in drawn[0].axes)
 
 
-def test_polar_picture_ends_where_the_unbalance_is_undone(drawn):
+def test_polar_picture_ends_where_the_unbalance_is_undone():
     result = balance(load_scene("balancing_machine"))
-    rotor_polar.plot_corrections(result, None)
-    (figure,) = drawn
-    assert [axes.name for axes in figure.axes] == ["polar", "polar"]
-    for i, axes in enumerate(figure.axes):
-        path = next(line for line in axes.lines if line.get_label().startswith("complex"))
-        end = path.get_ydata()[-1] * np.exp(1j * path.get_xdata()[-1])
+    for i, panel in enumerate(result.plot().panels):
+        path = next(line for line in panel.lines if line.colour == colour(0))
+        angle, size = (part[-1] for part in path.points)
         goal = -result.technologies[0].cycles[0].actual[i] * 1e3  # g m
-        assert end == pytest.approx(goal, rel=1e-9)
-        assert "[g m]" in axes.get_title()
-        assert "2 cycles" in path.get_label()
-
-
-def test_moments_and_files_have_readable_units(tmp_path):
-    assert rotor_polar.moment(3.0) == (1.0, "kg m")
-    assert rotor_polar.moment(2e-5) == (pytest.approx(1e6), "g mm")
-    assert rotor_polar.moment(1e-12)[1] == "mg mm"
+        assert size * np.exp(1j * angle) == pytest.approx(goal, rel=1e-9)
+        assert "[g m]" in panel.title
+        assert i or "2 cycles" in path.label
 
 
 def test_command_prints_modes_and_writes_what_is_asked_for(invoke, tmp_path):

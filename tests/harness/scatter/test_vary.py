@@ -16,9 +16,7 @@ from autobalancer.harness.scatter.vary import Variation, drawn, refuse_wrong
         ("normal(0.2,0.02)", lambda x: 0.5 * (1 + math.erf((x - 0.2) / 0.02 / math.sqrt(2)))),
         ("normal(deviation=0.02, mean=0.2)", stats.norm(0.2, 0.02).cdf),
         ("uniform(0.15,0.25)", lambda x: (x - 0.15) / 0.1),
-        ("triangular(0.1,0.2,0.4)", lambda x: (x - 0.1) ** 2 / (0.3 * 0.1)),
         ("lognormal(0.2,0.1)", stats.norm(math.log(0.2), 0.1).cdf),
-        ("weibull_min(1.8,scale=0.2)", lambda x: 1 - math.exp(-((x / 0.2) ** 1.8))),
     ],
 )
 def test_a_distribution_is_what_its_words_say(text, cumulative):
@@ -42,10 +40,9 @@ def test_a_normal_distribution_can_be_cut_off():
         ("rotor.mass=normal(950 g, 10%)", 0.95, 0.095),
         ("rotor.mass=normal(950g,deviation=5 g)", 0.95, 0.005),
         ("run.initial.x=normal(-2mm,10%)", -2e-3, 2e-4),
-        ("rotor.mass=triangular(90%,2kg,110%)", 2.0, 0.2 / math.sqrt(6.0)),
     ],
 )
-def test_numbers_take_units_and_percentages_of_the_mean_or_mode(text, mean, deviation):
+def test_numbers_take_units_and_percentages_of_the_mean(text, mean, deviation):
     one = Variation.parse(text, load_scene("two_balls")).distribution
     assert one.mean() == pytest.approx(mean)
     assert one.std() == pytest.approx(deviation)
@@ -63,21 +60,18 @@ def test_lognormal_takes_its_deviation_in_percent():
     [
         ("weights.drag", "must be PATH=NAME"),
         ("weights.drag=0.2", "must be PATH=NAME"),
-        ("weights.drag=norml(1,2)", "'norml': unknown; must be one of normal, uniform.*such as"),
-        ("weights.drag=normal(1)", "deviation: missing; takes mean, deviation, low, high"),
+        ("weights.drag=norml(1,2)", "'norml': must be one of normal, uniform, lognormal"),
+        ("weights.drag=normal(1)", "missing .* 'deviation'; takes mean, deviation, low, high"),
         ("weights.drag=normal(1,x)", "deviation = x: a ratio is expected"),
         ("weights.drag=normal(1,nan)", "must be finite"),
-        ("weights.drag=normal(1,2,3,4,5)", "'5': too many or unknown; takes mean"),
-        ("weights.drag=normal(1,sigma=2)", "'sigma=2': too many or unknown; takes mean"),
-        ("weights.drag=normal(1,mean=2)", "mean: given twice"),
+        ("weights.drag=normal(1,2,3,4,5)", "too many .*; takes mean"),
+        ("weights.drag=normal(1,2,sigma=2)", "unexpected .* 'sigma'; takes mean"),
+        ("weights.drag=normal(1,mean=2)", "multiple values .* 'mean'"),
+        ("weights.drag=uniform(low=1,low=2)", "low: given twice"),
         ("weights.drag=normal(1,-2)", "deviation = -2: must be above 0"),
         ("weights.drag=normal(1,2,4,3)", "low = 4: must be below high = 3"),
         ("weights.drag=uniform(2,1)", "low = 2: must be below high = 1"),
-        ("weights.drag=uniform(loc=1,scale=1)", "takes low, high"),
-        ("weights.drag=triangular(1,3,2)", "must be rising"),
         ("weights.drag=lognormal(-1,1)", "must be above 0"),
-        ("weights.drag=weibull_min(scale=1)", "c: missing; takes c, loc, scale"),
-        ("weights.drag=weibull_min(-1)", "no distribution has these parameters: c, loc, scale"),
     ],
 )
 def test_a_wrong_variation_is_refused_with_what_is_allowed(text, said):

@@ -1,0 +1,136 @@
+"""What balancing found, on a terminal: cycles of the virtual machine, corrections of runs."""
+
+from __future__ import annotations
+
+import math
+from cmath import phase
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ..output.table import BAD, Sheet
+from ..output.terminal import console, say, show
+from ..output.words import printable
+
+if TYPE_CHECKING:
+    from .correction import Correction
+    from .cycles import BalancingReport, Cycle, Technology
+
+
+def print_cycles(result: BalancingReport) -> None:
+    """Coefficients and cycles of both technologies."""
+    from rich.markup import escape
+
+    console().print(escape(printable(result.title)), style="bold")
+    shares = ", ".join(f"{share:.4g}" for share in result.at_supports)
+    say(
+        f"{result.grade} permits {result.permissible:.4g} kg m, {shares} kg m at the supports; "
+        f"trial unbalance {result.trial:.4g} kg m; machine at {result.speed:g} rad/s"
+    )
+    show(_coefficients(result))
+    for technology in result.technologies:
+        show(_cycles(result, technology))
+        if technology.actually_met:
+            say(f"Grade met after {len(technology.cycles)} cycles, control run included.")
+        else:
+            say(f"Not balanced: {technology.note}.", style=BAD)
+    say(f"{result.runs} runs of the machine. FMUs loaded: {', '.join(result.units)}")
+
+
+def _coefficients(result: BalancingReport) -> Sheet:
+    measured = ("measured [1/kg]", "phase")
+    columns = ("support", "plane", *measured, "equations [1/kg]", "difference")
+    rows = []
+    for (i, j), value in np.ndenumerate(result.measured):
+        exact = result.analytic[i, j]
+        shown = (f"{abs(value):.6g}", f"{_degrees(value):.1f}°")
+        other = (f"{abs(exact):.6g}", f"{abs(value - exact) / abs(exact):.1e}")
+        rows.append((str(i + 1), str(result.planes[j]), *shown, *other))
+    title = "Influence coefficients, amplitude 0-peak per unbalance (20), (22)"
+    return Sheet(columns, rows, "llrrrr", title)
+
+
+def _cycles(result: BalancingReport, technology: Technology) -> Sheet:
+    sensors = range(1, len(result.at_supports) + 1)
+    unbalances = [f"plane {plane} [kg m]" for plane in result.planes]
+    residuals = [*(f"residual at {s}" for s in sensors), "actually"]
+    columns = ["cycle", *(f"support {s} [m]" for s in sensors), *unbalances, *residuals]
+    rows = [[str(n), *_row(result, cycle)] for n, cycle in enumerate(technology.cycles, start=1)]
+    title = (
+        f"{technology.name.capitalize()} coefficients: amplitude 0-peak at the supports [m], "
+        "unbalance found in the planes [kg m], residual in parts of what is permissible"
+    )
+    return Sheet(columns, rows, "r" * len(columns), title)
+
+
+def _row(result: BalancingReport, cycle: Cycle) -> list[str]:
+    actual = (cycle.actual_at_supports / result.at_supports).max()
+    vectors = (*cycle.amplitude, *cycle.found)
+    shares = (*cycle.at_supports / result.at_supports, actual)
+    return [
+        *(f"{abs(v):.3g} at {_degrees(v):.1f}°" for v in vectors),
+        *(f"{s:.1%}" for s in shares),
+    ]
+
+
+def print_correction(result: Correction, file: str) -> None:
+    """What to mount, what is expected to remain, and whether the grade is met."""
+    measured = result.measured
+    say(
+        f"{file}: {len(measured.runs)} runs, {len(measured.sensors)} readings each, "
+        f"{len(measured.planes)} planes; condition number of the influence coefficients "
+        f"{result.condition:.3g}: the masses are off by up to that many times what readings are"
+    )
+    show(_masses(result))
+    show(_readings(result))
+    rms, largest = (f"{each:.3g} {measured.unit}" for each in (result.rms, abs(result.after).max()))
+    say(f"Expected to remain: rms {rms}, largest {largest}")
+    if (grade := result.grade) is not None:
+        say(
+            f"{grade.name} permits {grade.permissible:.4g} kg m over all planes: "
+            f"{grade.before:.4g} before, {grade.after:.2g} expected after: "
+            f"G{grade.reached:.2g}, {'met' if grade.met else 'not met'}",
+            style="" if grade.met else BAD,
+        )
+        if math.isnan(result.uncertainty[0]):
+            say("The corrections' uncertainty is unknown: it needs more readings than corrections, "
+                "and least squares.")  # fmt: skip
+
+
+def _masses(result: Correction) -> Sheet:
+    """What to mount, in addition to what was mounted in the first run."""
+    planes, radii = result.measured.planes, result.measured.radii
+    rows = []
+    for j, (name, exact) in enumerate(zip(planes, result.exact.tolist(), strict=True)):
+        radius = "as the trial mass" if radii is None else f"{radii[j]:.4g}"
+        spread = result.uncertainty[j]
+        off = "-" if math.isnan(spread) else f"{spread:.2g}"
+        angle = f"{_degrees(exact) % 360.0:.1f}"
+        rows.append([name, f"{abs(exact):.4g}", angle, off, radius, result.method])
+        for piece in result.pieces:
+            if piece.plane == name and abs(piece.mass - abs(exact)) > 1e-9 * abs(exact):
+                angle = f"{math.degrees(piece.angle) % 360.0:.1f}"
+                rows.append(["", f"{piece.mass:.4g}", angle, "", radius, "at an allowed angle"])
+    columns = ["plane", "mass [g]", "angle [deg]", "+- [g]", "radius [mm]", ""]
+    return Sheet(columns, rows, "lrrrrl", f"Mount in addition to run {result.measured.runs[0]!r}")
+
+
+def _readings(result: Correction) -> Sheet:
+    unit = result.measured.unit
+    both = zip(result.before.tolist(), result.after.tolist(), strict=True)
+    rows = [
+        [
+            name,
+            f"{abs(b):.4g}",
+            f"{_degrees(b) % 360:.1f}",
+            f"{abs(a):.3g}",
+            f"{_degrees(a) % 360:.1f}",
+        ]
+        for name, (b, a) in zip(result.measured.sensors, both, strict=True)
+    ]
+    columns = ["sensor", f"measured [{unit}]", "lead [deg]", f"expected [{unit}]", "lead [deg] "]
+    return Sheet(columns, rows, "lrrrr", "Vibration")
+
+
+def _degrees(value: complex) -> float:
+    return math.degrees(phase(value))
