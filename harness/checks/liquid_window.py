@@ -15,9 +15,7 @@ import numpy as np
 from ...models.papers.window import OPEN_END, LiquidWindow
 from ..errors import SceneError
 from ..master.revolution import Revolution
-from ..output.workers import Progress
 from ..scene import Scene
-from ..scene.check import LiquidWindowCheck
 from .proved import window_rows
 from .row import Row, Rows
 from .sign_change import sign_change
@@ -28,6 +26,7 @@ BOUNDARY_TOLERANCE = 1e-4  # of w_* and w^* (3e-6)
 GROWTH_TOLERANCE = 1e-3  # of growth rates (9e-5)
 BENDING_TOLERANCE = 1e-5  # (7e-10)
 PHASE_TOLERANCE = 1e-5  # rad (9e-10)
+SPEEDS = 20  # across the window, at which bending and phase are compared
 GROWTH_SPEEDS = (0.9, 0.97, 1.03, 1.1)  # fractions of w^*, both sides of it
 OPEN_SPAN, OPEN_SPEEDS = 50.0, 25  # of it, end over start: from far below w_*; every 17 %
 BESIDE = 1e-3  # relative: so near a speed of contact, rounding decides whether the float touches
@@ -67,16 +66,14 @@ def largest_growth(units: Revolution, speed: float) -> float:
     return float(units.growth_rates(speed, np.zeros(len(units.states)))[0])
 
 
-def check_liquid_window(
-    scene: Scene, check: LiquidWindowCheck, progress: Progress
-) -> Iterator[Row]:
+def check_liquid_window(scene: Scene) -> Iterator[Row]:
     """Rows (a) w_*, (b) w^*, (c) bending and phase across the window, (d) growth rates.
 
     Raises:
         SceneError: the scene is not one rotor in a plane with one liquid balancer, or balanced.
     """
     window = window_of(scene)
-    rows = Rows(scene.name, check.kind)
+    rows = Rows(scene.name, "liquid_window")
     turned = np.exp(-1j * np.angle(scene.assembly().rotor.unbalance[0]))
     alone = scene.without_balancers()
     with Revolution(scene, separate=True) as loaded, Revolution(alone, separate=True) as bare:
@@ -94,10 +91,9 @@ def check_liquid_window(
         yield rows.number(
             "lower boundary w_* [rad/s]", window.lower, lower, BOUNDARY_TOLERANCE, LOWER
         )
-        progress(0.2)
         upper = None
         if window.upper is None:
-            yield _no_upper_limit(rows, growth, check.up_to or OPEN_END * window.lower)
+            yield _no_upper_limit(rows, growth, OPEN_END * window.lower)
         else:
             upper = sign_change(growth, window.upper, "w^*, where rotation becomes unstable")
             yield rows.number(
@@ -105,16 +101,13 @@ def check_liquid_window(
             )
             yield _window(rows, window, lower, upper)
         yield from window_rows(rows, scene, window, lower, upper, BOUNDARY_TOLERANCE)
-        progress(0.4)
-        end = upper if upper and upper > lower else check.up_to or OPEN_END * lower
-        speeds = np.linspace(lower, end, check.speeds)
+        end = upper if upper and upper > lower else OPEN_END * lower
+        speeds = np.linspace(lower, end, SPEEDS)
         motion = turned * np.array([steady_displacement(loaded, speed) for speed in speeds])
         yield from _bending(rows, window, speeds, motion)
-        progress(0.8)
         if upper is not None:
             yield _growth(rows, growth, window, upper)
         yield _contact(rows, bending, window, speeds, np.abs(motion))
-    progress(1.0)
 
 
 def _no_upper_limit(rows: Rows, growth: Measured, end: float) -> Row:

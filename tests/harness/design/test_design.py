@@ -28,7 +28,6 @@ from autobalancer.harness.design.settling import (
     settled_at,
 )
 from autobalancer.harness.errors import SceneError, SimulationError
-from autobalancer.harness.scene.check import CapacityCheck
 from autobalancer.models.spacing import closest
 from autobalancer.models.weights import alignment
 from tests.papers import fan_angles
@@ -36,10 +35,10 @@ from tests.papers import fan_angles
 pytestmark = pytest.mark.slow
 
 
-def rows_of(measure, scene, *workers, **options):
+def rows_of(measure, scene, **options):
     """All rows of a paper's check; `scene` may be the name of a bundled one."""
     scene = load_scene(scene) if isinstance(scene, str) else scene
-    return list(measure(scene, lambda fraction: None, *workers, **options))
+    return list(measure(scene, **options))
 
 
 def test_random_starts_never_overlap_and_reach_the_whole_circle():
@@ -84,8 +83,7 @@ def test_interval_of_the_median_covers_it_95_times_in_100():
 
 def test_residual_and_packed_angles_on_both_sides_of_the_capacity():
     scene = load_scene("finite_weights").replace({"run.revolutions": 60})
-    check = CapacityCheck(kind="capacity", points=3, up_to=1.2)
-    rows = list(check_capacity(scene, check, lambda fraction: None))
+    rows = list(check_capacity(scene, points=3))
     assert len(rows) == 4
     assert [row for row in rows if not row.holds] == []
     # the rotor's damping turns the group: without that the angles would not hold
@@ -110,9 +108,8 @@ def test_table_1_rows_hold_and_name_the_two_digits_that_are_not_rounded():
 
 
 def test_capacity_check_refuses_point_weights():
-    check = CapacityCheck(kind="capacity")
     with pytest.raises(SceneError, match="weight_radius"):
-        next(check_capacity(load_scene("two_balls"), check, lambda fraction: None))
+        next(check_capacity(load_scene("two_balls")))
 
 
 def test_decay_is_the_exact_eigenvalue_and_near_the_slow_root_where_that_is_dominant():
@@ -166,7 +163,7 @@ def test_a_rotor_below_its_critical_speed_is_refused():
 
 def test_ranking_rows_compare_first_and_order_and_the_step():
     scene = load_scene("goncharov_balls").replace({"run.revolutions": 100})
-    rows = rows_of(check_ranking, scene, 2, starts=6, most=3, halved=1)
+    rows = rows_of(check_ranking, scene, starts=6, most=3, halved=1)
     named = {row.quantity.split(",")[0]: row for row in rows}
     first = named["balls: first to settle"]
     assert first.expected == "3"
@@ -180,7 +177,7 @@ def test_ranking_rows_compare_first_and_order_and_the_step():
 
 def test_three_weights_at_the_largest_p_have_the_slow_direction_of_two_and_it_is_named():
     options = {"most": 4, "revolutions": 250}
-    two, three, four, best = rows_of(check_largest_spread, "goncharov_rollers", 2, **options)
+    two, three, four, best = rows_of(check_largest_spread, "goncharov_rollers", **options)
     for row in (two, three):
         assert row.quantity.endswith("slow direction")
         assert row.measured == "not settled"

@@ -6,8 +6,7 @@ import math
 import numpy as np
 import pytest
 
-from autobalancer.harness import SimulationError, UserError, load_scene, speeds
-from autobalancer.harness.checks.registry import run_checks
+from autobalancer.harness import SimulationError, UserError, check, load_scene, speeds
 from autobalancer.harness.master.revolution import Revolution
 from autobalancer.harness.scene import Scene
 from autobalancer.harness.stability.crossings import crossings, nodes_around
@@ -337,19 +336,19 @@ def test_a_speed_too_slow_for_a_turn_to_be_computed_is_told_and_not_raised(invok
 # -- check ----------------------------------------------------------------------------------------
 
 
-def quick(**check):
+def quick(**keys):
     scene = load_scene("filimonikhina")
     document = {
         "rotor": scene.rotor.model_dump(),
         "balancer": [scene.balancer[0].model_dump(exclude_none=True)],
         "operation": {"speed": 3.0},
-        "check": [{"kind": "critical_speeds", "range": [4.5, 5.5], **check}],
+        "check": [{"kind": "critical_speeds", "range": [4.5, 5.5], **keys}],
     }
     return type(scene).from_document(document, label="quick")
 
 
 def test_check_compares_units_with_floquet():
-    rows = run_checks(quick(case="half", set={"rotor.unbalance": 0.004}))
+    rows = check(quick(case="half", set={"rotor.unbalance": 0.004}))
     (row,) = rows
     assert row.holds
     assert "half: critical speed 1, unstable above" in row.quantity
@@ -365,7 +364,7 @@ def test_check_fails_when_floquet_is_not_that_of_the_units(monkeypatch):
         return [Crossing(1.002 * c.speed, c.above) for c in true(assembly, low, high, **options)]
 
     monkeypatch.setattr("autobalancer.harness.stability.boundaries.balancing_boundaries", shifted)
-    (row,) = run_checks(quick())
+    (row,) = check(quick())
     assert not row.holds
     assert row.error == pytest.approx(0.002, rel=1e-2)
 
@@ -374,6 +373,6 @@ def test_check_says_when_a_run_ends_otherwise_than_predicted(monkeypatch):
     monkeypatch.setattr(
         "autobalancer.harness.checks.critical_speeds.growth_rates", lambda a, w: np.array([-0.3])
     )
-    rows = run_checks(quick(runs_from_rest=[7.0]))
+    rows = check(quick(runs_from_rest=[7.0]))
     assert not rows[-1].holds
     assert rows[-1].measured.startswith("not balanced: residual moment")
