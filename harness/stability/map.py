@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, ClassVar
@@ -17,6 +17,7 @@ from ...models.stability import growth_map
 from ..errors import SimulationError
 from ..output.store import StoredItems
 from ..output.table import Sheet
+from ..output.words import kinds_of
 from ..output.workers import Progress, Workers, in_order
 from ..scene import Scene
 from ..scene.replace import SPEED
@@ -68,7 +69,7 @@ class StabilityMap(Map):
             where it does not apply.
         no_criterion: why not.
         points: co-simulated.
-        failed: of the grid, without a growth rate because its equations cannot be solved.
+        failure: why a point has no growth rate, where its equations cannot be solved; else empty.
     """
 
     drawn_by: ClassVar[str] = "..stability.plot:plot_map"
@@ -79,7 +80,7 @@ class StabilityMap(Map):
     criterion: Vector | None
     no_criterion: str
     points: tuple[MapPoint, ...]
-    failed: tuple[MapPoint, ...]
+    failure: Reasons
 
     @property
     def agreeing(self) -> int:
@@ -89,6 +90,30 @@ class StabilityMap(Map):
             and math.isnan(p.growth) == math.isnan(self.growth[p.y, p.x])
             for p in self.points
         )
+
+    def lines(self) -> Iterator[str]:
+        """What was found, in words."""
+        failed = self.failure[self.failure != ""]
+        none = int(np.isnan(self.growth).sum()) - failed.size
+        yield (
+            f"{self.growth.size} points: {int((self.growth <= 0.0).sum())} balanced, "
+            f"{int((self.growth > 0.0).sum())} not, {none} where the weights cannot balance"
+        )
+        if none:
+            stable = self.whirl[self.whirl_growth < 0.0]
+            ends = (
+                f", of {1e3 * stable.min():.4g} to {1e3 * stable.max():.4g} mm"
+                if len(stable)
+                else ""
+            )
+            yield f"where they cannot, a stable whirl remains at {len(stable)} points{ends}"
+        if self.criterion is None:
+            yield f"criterion: does not apply: {self.no_criterion}"
+        if self.points:
+            yield f"{self.agreeing} of {len(self.points)} co-simulated points agree with Floquet"
+        refused = [*failed, *(p.refusal for p in self.points if p.refusal)]
+        for count, reason in kinds_of(refused)[:3]:
+            yield f"{count} without a verdict, such as: {reason}"
 
     def table(self) -> Sheet:
         """One line a point of the grid."""
@@ -143,7 +168,6 @@ def stability_map(
     rates = in_order(
         _measure, work, workers, lambda done: report(0.5 + 0.5 * done), kept.get("point")
     )
-    failed = np.argwhere(why_not != "").tolist()
     applies = bool(np.isfinite(criterion).any())
     return StabilityMap(
         scene,
@@ -155,7 +179,7 @@ def stability_map(
         criterion if applies else None,
         "" if applies else _why_no_criterion(scene),
         tuple(MapPoint(*place, *rate) for place, rate in zip(places, rates, strict=True)),
-        tuple(MapPoint(i, j, math.nan, str(why_not[j, i])) for j, i in failed),
+        why_not,
     )
 
 
