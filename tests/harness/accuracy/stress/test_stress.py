@@ -37,7 +37,7 @@ QUICK = [
     "liquid mu = 1 + 9999, gap 1e-05 of the radius, as force", "drag 1e-06 m w", "drag 10000 m w",
     "weights of 10 of the rotor's mass", "weights that spin twenty times as fast as the rotor",
     "4 steps a revolution", "shaft a hundred times as soft",
-    "rigid rotor with the polar inertia of a disc", "balancer on a rotor of 1e14 N/m",
+    "rigid rotor with the polar inertia of a disc", "balancer on a rotor of 1e12 kg",
     "dry supports that hold 10 of the pull", "weights that start 1e7 revolutions on",
     "angle after 1e7 revolutions in steps of a thousand",
 ]  # fmt: skip
