@@ -11,14 +11,14 @@ import math
 from collections.abc import Callable, Iterator
 
 import numpy as np
+from scipy.optimize import brentq
 
 from ...models.papers.window import OPEN_END, LiquidWindow
-from ..errors import SceneError
+from ..errors import SceneError, SimulationError
 from ..master.revolution import Revolution
 from ..scene import Scene
 from .proved import window_rows
 from .row import Row, Rows
-from .sign_change import sign_change
 
 # relative; in brackets the largest error over the bundled scenes: that of the coupling, where the
 # liquid's inertia goes as a force; as added mass none is above 2e-9
@@ -29,6 +29,8 @@ PHASE_TOLERANCE = 1e-5  # rad (9e-10)
 SPEEDS = 20  # across the window, at which bending and phase are compared
 GROWTH_SPEEDS = (0.9, 0.97, 1.03, 1.1)  # fractions of w^*, both sides of it
 OPEN_SPAN, OPEN_SPEEDS = 50.0, 25  # of it, end over start: from far below w_*; every 17 %
+WIDTHS = (0.02, 0.1, 0.3, 1.0, 3.0)  # of a guess: narrow first, for another change may be near
+POSITION = 1e-10  # of a guess: far below any tolerance of a row
 BESIDE = 1e-3  # relative: so near a speed of contact, rounding decides whether the float touches
 
 LOWER, UPPER, STEADY = (f"Dubovik 2006 ({number})" for number in (11, 10, 6))
@@ -108,6 +110,22 @@ def check_liquid_window(scene: Scene) -> Iterator[Row]:
         if upper is not None:
             yield _growth(rows, growth, window, upper)
         yield _contact(rows, bending, window, speeds, np.abs(motion))
+
+
+def sign_change(function: Measured, guess: float, what: str) -> float:
+    """Speed at which a measured function changes sign, searched outward from a guess [rad/s].
+
+    A function that is zero, or not a number, at an end of the range searched has no sign there.
+
+    Raises:
+        SimulationError: no change of sign from a quarter of the guess to four times it.
+    """
+    for width in WIDTHS:
+        left, right = guess / (1.0 + width), guess * (1.0 + width)
+        below, above = sorted((function(left), function(right)))
+        if below < 0.0 < above:
+            return float(brentq(function, left, right, xtol=POSITION * guess, rtol=1e-12))
+    raise SimulationError(f"{what} was not found between {guess / 4.0:g} and {4.0 * guess:g} rad/s")
 
 
 def _no_upper_limit(rows: Rows, growth: Measured, end: float) -> Row:

@@ -8,9 +8,9 @@ import math
 import numpy as np
 import pytest
 
+from autobalancer.harness.checks.liquid_window import sign_change
 from autobalancer.harness.checks.report import as_json, table, verdict
 from autobalancer.harness.checks.row import Row, Rows
-from autobalancer.harness.checks.sign_change import sign_change
 from autobalancer.harness.errors import SimulationError
 from autobalancer.harness.output.files import write_json
 
