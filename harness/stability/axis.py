@@ -103,7 +103,7 @@ class Map(Outcome):
         """Names and units of both axes."""
         return self.x.label(self.scene), self.y.label(self.scene)
 
-    def place(self, y: int, x: int) -> tuple[float, float]:
+    def _place(self, y: int, x: int) -> tuple[float, float]:
         """Values of both axes at a point of the grid."""
         return float(self.x.values[x]), float(self.y.values[y])
 

@@ -92,7 +92,12 @@ class StabilityMap(Map):
         )
 
     def lines(self) -> Iterator[str]:
-        """What was found, in words."""
+        """What was found, in words.
+
+        >>> found = ab.load("filimonikhina").map("speed=1:6:4", "weights.drag=0.01:1:3:log")
+        >>> list(found.lines())[0]
+        '12 points: 6 balanced, 6 not, 0 where the weights cannot balance'
+        """
         failed = self.failure[self.failure != ""]
         none = int(np.isnan(self.growth).sum()) - failed.size
         yield (
@@ -125,7 +130,7 @@ class StabilityMap(Map):
                 word = "stable" if self.criterion[j, i] < 0.0 else "unstable"
             whirl = float(self.whirl[j, i]), float(self.whirl_growth[j, i])
             point = measured.get((j, i), "")
-            rows.append((*self.place(j, i), float(growth), word, point, *whirl))
+            rows.append((*self._place(j, i), float(growth), word, point, *whirl))
         growths = ("growth rate [1/s]", "criterion", "cosim growth rate [1/s]")
         heads = (*self.labels, *growths, "whirl [m]", "whirl growth rate [1/s]")
         return Sheet(heads, rows, title=self.title)

@@ -64,7 +64,7 @@ class RunMap(Map):
         for (j, i), failure in np.ndenumerate(self.failure):
             numbers = (self.residual[j, i], self.settled[j, i])
             shown = ("", "") if failure else map(float, numbers)
-            rows.append((*self.place(j, i), *shown, failure))
+            rows.append((*self._place(j, i), *shown, failure))
         heads = (*self.labels, "residual amplitude [m]", "settled", "failure")
         return Sheet(heads, rows, title=self.title)
 
