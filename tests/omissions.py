@@ -1,22 +1,17 @@
-"""What each omission saves in calls, time and memory.
+"""What each omission saves in calls and time.
 
     python -m tests.omissions
 
 Every row is one scene twice: with something that a run usually leaves out, and without it.  Times
-are the processor's for a run without loading, both ways taking turns, the smallest of several;
-memory is what Python holds at the end of a run for units and result, in a fresh process.
+are the processor's for a run without loading, both ways taking turns, the smallest of several.
 """
 
 from __future__ import annotations
 
-import json
 import math
-import subprocess
-import sys
 import time as clock
-import tracemalloc
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -58,12 +53,10 @@ class Omission:
 
 @dataclass(frozen=True)
 class Cost:
-    """FMI calls and seconds a step; Python's memory [bytes] and modules at the end."""
+    """FMI calls and seconds per step."""
 
     calls: float
     seconds: float
-    memory: int = 0
-    modules: int = 0
 
 
 def _scene(name: str, **changes: object) -> Callable[[], Scene]:
@@ -162,54 +155,23 @@ def measure(omission: Omission) -> tuple[Cost, Cost]:
             best[k] = min(best[k], prepared.run(), key=lambda cost: cost.seconds)
     for prepared in ways:
         prepared.cosim.close()
-    costs = []
-    for kind, cost in zip(("full", "lean"), best, strict=True):
-        memory, modules = in_a_process(omission, kind)
-        costs.append(replace(cost, memory=memory, modules=modules))
-    return costs[0], costs[1]
-
-
-def in_a_process(omission: Omission, kind: str) -> tuple[int, int]:
-    """Memory [bytes] and number of modules of a fresh process; `kind` is "full" or "lean"."""
-    done = subprocess.run(
-        [sys.executable, "-m", "tests.omissions", omission.what, kind],
-        capture_output=True,
-        text=True,
-        timeout=300,
-        check=True,
-    )
-    memory, modules = json.loads(done.stdout.splitlines()[-1])
-    return memory, modules
-
-
-def _child(what: str, kind: str) -> None:
-    (omission,) = [o for o in omissions() if o.what == what]
-    tracemalloc.start()
-    prepared = _Prepared(getattr(omission, kind))
-    prepared.run()
-    print(json.dumps([tracemalloc.get_traced_memory()[0], len(sys.modules)]))
-    prepared.cosim.close()
+    return best[0], best[1]
 
 
 def row(omission: Omission) -> list[str]:
     """The cells of an omission."""
     full, lean = measure(omission)
     calls = (f"{full.calls:.1f}", f"{lean.calls:.1f}")
-    ratio, less = full.seconds / lean.seconds, (full.memory - lean.memory) / 1e6
-    numbers = (f"{ratio:.2f}", f"{less:.2f}", str(full.modules - lean.modules))
-    return [omission.what, f"`{omission.scene}`", *calls, *numbers]
+    ratio = f"{full.seconds / lean.seconds:.2f}"
+    return [omission.what, f"`{omission.scene}`", *calls, ratio]
 
 
 def main() -> None:
     """Print the table."""
-    costs = ("time with/without", "MB less", "modules less")
-    columns = ("left out", "scene", "FMI calls a step with", "without", *costs)
+    columns = ("left out", "scene", "FMI calls a step with", "without", "time with/without")
     rows = [row(omission) for omission in omissions()]
-    print(f"{Sheet(columns, rows, 'llrrrrr').markdown()}\n\n{machine()}")
+    print(f"{Sheet(columns, rows, 'llrrr').markdown()}\n\n{machine()}")
 
 
 if __name__ == "__main__":
-    if len(sys.argv) == 3:
-        _child(*sys.argv[1:])
-    else:
-        main()
+    main()

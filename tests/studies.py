@@ -5,10 +5,11 @@ from __future__ import annotations
 import sys
 import time
 from collections.abc import Callable
+from dataclasses import replace
 from itertools import product
 
 import autobalancer as ab
-from autobalancer.harness.accuracy.precision.measure import Point
+from autobalancer.harness.accuracy.precision.report import cheapest
 from autobalancer.harness.checks.report import text
 from autobalancer.harness.output.table import Sheet
 
@@ -30,24 +31,8 @@ CHOICES: dict[str, tuple[dict[str, object], dict[str, bool]]] = {
 
 def one_piece() -> Sheet:
     """Cheapest way to an error: coupled in C, coupled in Python, SciPy on one system."""
-    rows = []
-    for name in (*SCENES, "liquid_disc"):
-        study = ab.load(name).precision(SECONDS)
-        for error in (1e-3, 1e-5, 1e-7, 1e-9):
-            whole = study.cheapest(error, coupled=False)
-            one = study.cheapest(error, coupled=True, one_file=True)
-            apart = study.cheapest(error, coupled=True)
-            fast = f"{whole.seconds / one.seconds:.0f}" if whole and one else "-"
-            rows.append((name, f"{error:.0e}", _way(one), _way(apart), _way(whole), fast))
-    columns = ("scene", "error", "one file", "separate FMUs", "SciPy in one piece", "times faster")
-    return Sheet(columns, rows, "lllllr")
-
-
-def _way(point: Point | None) -> str:
-    if point is None or point.seconds is None:
-        return "-"
-    family = point.method.family.removeprefix("monolith ").removesuffix(" in one file")
-    return f"{1e3 * point.seconds:.3g} ms: {family} {point.method.setting}"
+    tables = [cheapest(ab.load(name).precision(SECONDS)) for name in (*SCENES, "liquid_disc")]
+    return replace(tables[0], rows=[row for each in tables for row in each.rows])
 
 
 def bristol_check() -> Sheet:

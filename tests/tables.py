@@ -17,8 +17,8 @@ from autobalancer.harness.output.machine import machine
 FOLDER = Path(__file__).parents[1] / "harness" / "manual" / "results" / "tables"
 FILE = "FILE"  # what a command writes; else its output counts
 COMMANDS = {
-    "precision_two_balls": "autobalancer precision two_balls --all-curves --markdown FILE",
-    "precision_run_up": "autobalancer precision run_up --all-curves --markdown FILE",
+    "precision_two_balls": "autobalancer precision two_balls --markdown FILE",
+    "precision_run_up": "autobalancer precision run_up --markdown FILE",
     "stress": "autobalancer stress --markdown FILE",
     "omissions": "python -m tests.omissions",
     "tools": "python -m tests.tools",

@@ -14,11 +14,10 @@ from ..design.scenes import only_finite_weights
 from ..errors import SceneError
 from ..master.result import Result
 from ..master.run import cosimulate
-from ..output.workers import Progress
 from ..scene import Scene
-from ..scene.check import CapacityCheck
 from .row import Row, Rows
 
+POINTS, UP_TO = 13, 1.2  # unbalances from 0 on, the largest in capacities S
 RESIDUAL = 1e-3  # of the capacity: what has not settled when the run ends
 ANGLES = 1e-3  # rad: the same
 SOURCE = "Goncharov 2017 (5)"
@@ -42,7 +41,7 @@ SECTOR = 1.0  # degrees
 FASTEST = {"balls": 3, "rollers": 5}
 
 
-def check_capacity(scene: Scene, check: CapacityCheck, progress: Progress) -> Iterator[Row]:
+def check_capacity(scene: Scene, points: int = POINTS) -> Iterator[Row]:
     """Residual unbalance, as the vibration shows it, from no unbalance to more than the capacity.
 
     Raises:
@@ -58,8 +57,8 @@ def check_capacity(scene: Scene, check: CapacityCheck, progress: Progress) -> It
     weights, limit = balls.device, balls.capacity
     speed = scene.profile().speed(0.0)
     response = plane_response(scene.assembly().loaded_rotor, speed)
-    rows = Rows(scene.name, check.kind)
-    for number, part in enumerate(np.linspace(0.0, check.up_to, check.points), start=1):
+    rows = Rows(scene.name, "capacity")
+    for part in np.linspace(0.0, UP_TO, points):
         unbalance = float(part) * limit
         angles = [f"{balls.label}.weight[{k}].angle" for k in range(1, balls.count + 1)]
         result = cosimulate(
@@ -84,7 +83,6 @@ def check_capacity(scene: Scene, check: CapacityCheck, progress: Progress) -> It
                 f"{SOURCE}, turned by {turn:.4f} rad by the rotor's damping",
                 1.0,
             )
-        progress(number / check.points)
 
 
 def packed_turn(response: complex, share: float) -> float:
@@ -116,7 +114,7 @@ def _nearest(ended: np.ndarray, packed: np.ndarray) -> list[float]:
     return [float(row[np.argmin(np.abs(row))]) for row in apart]
 
 
-def check_sizes(scene: Scene, _progress: Progress) -> Iterator[Row]:
+def check_sizes(scene: Scene) -> Iterator[Row]:
     """Table 1: radius, sector and capacity of the best n weights; which number settles fastest."""
     rows = Rows(scene.name, "goncharov_table")
     source = "Goncharov 2017, Table 1"

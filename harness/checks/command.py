@@ -37,7 +37,7 @@ def command(
     Exit code 1 if a row does not hold.
     """
     from ..scene.changes import changed_scene
-    from .report import as_json, tables, verdict
+    from .report import as_json, table, verdict
     from .runner import check_all, checked_scenes
 
     loaded = [changed_scene(s, changes, quietly=True) for s in scenes or checked_scenes()]
@@ -49,8 +49,8 @@ def command(
         results = check_all(loaded, lambda name, done: bars.update(tasks[name], completed=done))
     rows = [row for result in results for row in result.rows]
     for result in results:
-        for sheet in tables(result.rows):
-            show(sheet)
+        seconds = sum(row.seconds for row in result.rows)
+        show(table(result.rows, f"{result.scene} ({seconds:.1f} s)"))
         say_facts(result.units, result.left_out)
         say("")
     say(verdict(rows), style="bold")
@@ -67,10 +67,10 @@ def _write_report(
 ) -> None:
     from ..output.report import Report
     from .pictures import draw_pictures
-    from .report import by_scene, sourced, verdict
+    from .report import table, verdict
 
     page = Report(directory, "Checks", scenes)
-    page.parts += [verdict(rows), *map(sourced, by_scene(rows).values())]
+    page.parts += [verdict(rows), *(table(r.rows, r.scene, sourced=True) for r in results)]
     page.parts += [f"{r.scene} left out: {'; '.join(r.left_out)}" for r in results if r.left_out]
     with progress_bars() as bars:
         for scene, result in zip(scenes, results, strict=True):

@@ -12,7 +12,6 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..master.run import cosimulate
-from ..output.workers import Progress
 from ..scene import Scene
 from .row import Row, Rows
 
@@ -65,7 +64,7 @@ CASES = (
 
 
 def check_contact_order(
-    scene: Scene, progress: Progress, index: int, reference: int = REFERENCE, runs: int = RUNS
+    scene: Scene, index: int, reference: int = REFERENCE, runs: int = RUNS
 ) -> Iterator[Row]:
     """Fitted order of the rotor's and the weights' motion in one of `CASES`.
 
@@ -76,12 +75,10 @@ def check_contact_order(
     rows, scene = Rows(scene.name, "contact_order"), scene.replace(case.changes)
     exact = _motions(scene, case, reference, runs)
     largest = float(np.abs(exact[:, :, :2]).max())
-    progress(0.5)
     errors = []
     for steps in case.steps:
         off = np.abs(_motions(scene, case, steps, runs) - exact).max(axis=1)
         errors.append([off[:, :2].max(axis=1).mean() / largest, off[:, 2:].max(axis=1).mean()])
-    progress(1.0)
     settings = ", ".join(map(str, case.steps))
     for name, column in zip(("rotor", "weights"), np.array(errors).T, strict=True):
         order = -float(np.polyfit(np.log(case.steps), np.log(column), 1)[0])

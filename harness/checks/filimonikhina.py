@@ -12,7 +12,6 @@ from ...models.papers.tables import TABLE_1, TABLE_2, TableRow
 from ...models.stability import growth_rates
 from ...models.weights import Weights
 from ..errors import SceneError
-from ..output.workers import Progress
 from ..scene import Scene
 from ..stability.boundaries import speeds
 from ..stability.speeds import Speeds
@@ -30,7 +29,7 @@ SEARCHED = 41  # speeds across a band: near its worst one will do, to see it gro
 PRINTED = 5e-4  # relative, of the criterion's roots as printed
 
 
-def check_row(scene: Scene, progress: Progress, index: int) -> Iterator[Row]:
+def check_row(scene: Scene, index: int) -> Iterator[Row]:
     """One row of both tables, counted from 0: the criterion's roots, every interval, every speed.
 
     Raises:
@@ -39,7 +38,6 @@ def check_row(scene: Scene, progress: Progress, index: int) -> Iterator[Row]:
     row = TABLES[index]
     number = index + 1 if row.table == 1 else index + 1 - len(TABLE_1)
     yield from rows_of(number, *variant(scene, row), row)
-    progress(1.0)
 
 
 def variant(scene: Scene, row: TableRow) -> tuple[Scene, float]:

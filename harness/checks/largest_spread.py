@@ -10,7 +10,6 @@ from ...models.papers.settling import settling_time, slow_root
 from ...models.papers.touching import facing_measure
 from ..design.scenes import drag_limit, sized, weights_of, weights_with_slow_root
 from ..design.settling import SETTLED_UNBALANCE, Batch, run_batch
-from ..output.workers import Progress, Workers, in_order
 from ..scene import Scene
 from .row import Row, Rows
 from .slow_root import MOST, WIDTH
@@ -23,11 +22,7 @@ REVOLUTIONS = 500
 
 
 def check_largest_spread(
-    scene: Scene,
-    progress: Progress,
-    workers: Workers = 1,
-    most: int = MOST,
-    revolutions: float = REVOLUTIONS,
+    scene: Scene, most: int = MOST, revolutions: float = REVOLUTIONS
 ) -> Iterator[Row]:
     """The slower of both ways in which the unbalance changes a little, for every number."""
     rows = Rows(scene.name, "largest_spread")
@@ -35,7 +30,7 @@ def check_largest_spread(
     scene = scene.replace({"run.revolutions": revolutions})
     scenes = sized(scene, range(2, most + 1), 0.0, width=WIDTH[kind])
     work = [b for s in scenes.values() for b in _both_ways(s)]
-    seconds = [run.seconds for (run,) in in_order(run_batch, work, workers, progress)]
+    seconds = [run.seconds for (run,) in map(run_batch, work)]
     slower: dict[int, float] = {}
     for (count, one), *pair in zip(scenes.items(), seconds[::2], seconds[1::2], strict=True):
         fast, slower[count] = sorted(pair)

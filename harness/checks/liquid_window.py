@@ -11,16 +11,14 @@ import math
 from collections.abc import Callable, Iterator
 
 import numpy as np
+from scipy.optimize import brentq
 
 from ...models.papers.window import OPEN_END, LiquidWindow
-from ..errors import SceneError
+from ..errors import SceneError, SimulationError
 from ..master.revolution import Revolution
-from ..output.workers import Progress
 from ..scene import Scene
-from ..scene.check import LiquidWindowCheck
 from .proved import window_rows
 from .row import Row, Rows
-from .sign_change import sign_change
 
 # relative; in brackets the largest error over the bundled scenes: that of the coupling, where the
 # liquid's inertia goes as a force; as added mass none is above 2e-9
@@ -28,8 +26,11 @@ BOUNDARY_TOLERANCE = 1e-4  # of w_* and w^* (3e-6)
 GROWTH_TOLERANCE = 1e-3  # of growth rates (9e-5)
 BENDING_TOLERANCE = 1e-5  # (7e-10)
 PHASE_TOLERANCE = 1e-5  # rad (9e-10)
+SPEEDS = 20  # across the window, at which bending and phase are compared
 GROWTH_SPEEDS = (0.9, 0.97, 1.03, 1.1)  # fractions of w^*, both sides of it
 OPEN_SPAN, OPEN_SPEEDS = 50.0, 25  # of it, end over start: from far below w_*; every 17 %
+WIDTHS = (0.02, 0.1, 0.3, 1.0, 3.0)  # of a guess: narrow first, for another change may be near
+POSITION = 1e-10  # of a guess: far below any tolerance of a row
 BESIDE = 1e-3  # relative: so near a speed of contact, rounding decides whether the float touches
 
 LOWER, UPPER, STEADY = (f"Dubovik 2006 ({number})" for number in (11, 10, 6))
@@ -67,16 +68,14 @@ def largest_growth(units: Revolution, speed: float) -> float:
     return float(units.growth_rates(speed, np.zeros(len(units.states)))[0])
 
 
-def check_liquid_window(
-    scene: Scene, check: LiquidWindowCheck, progress: Progress
-) -> Iterator[Row]:
+def check_liquid_window(scene: Scene) -> Iterator[Row]:
     """Rows (a) w_*, (b) w^*, (c) bending and phase across the window, (d) growth rates.
 
     Raises:
         SceneError: the scene is not one rotor in a plane with one liquid balancer, or balanced.
     """
     window = window_of(scene)
-    rows = Rows(scene.name, check.kind)
+    rows = Rows(scene.name, "liquid_window")
     turned = np.exp(-1j * np.angle(scene.assembly().rotor.unbalance[0]))
     alone = scene.without_balancers()
     with Revolution(scene, separate=True) as loaded, Revolution(alone, separate=True) as bare:
@@ -94,10 +93,9 @@ def check_liquid_window(
         yield rows.number(
             "lower boundary w_* [rad/s]", window.lower, lower, BOUNDARY_TOLERANCE, LOWER
         )
-        progress(0.2)
         upper = None
         if window.upper is None:
-            yield _no_upper_limit(rows, growth, check.up_to or OPEN_END * window.lower)
+            yield _no_upper_limit(rows, growth, OPEN_END * window.lower)
         else:
             upper = sign_change(growth, window.upper, "w^*, where rotation becomes unstable")
             yield rows.number(
@@ -105,16 +103,29 @@ def check_liquid_window(
             )
             yield _window(rows, window, lower, upper)
         yield from window_rows(rows, scene, window, lower, upper, BOUNDARY_TOLERANCE)
-        progress(0.4)
-        end = upper if upper and upper > lower else check.up_to or OPEN_END * lower
-        speeds = np.linspace(lower, end, check.speeds)
+        end = upper if upper and upper > lower else OPEN_END * lower
+        speeds = np.linspace(lower, end, SPEEDS)
         motion = turned * np.array([steady_displacement(loaded, speed) for speed in speeds])
         yield from _bending(rows, window, speeds, motion)
-        progress(0.8)
         if upper is not None:
             yield _growth(rows, growth, window, upper)
         yield _contact(rows, bending, window, speeds, np.abs(motion))
-    progress(1.0)
+
+
+def sign_change(function: Measured, guess: float, what: str) -> float:
+    """Speed at which a measured function changes sign, searched outward from a guess [rad/s].
+
+    A function that is zero, or not a number, at an end of the range searched has no sign there.
+
+    Raises:
+        SimulationError: no change of sign from a quarter of the guess to four times it.
+    """
+    for width in WIDTHS:
+        left, right = guess / (1.0 + width), guess * (1.0 + width)
+        below, above = sorted((function(left), function(right)))
+        if below < 0.0 < above:
+            return float(brentq(function, left, right, xtol=POSITION * guess, rtol=1e-12))
+    raise SimulationError(f"{what} was not found between {guess / 4.0:g} and {4.0 * guess:g} rad/s")
 
 
 def _no_upper_limit(rows: Rows, growth: Measured, end: float) -> Row:

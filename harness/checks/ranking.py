@@ -13,7 +13,6 @@ from ..design.recommendation import by_measure, by_median, contradicted, order, 
 from ..design.scenes import batches, weights_with_slow_root
 from ..design.settling import run_batch
 from ..master.schedule import steps_per_rev
-from ..output.workers import Progress, Workers, in_order
 from ..scene import Scene
 from .row import Row, Rows
 from .slow_root import MOST, WIDTH, decay_rows
@@ -23,12 +22,7 @@ SOURCE = "Goncharov 2017, 5.4.3, Fig. 7"
 
 
 def check_ranking(
-    scene: Scene,
-    progress: Progress,
-    workers: Workers = 1,
-    most: int = MOST,
-    starts: int = 200,
-    halved: int = 4,
+    scene: Scene, most: int = MOST, starts: int = 200, halved: int = 4
 ) -> Iterator[Row]:
     """The fastest number, the order, decay rates, and what the communication step leaves.
 
@@ -38,21 +32,17 @@ def check_ranking(
         halved: starts of every number that are repeated with steps of half the length.
     """
     rows = Rows(scene.name, "goncharov_ranking")
-    share = 1.0 - 2.0 * halved / (starts + 2.0 * halved)
     data = design(
         scene,
         width=WIDTH[weights_with_slow_root(scene).kind],
         counts=range(2, most + 1),
         starts=starts,
-        workers=workers,
-        progress=lambda done: progress(share * done),
     )
     yield from _order(data, rows)
     found = data.decays
     if any(one.dominant for one in found):
         yield from decay_rows(found, rows)
-    yield _halved(halved, data, rows, workers)
-    progress(1.0)
+    yield _halved(halved, data, rows)
 
 
 def _order(data: Design, rows: Rows) -> Iterator[Row]:
@@ -79,7 +69,7 @@ def _order(data: Design, rows: Rows) -> Iterator[Row]:
     )
 
 
-def _halved(count: int, data: Design, rows: Rows, workers: Workers) -> Row:
+def _halved(count: int, data: Design, rows: Rows) -> Row:
     """Settling times of the first starts with half the step against those of the study."""
     coarse, work = [], []
     for choice in data.with_capacity:
@@ -88,7 +78,7 @@ def _halved(count: int, data: Design, rows: Rows, workers: Workers) -> Row:
         for batch in batches(fine, data.unbalance, count):
             work += [replace(batch, starts=(start,)) for start in batch.starts]
         coarse += [run.seconds for run in choice.runs[:count]]
-    again = [run.seconds for runs in in_order(run_batch, work, workers) for run in runs]
+    again = [run.seconds for runs in map(run_batch, work) for run in runs]
     times = np.array([coarse, again])
     settled = np.isfinite(times)
     both, lost = settled.all(axis=0), int((settled[0] != settled[1]).sum())

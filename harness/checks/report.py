@@ -26,24 +26,16 @@ def as_json(rows: Sequence[Row]) -> dict[str, Any]:
     return {"holds": holds, "rows": [plain(asdict(row)) for row in rows]}
 
 
-def table(rows: Sequence[Row], title: str) -> Sheet:
-    """The rows of one scene."""
-    cells = [[*_cells(row), "yes" if row.holds else "NO"] for row in rows]
-    return Sheet(COLUMNS, cells, "llrrrrl", title, {"holds": {"yes": GOOD, "NO": BAD}})
-
-
-def _cells(row: Row) -> list[str]:
-    """All but the last of `COLUMNS`."""
-    numbers = (text(row.expected), text(row.measured), text(row.error, 2), text(row.tolerance, 2))
-    return [row.check, row.quantity, *numbers]
-
-
-def by_scene(rows: Sequence[Row]) -> dict[str, list[Row]]:
-    """Rows grouped by scene, in order."""
-    groups: dict[str, list[Row]] = {}
+def table(rows: Sequence[Row], title: str, *, sourced: bool = False) -> Sheet:
+    """The rows of one scene; with time and source of each where `sourced`."""
+    cells = []
     for row in rows:
-        groups.setdefault(row.scene, []).append(row)
-    return groups
+        numbers = text(row.expected), text(row.measured), text(row.error, 2), text(row.tolerance, 2)
+        cells.append([row.check, row.quantity, *numbers, "yes" if row.holds else "NO"])
+        cells[-1] += [f"{row.seconds:.2f}", row.source] * sourced
+    columns = (*COLUMNS, *("seconds", "source") * sourced)
+    colours = {"holds": {"yes": GOOD, "NO": BAD}}
+    return Sheet(columns, cells, "llrrrrl" + "rl" * sourced, title, colours)
 
 
 def verdict(rows: Sequence[Row]) -> str:
@@ -54,18 +46,3 @@ def verdict(rows: Sequence[Row]) -> str:
     if not bad:
         return f"All {len(rows)} rows hold."
     return f"{len(bad)} of {len(rows)} rows do NOT hold."
-
-
-def tables(rows: Sequence[Row]) -> list[Sheet]:
-    """One for every scene."""
-    return [
-        table(members, f"{scene} ({sum(row.seconds for row in members):.1f} s)")
-        for scene, members in by_scene(rows).items()
-    ]
-
-
-def sourced(rows: Sequence[Row]) -> Sheet:
-    """The rows of one scene with time and source."""
-    cells = [[*_cells(r), "yes" if r.holds else "NO", f"{r.seconds:.2f}", r.source] for r in rows]
-    columns, colours = (*COLUMNS, "seconds", "source"), {"holds": {"yes": GOOD, "NO": BAD}}
-    return Sheet(columns, cells, "llrrrrlrl", rows[0].scene, colours)

@@ -13,7 +13,6 @@ from functools import partial
 
 import numpy as np
 
-from ..output.workers import Progress
 from ..scene import Scene, load_scene
 from .rig_data import SOURCE, Curve, at, bearings, chosen, response, steady
 from .rig_sweeps import sweep_rows
@@ -36,7 +35,7 @@ HIGH = (4000.0, 4500.0, 5000.0)  # rpm, above the resonances
 PROMINENT = 0.03  # mm, of a peak: ten times the scatter between neighbours
 
 
-def check_rig(scene: Scene, progress: Progress, rows_of: str) -> Iterator[Row]:
+def check_rig(scene: Scene, rows_of: str) -> Iterator[Row]:
     """Rows of one of `GROUPS`.
 
     Raises:
@@ -44,7 +43,6 @@ def check_rig(scene: Scene, progress: Progress, rows_of: str) -> Iterator[Row]:
         SimulationError: a run has failed.
     """
     yield from GROUPS[rows_of](scene, Rows(scene.name, "rig"))
-    progress(1.0)
 
 
 def _as_points(scene: Scene) -> Scene:

@@ -4,11 +4,8 @@ from __future__ import annotations
 
 import itertools
 from concurrent.futures import ThreadPoolExecutor
-from pathlib import Path
 
-from matplotlib.figure import Figure
-
-from ..output.plot import save
+from ..output.picture import GREY, Line, Panel, Picture, PlotAxis, colour
 from ..scene import Scene
 from .rig_data import RATE, Curve, response, swept
 from .rig_sweeps import FITTED_DRAG
@@ -16,10 +13,10 @@ from .rig_sweeps import FITTED_DRAG
 WASHERS = range(5)
 STEPS = {"coupling.steps_per_rev": 20}  # enough for a picture
 RANGE = (1050.0, 5300.0)  # rpm
-COLOURS = {0: "tab:gray", 2: "tab:blue"}  # by number of balls
+COLOURS = {0: GREY, 2: colour(0)}  # by number of balls
 
 
-def plot_rig(scene: Scene, _check: object, path: Path) -> Path:
+def plot_rig(scene: Scene) -> Picture:
     """Amplitude against speed on the way up and down, with and without balls.
 
     Points are measured, lines co-simulated sweeps at the rig's rate.
@@ -33,22 +30,17 @@ def plot_rig(scene: Scene, _check: object, path: Path) -> Path:
 
     with ThreadPoolExecutor(len(ways)) as executor:
         sweeps = dict(zip(ways, executor.map(sweep, ways), strict=True))
-    figure = Figure(figsize=(12.0, 15.0), layout="constrained")
-    grid = figure.subplots(len(WASHERS), 2, sharex=True, sharey=True)
-    for (balls, falling), curves in sweeps.items():
-        name = f"{balls} balls" if balls else "no balls"
-        for washers, (speeds, amplitude) in curves.items():
-            axes, colour = grid[washers, int(falling)], COLOURS[balls]
+    across = PlotAxis(f"speed, changing by {RATE:g} rpm/s", "rpm", limits=RANGE)
+    upward = PlotAxis("amplitude", "mm", log=True, limits=(3e-3, 2.0))
+    panels = []
+    for washers, falling in itertools.product(WASHERS, (False, True)):
+        lines = []
+        for balls, shade in COLOURS.items():
+            name = f"{balls} balls" if balls else "no balls"
             points = response(washers, balls, falling=falling)
-            axes.plot(*points, ".", color=colour, ms=3, alpha=0.6, label=f"{name}, measured")
-            axes.plot(speeds, amplitude, color=colour, lw=1.2, label=f"{name}, co-simulated")
-            axes.set_title(f"{washers} washers, speed {'falling' if falling else 'rising'}")
-    for axes in grid.flat:
-        axes.set(yscale="log", xlim=RANGE, ylim=(3e-3, 2.0))
-        axes.grid(which="both", alpha=0.25)
-    for axes in grid[:, 0]:
-        axes.set_ylabel("amplitude [mm]")
-    for axes in grid[-1]:
-        axes.set_xlabel(f"speed [rpm], changing by {RATE:g} rpm/s")
-    grid[0, 0].legend(fontsize="small")
-    return save(figure, path)
+            lines.append(Line(points, f"{name}, measured", shade, "dots"))
+            curve = sweeps[balls, falling][washers]
+            lines.append(Line(curve, f"{name}, co-simulated", shade, width=1.2))
+        heading = f"{washers} washers, speed {'falling' if falling else 'rising'}"
+        panels.append(Panel((across, upward), lines, title=heading))
+    return Picture(scene.heading, panels, columns=2, height=2.8, width=6.0)

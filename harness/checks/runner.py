@@ -3,22 +3,24 @@
 from __future__ import annotations
 
 import os
+from collections import Counter
 from collections.abc import Sequence
+from contextlib import closing
 from dataclasses import dataclass, replace
-from itertools import chain, islice
+from itertools import chain
 from pathlib import Path
 from typing import Any
 
-from ..errors import SceneError, SimulationError
+from ..errors import SimulationError
 from ..master.left_out import left_out
 from ..master.plan import plan
 from ..output.outcome import Outcome
 from ..output.table import Sheet
-from ..output.workers import ItemProgress, Progress, Workers
+from ..output.workers import Failed, ItemProgress, Kinds, Progress, Workers, as_they_come
 from ..scene import Scene, bundled_scenes, load_scene
-from .registry import parts_of, run_checks, run_parts
+from .registry import CheckPart, parts_of
 from .report import as_json, table
-from .row import Row
+from .row import Row, Rows
 
 
 @dataclass(frozen=True, repr=False)
@@ -56,8 +58,9 @@ def check(source: Scene | str | Path, progress: Progress | None = None) -> list[
     True
     """
     scene = source if isinstance(source, Scene) else load_scene(source)
-    _refuse_unchecked(scene)
-    return run_checks(scene, progress)
+    moved = None if progress is None else (lambda _scene, done: progress(done))
+    (found,) = check_all([scene], moved, workers=1, isolate=())
+    return list(found.rows)
 
 
 def checked_scenes() -> list[Scene]:
@@ -70,37 +73,43 @@ def check_all(
     scenes: Sequence[Scene],
     progress: ItemProgress | None = None,
     workers: Workers | None = None,
+    isolate: Kinds = (SimulationError,),
 ) -> list[SceneReport]:
     """Check many scenes, all their checks side by side; results in the scenes' order.
-
-    A run that cannot be completed becomes a row that does not hold, so that the others are seen.
 
     Args:
         progress: called with a scene's name and its finished fraction.
         workers: processes, by default as many as there are cores, or an executor.
+        isolate: exceptions of a check that become a row that does not hold, so that the others are
+            seen.
 
     Raises:
         UserError: a scene or an FMU is wrong.
     """
-    for scene in scenes:
-        _refuse_unchecked(scene)
-    parts = [parts_of(scene) for scene in scenes]
-    owners = [number for number, some in enumerate(parts) for _ in some]
-
-    def report(index: int, done: list[float]) -> None:
-        if progress:
+    split = [parts_of(scene) for scene in scenes]
+    parts, owners = list(chain(*split)), [i for i, some in enumerate(split) for _ in some]
+    left = Counter(owners)
+    found: dict[int, list[Row]] = {}
+    work = as_they_come(CheckPart.rows, parts, workers or os.cpu_count() or 1, isolate)
+    with closing(work) as ready:
+        for index, outcome in ready:
+            found[index] = _lost(outcome) if isinstance(outcome, Failed) else outcome
             number = owners[index]
-            shares = [one for one, owner in zip(done, owners, strict=True) if owner == number]
-            progress(scenes[number].name, sum(shares) / len(shares))
-
-    cores = os.cpu_count() or 1
-    ready = iter(run_parts(list(chain(*parts)), workers or cores, report, (SimulationError,)))
+            left[number] -= 1
+            if progress:
+                progress(scenes[number].name, 1.0 - left[number] / len(split[number]))
     reports = []
-    for scene, name, some in zip(scenes, unique_names(scenes), parts, strict=True):
-        rows = tuple(replace(row, scene=name) for row in chain(*islice(ready, len(some))))
-        left = tuple(left_out(scene, ["all"]))
-        reports.append(SceneReport(name, scene.title, rows, plan(scene).files, left))
+    for number, (scene, name) in enumerate(zip(scenes, unique_names(scenes), strict=True)):
+        mine = [found[index] for index, owner in enumerate(owners) if owner == number]
+        rows = tuple(replace(row, scene=name) for row in chain(*mine))
+        left_out_of = tuple(left_out(scene, ["all"]))
+        reports.append(SceneReport(name, scene.title, rows, plan(scene).files, left_out_of))
     return reports
+
+
+def _lost(failed: Failed[CheckPart]) -> list[Row]:
+    rows = Rows(failed.item.scene.name, failed.item.kind)
+    return [rows.statement("run", "completed", str(failed.error), False, "")]
 
 
 def unique_names(scenes: Sequence[Scene]) -> list[str]:
@@ -115,11 +124,3 @@ def unique_names(scenes: Sequence[Scene]) -> list[str]:
         number = places.index(place) + 1
         names.append(scene.name if number == 1 else f"{scene.name}-{number}")
     return names
-
-
-def _refuse_unchecked(scene: Scene) -> None:
-    if not scene.checks:
-        raise SceneError(
-            f"{scene.path or scene.name}: nothing to check: add a [[check]] table, for example "
-            'kind = "liquid_window"'
-        )

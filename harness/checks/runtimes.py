@@ -8,28 +8,27 @@ import numpy as np
 
 from ..master.run import cosimulate
 from ..master.runtime import runtime
-from ..output.workers import Progress
 from ..scene import Scene
-from ..scene.check import RuntimesCheck
 from .row import Row, Rows
 
+REVOLUTIONS = 20.0  # of the two runs
 SIGNAL_ROUNDING = 1e-12  # of a signal's range: sums in another order, over some ten thousand steps
 SOURCE = "the same scene on the units in Python"
 
 
-def check_runtimes(scene: Scene, check: RuntimesCheck, progress: Progress) -> Iterator[Row]:
+def check_runtimes(scene: Scene) -> Iterator[Row]:
     """Every recorded signal of a run on native units, over its own range.
 
     Raises:
         SimulationError: a run cannot be completed.
     """
-    rows = Rows(scene.name, check.kind)
-    quantity = f"native and Python units over {check.revolutions:g} revolutions"
+    rows = Rows(scene.name, "runtimes")
+    quantity = f"native and Python units over {REVOLUTIONS:g} revolutions"
     served = runtime("native")
     if served.backend != "native":
         yield rows.statement(quantity, "compared", f"not compared: {served.note}", False, SOURCE)
         return
-    short = scene.replace({"run.revolutions": check.revolutions})
+    short = scene.replace({"run.revolutions": REVOLUTIONS})
     native, python = (
         cosimulate(short.replace({"coupling.units": u}), separate=True)
         for u in ("native", "python")

@@ -8,7 +8,6 @@ from ..design.decay import Decay
 from ..design.recommendation import deviations, excluded
 from ..design.scenes import batches, sized, weights_with_slow_root
 from ..design.settling import facing_start, run_batch
-from ..output.workers import Progress, Workers, in_order
 from ..scene import Scene
 from .row import Row, Rows
 
@@ -21,20 +20,14 @@ REVOLUTIONS = 1000  # the slowest motions are the ones wanted
 
 
 def check_slow_root(
-    scene: Scene,
-    progress: Progress,
-    workers: Workers = 1,
-    most: int = MOST,
-    starts: int = 20,
-    revolutions: float = REVOLUTIONS,
+    scene: Scene, most: int = MOST, starts: int = 20, revolutions: float = REVOLUTIONS
 ) -> Iterator[Row]:
     """Fitted rates of runs from two groups face to face, where p is large and (1) decides."""
     rows, kind = Rows(scene.name, "slow_root"), weights_with_slow_root(scene).kind
     amount, scene = UNBALANCE[kind], scene.replace({"run.revolutions": revolutions})
     scenes = sized(scene, range(2, most + 1), amount, width=WIDTH[kind])
     work = [b for s in scenes.values() for b in batches(s, amount, starts, facing_start)]
-    outcomes = in_order(run_batch, work, workers, progress)
-    found = [run.decay for runs in outcomes for run in runs if run.decay]
+    found = [run.decay for runs in map(run_batch, work) for run in runs if run.decay]
     yield from decay_rows(found, rows)
 
 

@@ -10,43 +10,40 @@ from ...models.sommerfeld import Resonance
 from ..errors import SceneError
 from ..master.result import Result
 from ..master.run import cosimulate
-from ..output.workers import Progress
 from ..scene import Scene
-from ..scene.check import SommerfeldCheck
 from .row import Row, Rows
 
 SOURCE = "Sommerfeld 1902: L(w) w = power of damping"
 SPEED, BENDING = 1e-4, 1e-3  # as near as a run comes that creeps to where it is caught
+WITHIN = 0.01  # how far below and above the limit the motors are, as a share of it
 LATE = 0.2  # of a run, over which it is judged
 
 
-def check_sommerfeld(scene: Scene, check: SommerfeldCheck, progress: Progress) -> Iterator[Row]:
+def check_sommerfeld(scene: Scene) -> Iterator[Row]:
     """Rotor alone and with its balancers, each with a motor a little below the limit and above it.
 
     Raises:
         SceneError: the scene has no motor with `stall_torque`, or no closed form.
     """
-    rows = Rows(scene.name, check.kind)
-    variants = variants_of(scene)
-    for done, (name, variant, resonance) in enumerate(variants, start=1):
+    rows = Rows(scene.name, "sommerfeld")
+    for name, variant, resonance in variants_of(scene):
         limit, peak = resonance.limit()
-        weak, strong = ((1.0 + sign * check.within) * limit for sign in (-1.0, 1.0))
+        weak, strong = ((1.0 + sign * WITHIN) * limit for sign in (-1.0, 1.0))
         result, whirl = run_with(variant, weak)
         speed, expected = float(result["motor.speed"][-1]), resonance.caught_at(weak)
-        torque = f"{name}, {1.0 - check.within:g} of the limit torque"
+        torque = f"{name}, {1.0 - WITHIN:g} of the limit torque"
         yield rows.number(f"{torque}: speed [rad/s]", expected, speed, SPEED, SOURCE)
         bending = float(resonance.amplitude(expected))
         yield rows.number(f"{torque}: bending [m]", bending, whirl, BENDING, SOURCE)
         result, _ = run_with(variant, strong)
         speed = float(result["motor.speed"][-1])
         yield rows.statement(
-            f"{name}, {1.0 + check.within:g} of the limit torque, {limit:.6g} N m",
+            f"{name}, {1.0 + WITHIN:g} of the limit torque, {limit:.6g} N m",
             f"passes {peak:.5g} rad/s",
             f"{'passes' if speed > 1.1 * peak else 'stays'}, {speed:.5g} rad/s",
             speed > 1.1 * peak,
             SOURCE,
         )
-        progress(done / len(variants))
 
 
 def variants_of(scene: Scene) -> list[tuple[str, Scene, Resonance]]:

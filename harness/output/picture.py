@@ -17,6 +17,7 @@ from ...models.arrays import Array
 # Okabe and Ito's colours, told apart by colour-blind people and in grey
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")
 GREY = "#767676"
+Style = Literal["solid", "dashed", "dotted", "dots", "marks"]  # of a line
 
 
 def colour(number: int) -> str:
@@ -62,7 +63,7 @@ class Line:
     points: tuple[Array, ...]
     label: str = ""
     colour: str = COLOURS[0]
-    style: Literal["solid", "dashed", "dotted", "dots", "marks"] = "solid"
+    style: Style = "solid"
     width: float = 1.3
     texts: tuple[str, ...] = ()
     text_colour: str = "#000000"

@@ -1,27 +1,76 @@
-"""The rotor alone: its modes and critical speeds as a table, its pictures by their kinds."""
+"""The rotor alone: natural frequencies, Campbell diagram, unbalance response, run-up.
+
+Curves come from the rotor's equations, points and motions from its co-simulated unit.
+"""
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, ClassVar, Literal, get_args
+from typing import Any, ClassVar, Literal, get_args
+
+import numpy as np
+from numpy.typing import NDArray
 
 from ...models.arrays import Array
-from ...models.linear.modes import Campbell, Modes, critical_speeds, speeds_of_interest
+from ...models.linear.modes import (
+    Campbell,
+    Modes,
+    campbell,
+    critical_speeds,
+    modes,
+    speeds_of_interest,
+)
+from ...models.linear.synchronous import synchronous
+from ...models.papers.influence import influence
 from ..errors import UserError
+from ..master.names import stations
+from ..master.revolution import Revolution
+from ..master.run import cosimulate
 from ..output.outcome import Outcome
+from ..output.picture import Picture
 from ..output.table import Sheet
 from ..scene import Scene
 from ..scene.quantities import LARGEST
 from ..units import in_both, si_number
-from . import study
 
-if TYPE_CHECKING:
-    from ..output.picture import Picture
-    from ..output.plot import Drawing
+CURVE_POINTS = 400
+MEASURED_POINTS = 16
+RUN_UP_REVOLUTIONS = 100  # slow enough for resonances to show, short enough to wait for
 
 Kind = Literal["modes", "campbell", "response", "polar", "run-up"]
+
+
+@dataclass(frozen=True, eq=False)
+class UnbalanceResponse:
+    """Steady vibration by unbalance of the rotor without balancers.
+
+    Attributes:
+        speeds, amplitude: (m,) and (m, 2, n) complex, x and y of every station, 0-peak: x =
+            Re(A e^{i angle}) by the equations [rad/s, m].
+        points, measured: (k,), (k, 2, n), the same by the co-simulated unit.
+    """
+
+    speeds: Array
+    amplitude: NDArray[np.complexfloating]
+    points: Array
+    measured: NDArray[np.complexfloating]
+
+
+@dataclass(frozen=True, eq=False)
+class RunUpMotion:
+    """Displacement while the speed rises.
+
+    Attributes:
+        seconds: duration of the rise.
+        run: with the balancers, speeds (m,) [rad/s] and sqrt(x^2 + y^2) (m, n) [m].
+        alone: the same without them; None where the scene has none.
+    """
+
+    seconds: float
+    run: tuple[Array, Array]
+    alone: tuple[Array, Array] | None
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -48,29 +97,61 @@ class RotorAnalysis(Outcome):
     def campbell(self) -> Campbell:
         """Modes over the range of speeds.
 
+        Raises:
+            UserError: a mode is overdamped in part of the range.
+
         >>> found = ab.load("drum").rotor(5.0, 200.0)
         >>> found.campbell().whirl.shape  # speeds, modes
         (400, 4)
         """
-        return study.campbell_of(self.scene, self.low, self.high)[0]
+        speeds = np.linspace(self.low, self.high, CURVE_POINTS)
+        try:
+            return campbell(self.scene.assembly().rotor, speeds.tolist())
+        except ValueError as error:
+            raise UserError(f"{self.low:g} to {self.high:g} rad/s: {error}") from error
 
-    def response(self) -> study.UnbalanceResponse:
+    def response(self) -> UnbalanceResponse:
         """Steady vibration by unbalance over the range, by equations and by the unit.
+
+        Raises:
+            UserError: the rotor has no unbalance, or no damping at a critical speed.
 
         >>> found = ab.load("drum").rotor(5.0, 200.0)
         >>> found.response().amplitude.shape  # speeds, stations, axes
         (400, 2, 2)
         """
-        return study.response_of(self.scene, self.low, self.high)
+        rotor = self.scene.assembly().rotor
+        if not np.abs(rotor.unbalance).any():
+            name = self.scene.path or self.scene.name
+            raise UserError(f"{name}: rotor: has no unbalance to respond to")
+        each = np.eye(rotor.stations)
+        speeds, points = (
+            np.linspace(self.low, self.high, count) for count in (CURVE_POINTS, MEASURED_POINTS)
+        )
+        try:
+            curve = [influence(rotor, float(w), each) @ rotor.unbalance for w in speeds]
+        except ValueError as error:
+            raise UserError(str(error)) from error
+        with Revolution(self.scene.without_balancers()) as units:
+            measured = [_steady(units, float(w)) for w in points]
+        return UnbalanceResponse(speeds, np.array(curve), points, np.array(measured))
 
-    def run_up(self) -> study.RunUpMotion:
+    def run_up(self) -> RunUpMotion:
         """Displacement while the speed rises through the range, with and without balancers.
 
         >>> found = ab.load("drum").rotor(5.0, 200.0)
         >>> found.run_up().seconds > 0.0
         True
         """
-        return study.run_up_of(self.scene, self.low, self.high)
+        seconds = 2.0 * (2.0 * math.pi * RUN_UP_REVOLUTIONS) / (self.low + self.high)
+        rising = self.scene.replace(
+            {
+                "operation.run_up": {"from": self.low, "to": self.high, "seconds": seconds},
+                "run.revolutions": RUN_UP_REVOLUTIONS,
+            }
+        )
+        alone = _displacement(rising.without_balancers()) if self.scene.balancer else None
+        return RunUpMotion(seconds, _displacement(rising), alone)
 
     def table(self) -> Sheet:
         """Natural frequency, damping and whirl of every mode."""
@@ -105,8 +186,9 @@ class RotorAnalysis(Outcome):
 
 def analyse(scene: Scene, low: float | str | None, high: float | str | None) -> RotorAnalysis:
     """See `Scene.rotor`."""
-    assembly = scene.assembly()
-    ends = speeds_of_interest(assembly.rotor, scene.profile().end)
+    scene.refuse_friction("modes are those")
+    assembly, speed = scene.assembly(), scene.profile().end
+    ends = speeds_of_interest(assembly.rotor, speed)
     given = (end if one is None else one for one, end in zip((low, high), ends, strict=True))
     first, last = (si_number(one, "rad/s", "range:") for one in given)
     if not 0.0 < first < last <= LARGEST:
@@ -114,12 +196,10 @@ def analyse(scene: Scene, low: float | str | None, high: float | str | None) -> 
             f"--range {first:g} {last:g}: must be two speeds [rad/s], 0 < LOW < HIGH <= {LARGEST:g}"
         )
     critical = [critical_speeds(rotor) for rotor in (assembly.rotor, assembly.loaded_rotor)]
-    return RotorAnalysis(scene, first, last, study.modes_at(scene), *critical)
+    return RotorAnalysis(scene, first, last, modes(assembly.rotor, speed), *critical)
 
 
-def draw(
-    found: RotorAnalysis, path: Path | None, kind: Kind = "campbell"
-) -> Path | Drawing | Picture:
+def draw(found: RotorAnalysis, path: Path | None, kind: Kind = "campbell") -> Path | Picture:
     """A picture of a kind: modes, campbell, response, polar, or run-up.
 
     Raises:
@@ -128,15 +208,38 @@ def draw(
     from ..master.pictures.in_space import mode_shapes
     from . import plot
 
-    if kind == "campbell":
-        curves = study.campbell_of(found.scene, found.low, found.high)
-        return plot.plot_campbell(*curves, found.scene.heading, path)
-    if kind == "response":
-        return plot.plot_response(found.response(), path)
-    if kind == "run-up":
-        return plot.plot_run_up(found.run_up(), path)
-    if kind not in ("modes", "polar"):
+    if kind not in get_args(Kind):
         raise UserError(f"kind {kind!r}: must be one of {', '.join(get_args(Kind))}")
-    in_space = kind == "modes"
-    picture = mode_shapes(found.scene) if in_space else plot.polar_response(found.response())
+    pictures = {
+        "campbell": plot.campbell_diagram,
+        "response": plot.response_curves,
+        "polar": plot.polar_response,
+        "run-up": plot.run_up_curves,
+        "modes": lambda found: mode_shapes(found.scene),
+    }
+    picture = pictures[kind](found)
     return picture if path is None else picture.save(path)
+
+
+def _displacements(count: int) -> list[str]:
+    """x of all stations, then y."""
+    return [f"{prefix}{axis}" for axis in "xy" for prefix in stations(count)]
+
+
+def _steady(units: Revolution, speed: float) -> NDArray[np.complexfloating]:
+    """Synchronous amplitude (2, n) of the revolution that repeats itself."""
+    rest = np.zeros(len(units.states))
+    # the rotor alone is linear: its map is the same everywhere
+    state, _ = units.steady(speed, rest, units.monodromy(rest, speed))
+    count = len(units.scene.rotor.stations)
+    table = units.record(state, speed, ["angle", *_displacements(count)])
+    return synchronous(table[:, 0], table[:, 1:].T).reshape(2, count)
+
+
+def _displacement(rising: Scene) -> tuple[Array, Array]:
+    """Speeds (m,) and sqrt(x^2 + y^2) (m, n); each run has times of its own."""
+    count = len(rising.rotor.stations)
+    outputs = [f"rotor.{name}" for name in _displacements(count)]
+    result = cosimulate(rising, record=outputs)
+    x, y = np.split(np.stack([result[name] for name in outputs], axis=1), 2, axis=1)
+    return np.array([rising.profile().speed(t) for t in result.time]), np.hypot(x, y)

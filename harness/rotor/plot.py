@@ -2,182 +2,151 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-from typing import Any
+from collections.abc import Iterator
+from dataclasses import replace
 
 import numpy as np
-from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
 from ...models.arrays import Array
-from ...models.linear.modes import Campbell
+from ..master.pictures.motion import station_names
 from ..master.pictures.over_speed import polar_picture
-from ..output.picture import Picture, PlotAxis
-from ..output.plot import Drawing, metres, save
-from ..units import in_words
-from .study import RunUpMotion, UnbalanceResponse
+from ..output.picture import (
+    GREY,
+    Line,
+    Panel,
+    Picture,
+    PlotAxis,
+    Style,
+    colour,
+    unbroken,
+)
+from ..output.plot import metres
+from .analysis import RotorAnalysis
 
-COLOURS = ("tab:blue", "tab:orange", "tab:green", "tab:purple", "tab:brown", "tab:pink")
-CRITICAL = "tab:red"
-_LINES = {"forward": "-", "backward": "--", "planar": ":"}  # senses of whirl
+CRITICAL = "#D62728"
+SPEED = PlotAxis("speed", "rad/s")
+ALONE = "rotor without balancers"
+_WHIRL: dict[int, tuple[str, Style]] = {
+    1: ("forward", "solid"),
+    -1: ("backward", "dashed"),
+    0: ("planar", "dotted"),
+}
 _STRAIGHT = 1e-6  # |whirl| below it is no whirl, as in the modes
 
 
-def plot_campbell(data: Campbell, critical: Array, title: str, path: Path | None) -> Path | Drawing:
+def campbell_diagram(found: RotorAnalysis) -> Picture:
     """Natural frequencies and damping ratios against speed, forward and backward whirl."""
-    figure = Figure(figsize=(9.0, 8.0), layout="constrained")
-    above, below = figure.subplots(2, 1, sharex=True, height_ratios=(2, 1))
+    data, critical = found.campbell(), _critical(found)
     frequency = np.abs(data.eigenvalues)
     damping = -data.eigenvalues.real / np.where(frequency > 0.0, frequency, 1.0)
-    for k in range(frequency.shape[1]):
-        colour = COLOURS[k % len(COLOURS)]
-        _by_whirl(above, data.speeds, frequency[:, k], data.whirl[:, k], colour)
-        _by_whirl(below, data.speeds, damping[:, k], data.whirl[:, k], colour)
-    for order, line in ((1, "-"), (2, "-.")):
-        above.plot(data.speeds, order * data.speeds, line, color="gray", lw=1.0)
-    for number, speed in enumerate(critical):
-        above.plot(speed, speed, "o", color=CRITICAL, ms=7, mfc="none", mew=1.8)
-        # neighbours may be close: one label below, the next above
-        where, side = ((8, -12), "left") if number % 2 == 0 else ((-8, 6), "right")
-        above.annotate(
-            in_words(f"{speed:.4g} rad/s"), (speed, speed), textcoords="offset points",
-            xytext=where, ha=side, color=CRITICAL, fontsize="small",
-        )  # fmt: skip
-    senses = [_sense(whirl) for whirl in data.whirl.T]
-    _campbell_legend(above, np.unique(senses))
-    above.set_ylim(0.0, _top(frequency, data.speeds))
-    above.set_ylabel("natural frequency $|\\lambda|$ [rad/s]")
-    below.axhline(0.0, color="black", lw=0.8)
-    below.set_ylabel("damping ratio [1]\n(negative: unstable)")
-    below.set_xlabel("speed [rad/s]")
-    below.set_xlim(0.0, float(data.speeds[-1]))
-    for axes in (above, below):
-        axes.grid(alpha=0.3)
-    above.set_title(f"{title}\nrotor without balancers")
-    return save(figure, path)
+    lines = [*_by_whirl(data.speeds, frequency, data.whirl)]
+    lines.append(Line((data.speeds, data.speeds), "frequency = speed", GREY, width=0.8))
+    double = data.speeds, 2.0 * data.speeds
+    lines.append(Line(double, "frequency = 2 x speed", GREY, "dashed", 0.8))
+    listed = ", ".join(f"{speed:.4g} rad/s" for speed in critical)
+    label = f"critical speeds, undamped: {listed}" if listed else ""
+    lines.append(Line((critical, critical), label, CRITICAL, "marks"))
+    # modes far above the speeds would press the rest together
+    low = frequency[frequency <= 1.3 * found.high]
+    top = 1.08 * max(found.high, float(low.max(initial=0.0)))
+    upward = PlotAxis("natural frequency $|\\lambda|$", "rad/s", limits=(0.0, top))
+    ratio = PlotAxis("damping ratio (negative: unstable)", "1")
+    below = [replace(line, label="") for line in _by_whirl(data.speeds, damping, data.whirl)]
+    panels = [Panel((SPEED, upward), lines), Panel((SPEED, ratio), below)]
+    return Picture(f"{found.scene.heading}\n{ALONE}", panels, height=3.8)
 
 
-def _top(frequency: Array, speeds: Array) -> float:
-    """Where the frequency axis ends: modes far above the speeds would press the rest together."""
-    low = frequency[frequency <= 1.3 * speeds[-1]]
-    return 1.08 * max(float(speeds[-1]), float(low.max(initial=0.0)))
+def _by_whirl(speeds: Array, values: Array, whirl: Array) -> Iterator[Line]:
+    """A line for every mode and sense of its whirl, which its style shows."""
+    sense = np.where(np.abs(whirl) < _STRAIGHT, 0, np.sign(whirl))
+    for value, (name, style) in _WHIRL.items():
+        label = f"{name} motion"
+        for k in np.flatnonzero((sense == value).any(axis=0)).tolist():
+            inside = sense[:, k] == value
+            # one more point on, so that a change of sense leaves no gap
+            shown = inside | np.concatenate([[False], inside[:-1]])
+            yield Line((speeds, np.where(shown, values[:, k], np.nan)), label, colour(k), style)
+            label = ""
 
 
-def _by_whirl(axes: Any, x: Array, y: Array, whirl: Array, colour: str) -> None:
-    """One mode, its line telling the sense of its whirl at each speed."""
-    sense = _sense(whirl)
-    for value, line in zip((1, -1, 0), _LINES.values(), strict=True):
-        inside = sense == value
-        # one more point on, so that a change of sense leaves no gap
-        shown = inside | np.concatenate([[False], inside[:-1]])
-        if inside.any():
-            axes.plot(x, np.where(shown, y, np.nan), line, color=colour, lw=1.5)
-
-
-def _sense(whirl: Array) -> Array:
-    """Of each whirl: 1 forward, -1 backward, 0 planar."""
-    return np.where(np.abs(whirl) < _STRAIGHT, 0, np.sign(whirl))
-
-
-def _campbell_legend(axes: Any, senses: Array) -> None:
-    lines = [
-        Line2D([], [], color="black", ls=ls, label=f"{name} motion")
-        for value, (name, ls) in zip((1, -1, 0), _LINES.items(), strict=True)
-        if value in senses
-    ]
-    lines.append(Line2D([], [], color="gray", lw=1.0, label="frequency = speed"))
-    lines.append(Line2D([], [], color="gray", lw=1.0, ls="-.", label="frequency = 2 x speed"))
-    ring = Line2D([], [], color=CRITICAL, ls="", marker="o", mfc="none", mew=1.8)
-    ring.set_label("critical speed, undamped")
-    axes.legend(handles=[*lines, ring], loc="upper left", fontsize="small")
-
-
-def plot_response(data: UnbalanceResponse, path: Path | None) -> Path | Drawing:
+def response_curves(found: RotorAnalysis) -> Picture:
     """Amplitude and phase of every station against speed, x and y side by side."""
+    data = found.response()
     alike = np.allclose(data.amplitude[:, 1], -1j * data.amplitude[:, 0], rtol=1e-9, atol=0.0)
-    axes_shown = (0,) if alike else (0, 1)
-    figure = Figure(figsize=(7.5 * len(axes_shown), 8.0), layout="constrained")
-    grid = figure.subplots(
-        2, len(axes_shown), sharex=True, sharey="row", squeeze=False, height_ratios=(2, 1)
-    )
-    factor, unit = metres(float(np.abs(data.amplitude[:, list(axes_shown)]).max()))
-    for column, along in enumerate(axes_shown):
-        above, below = grid[:, column]
-        _response_lines(above, below, data, along, factor)
-        for axes in (above, below):
-            mark_critical(axes, data.critical, "critical speeds")
-            axes.grid(which="both", alpha=0.25)
-        name = "x and y alike, y a quarter turn later" if alike else f"along {'xy'[along]}"
-        above.set_title(name)
-        above.set_yscale("log")
-        below.set_xlabel("speed [rad/s]")
-        below.set_yticks(range(-180, 181, 90))
-        below.set_xlim(0.0, float(data.speeds[-1]))
-    grid[0, 0].set_ylabel(f"amplitude, 0-peak [{unit}]")
-    grid[1, 0].set_ylabel("phase to the rotor's angle [deg]")
-    grid[0, 0].legend(fontsize="small")
-    figure.suptitle(f"{data.title}\nunbalance response of the rotor without balancers")
-    return save(figure, path)
+    names = ["x and y alike, y a quarter turn later"] if alike else ["along x", "along y"]
+    size = np.abs(data.amplitude[:, : len(names)])
+    factor, unit = metres(float(size.max()))
+    ends = 0.8 * factor * float(size.min()), 1.25 * factor * float(size.max())
+    upward = PlotAxis("amplitude, 0-peak", unit, log=True, limits=ends)
+    turn = PlotAxis("phase to the rotor's angle", "deg", range(-180, 181, 90), limits=(-190, 190))
+    above, below = [], []
+    for column, name in enumerate(names):
+        sizes, phases = _marked(found, ends), _marked(found, (-190.0, 190.0), "")
+        for j, station in enumerate(station_names(found.scene)):
+            curve, points = data.amplitude[:, column, j], data.measured[:, column, j]
+            label = f"{station}, equations"
+            sizes.append(Line((data.speeds, np.abs(curve) * factor), label, colour(j)))
+            phases.append(
+                Line((data.speeds, unbroken(_degrees(curve) + 180.0) - 180.0), "", colour(j))
+            )
+            label = f"{station}, co-simulated unit"
+            sizes.append(Line((data.points, np.abs(points) * factor), label, colour(j), "marks"))
+            phases.append(Line((data.points, _degrees(points)), "", colour(j), "marks"))
+        above.append(Panel((SPEED, upward), sizes, title=name))
+        below.append(Panel((SPEED, turn), phases))
+    return Picture(_response_title(found), [*above, *below], columns=len(names), height=3.8)
 
 
-def polar_response(data: UnbalanceResponse) -> Picture:
+def _response_title(found: RotorAnalysis) -> str:
+    return f"{found.scene.heading}\nunbalance response of the {ALONE}"
+
+
+def _degrees(values: NDArray[np.complexfloating]) -> Array:
+    return np.degrees(np.angle(values))
+
+
+def _marked(
+    found: RotorAnalysis,
+    ends: tuple[float, float],
+    label: str = "critical speeds of the rotor alone",
+) -> list[Line]:
+    """A line from one end of the picture to the other at every critical speed within it."""
+    speeds = _critical(found)
+    across = np.repeat(speeds, 3).astype(float)
+    across[2::3] = np.nan
+    upward = np.tile([*ends, np.nan], len(speeds))
+    return [Line((across, upward), label if len(speeds) else "", CRITICAL, "dashed", 0.9)]
+
+
+def _critical(found: RotorAnalysis) -> Array:
+    """Critical speeds within the range of the pictures."""
+    return found.critical[(found.critical >= found.low) & (found.critical <= found.high)]
+
+
+def polar_response(found: RotorAnalysis) -> Picture:
     """The same as one curve a station (Nyquist), by the equations."""
-    title = f"{data.title}\nunbalance response of the rotor without balancers"
-    axis = PlotAxis("speed", "rad/s")
-    return polar_picture(title, data.speeds, axis, data.amplitude, data.stations)
+    data, names = found.response(), station_names(found.scene)
+    return polar_picture(_response_title(found), data.speeds, SPEED, data.amplitude, names)
 
 
-def _response_lines(
-    above: Any, below: Any, data: UnbalanceResponse, along: int, factor: float
-) -> None:
-    for j, name in enumerate(data.stations):
-        colour = COLOURS[j % len(COLOURS)]
-        curve, points = data.amplitude[:, along, j], data.measured[:, along, j]
-        above.plot(data.speeds, np.abs(curve) * factor, color=colour, label=f"{name}, equations")
-        above.plot(
-            data.points, np.abs(points) * factor, "o", ms=4, color=colour,
-            label=f"{name}, co-simulated unit",
-        )  # fmt: skip
-        below.plot(*_unbroken(data.speeds, curve), color=colour)
-        below.plot(data.points, np.degrees(np.angle(points)), "o", ms=4, color=colour)
-
-
-def _unbroken(speeds: Array, curve: NDArray[np.complexfloating]) -> tuple[Array, Array]:
-    """Phase in degrees without the lines that jumps from -180 to 180 would draw."""
-    phase = np.degrees(np.angle(curve))
-    jumps = np.flatnonzero(np.abs(np.diff(phase)) > 180.0) + 1
-    return np.insert(speeds, jumps, np.nan), np.insert(phase, jumps, np.nan)
-
-
-def mark_critical(axes: Any, critical: Array, label: str) -> None:
-    """A line at every critical speed, the first one labelled."""
-    for number, speed in enumerate(critical):
-        axes.axvline(speed, color=CRITICAL, ls="--", lw=0.9, label=None if number else label)
-
-
-def plot_run_up(data: RunUpMotion, path: Path | None) -> Path | Drawing:
+def run_up_curves(found: RotorAnalysis) -> Picture:
     """Displacement of every station while the speed rises, with and without balancers."""
-    parts = [("without balancers", data.run)]
+    data = found.run_up()
+    runs = {"without balancers": data.run}
     if data.alone is not None:
-        parts = [("with balancers", data.run), ("without balancers", data.alone)]
-    figure = Figure(figsize=(9.5, 1.2 + 3.4 * len(parts)), layout="constrained")
-    grid = figure.subplots(len(parts), 1, sharex=True, sharey=True, squeeze=False)[:, 0]
-    factor, unit = metres(max(float(part.max()) for _, (_, part) in parts))
-    for axes, (name, (speeds, part)) in zip(grid, parts, strict=True):
-        for j, station in enumerate(data.stations):
-            peak = float(part[:, j].max()) * factor
-            axes.plot(
-                speeds, part[:, j] * factor, color=COLOURS[j % len(COLOURS)], lw=0.8,
-                label=f"{station}, largest {peak:.3g} {unit}",
-            )  # fmt: skip
-        mark_critical(axes, data.critical, "critical speeds of the rotor alone")
-        axes.set_title(name, fontsize="medium")
-        axes.set_ylabel(f"displacement $\\sqrt{{x^2 + y^2}}$, 0-peak [{unit}]")
-        axes.grid(alpha=0.3)
-        axes.legend(fontsize="small", loc="upper right")
-    grid[-1].set_ylim(bottom=0.0)  # of all panels, now that every line is drawn
-    grid[-1].set_xlabel("speed [rad/s]")
-    rise = f"{data.run[0][0]:.3g} to {data.run[0][-1]:.4g} rad/s within {data.seconds:.4g} s"
-    figure.suptitle(f"{data.title}\nrun-up by co-simulation, {rise}")
-    return save(figure, path)
+        runs = {"with balancers": data.run, "without balancers": data.alone}
+    largest = max(float(displacement.max()) for _, displacement in runs.values())
+    factor, unit = metres(largest)
+    ends = 0.0, 1.05 * factor * largest
+    upward = PlotAxis("displacement $\\sqrt{x^2 + y^2}$, 0-peak", unit, limits=ends)
+    panels = []
+    for name, (speeds, displacement) in runs.items():
+        lines = _marked(found, ends)
+        for j, station in enumerate(station_names(found.scene)):
+            shown = displacement[:, j] * factor
+            label = f"{station}, largest {shown.max():.3g} {unit}"
+            lines.append(Line((speeds, shown), label, colour(j), width=0.8))
+        panels.append(Panel((SPEED, upward), lines, title=name))
+    rise = f"{found.low:.3g} to {found.high:.4g} rad/s within {data.seconds:.4g} s"
+    return Picture(f"{found.scene.heading}\nrun-up by co-simulation, {rise}", panels)

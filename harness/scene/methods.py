@@ -46,7 +46,6 @@ class Methods:
         methods: str | Iterable[str] = DEFAULT_METHODS,
         *,
         narrowest: float | None = None,
-        scan: int = 60,
         within: str = "",
         workers: Workers = 1,
         progress: Progress | None = None,
@@ -55,10 +54,10 @@ class Methods:
 
         Args:
             low, high: ends of the range [rad/s].
-            methods: criterion (closed form), floquet (linear stability of the equations), cosim and
-                cosim-run (the coupled units), proved (bands); several with commas, or a list.
-            narrowest: width of a band that Floquet must not miss [rad/s]; default: range/1000.
-            scan: intervals that cosim looks at where Floquet is not asked.
+            methods: criterion (closed form), floquet (linear stability of the equations), cosim
+                (the coupled units), proved (bands); several with commas, or a list.
+            narrowest: width of a band that must not be missed [rad/s]; default: range/1000, of
+                cosim without floquet range/60.
             within: tolerances for proved, such as "rotor.stiffness=5%".
 
         Raises:
@@ -77,7 +76,7 @@ class Methods:
         asked = methods.split(",") if isinstance(methods, str) else list(methods)
         names = [name.strip() for name in asked if name.strip()]
         options: dict[str, Any] = {"workers": workers, "progress": progress, "within": within}
-        return speeds(self._scene, (low, high), names, narrowest=narrowest, scan=scan, **options)
+        return speeds(self._scene, (low, high), names, narrowest=narrowest, **options)
 
     def map(
         self,

@@ -1,13 +1,15 @@
-"""Axis of a map: a parameter of a scene and the values it takes."""
+"""Axes of a map: two parameters of a scene and the values that they take."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import UserError
+from ..output.outcome import Outcome
 from ..scene import Scene
 from ..scene.quantities import LARGEST
 from ..scene.replace import SPEED, in_full
@@ -74,6 +76,36 @@ class Axis:
         unit = scene.unit_of(self.path)
         name = "speed" if self.path == SPEED else self.path
         return f"{name} [{unit}]" if unit else name
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Map(Outcome):
+    """What was found over two parameters of a scene; grids have the shape (len(y), len(x)).
+
+    Attributes:
+        scene: at whose other values.
+        x, y: axes.
+    """
+
+    dimensions: ClassVar[int] = 2
+
+    scene: Scene
+    x: Axis
+    y: Axis
+
+    @property
+    def title(self) -> str:
+        """That of the scene."""
+        return self.scene.heading
+
+    @property
+    def labels(self) -> tuple[str, str]:
+        """Names and units of both axes."""
+        return self.x.label(self.scene), self.y.label(self.scene)
+
+    def _place(self, y: int, x: int) -> tuple[float, float]:
+        """Values of both axes at a point of the grid."""
+        return float(self.x.values[x]), float(self.y.values[y])
 
 
 def refuse_axes(x: Axis, y: Axis) -> None:

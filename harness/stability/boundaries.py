@@ -1,4 +1,4 @@
-"""Boundaries of balancing: speeds at which it begins or ends, by five methods side by side.
+"""Boundaries of balancing: speeds at which it begins or ends, by four methods side by side.
 
 A boundary is where the largest growth rate of a small deviation crosses 0 (a `Crossing`); the
 critical speeds of the rotor alone, its resonances, are another matter (`models.linear.modes`).
@@ -6,7 +6,6 @@ critical speeds of the rotor alone, its resonances, are another matter (`models.
 criterion: the closed formula of Filimonikhina 2017 for planar rotors.
 floquet: exact linear stability of the equations.
 cosim: largest multiplier of the coupled units' one-revolution map, no equation involved.
-cosim-run: growth fitted to a run of the coupled units, for many weights.
 proved: bands of speeds in which stability or instability is proved, for all machines within
     tolerances (`proved`).
 """
@@ -15,6 +14,7 @@ from __future__ import annotations
 
 import functools
 import itertools
+import math
 from collections.abc import Callable, Iterable
 from dataclasses import replace
 from importlib.util import find_spec
@@ -35,15 +35,16 @@ from ..scene.methods import DEFAULT_METHODS
 from ..scene.quantities import LARGEST
 from ..units import si_number
 from .crossings import Side, crossings, nodes_around, side
-from .in_time import growth_in_run
 from .main_motion import MainMotion, NoMainMotion
 from .speeds import Speeds
 from .whirl import WhirlMotion, Whirls, has_map, whirls
 
-METHODS = (*DEFAULT_METHODS, "cosim-run", "proved")
+METHODS = (*DEFAULT_METHODS, "proved")
 MOST_SPEEDS = 100_000  # of one scan: more is a slip of the keyboard
-SCAN = 60  # intervals of a co-simulated scan, unless other methods say where to look
+SCAN = 60  # intervals of a co-simulated scan without `narrowest`
 _PARTS = 8  # of a scan, so that progress is seen
+Searched = list[tuple[list[Crossing], Side]]
+Search = Callable[[type[MainMotion], list[list[float]]], Searched]
 
 
 def speeds(
@@ -52,8 +53,6 @@ def speeds(
     methods: Iterable[str] = DEFAULT_METHODS,
     *,
     narrowest: float | None = None,
-    scan: int = SCAN,
-    steps: int | None = None,
     workers: Workers = 1,
     progress: Progress | None = None,
     whirl: bool = True,
@@ -66,9 +65,7 @@ def speeds(
     both ends of the range; without Floquet it scans the range itself.
 
     Args:
-        range, methods, narrowest, scan, workers, progress: as `Scene.speeds`, which says what is
-            raised.
-        steps: communication steps a revolution; by default the scene's.
+        range, methods, narrowest, workers, progress: as `Scene.speeds`, which says what is raised.
         whirl: whether to look for the steady whirl that remains where weights cannot balance.
         within: tolerances for the method proved: "rotor.stiffness=5%, rotor.damping=10 N s/m".
         separate: co-simulate separate FMUs coupled in Python even where one file can run in C.
@@ -98,8 +95,6 @@ def speeds(
             f"narrowest = {narrowest:g} rad/s: asks for {(high - low) / narrowest:.3g} speeds from "
             f"{low:g} to {high:g} rad/s; must be {width:.3g} rad/s or more: at most {MOST_SPEEDS}"
         )
-    if scan > MOST_SPEEDS:
-        raise UserError(f"scan = {scan}: must be at most {MOST_SPEEDS} intervals")
     result = Speeds(scene.name, (low, high))
     if "criterion" in wanted:
         _by_criterion(scene, result)
@@ -107,26 +102,15 @@ def speeds(
         _by_floquet(scene, result, narrowest)
     if "proved" in wanted:
         result = _by_proof(scene, result, narrowest, within, progress)
-    nodes = np.linspace(low, high, scan + 1)
-    if "floquet" in result.methods:
-        nodes = nodes_around([c.speed for c in result.methods["floquet"]], low, high)
     why = _why_no_rest(scene) if "floquet" in wanted else ""
-    failure = None
-    motion_of = functools.partial(MainMotion, steps=steps, separate=separate)
-    for method in (m for m in wanted if m.startswith("cosim")):
-        if why:
-            result.refused[method] = why
-        else:
-            failed = _by_units(scene, result, method, nodes, motion_of, workers, progress)
-            failure = failure or failed
-    if failure and not result.methods:
-        raise failure
+    search = functools.partial(_search_all, scene, separate, workers, progress)
+    if "cosim" in wanted:
+        _by_units(result, why, _nodes(result, narrowest), search)
     if not (why and whirl):
         return result
     remaining = whirls(scene, result.range, why, narrowest, progress)
     if "floquet" in remaining.methods and "cosim" in wanted:
-        whirl_of = functools.partial(WhirlMotion, steps=steps, separate=separate)
-        _whirl_by_units(scene, remaining, result.range, whirl_of, workers, progress)
+        _whirl_by_units(scene, remaining, result.range, search)
     return replace(result, whirl=remaining)
 
 
@@ -202,14 +186,37 @@ def _why_no_rest(scene: Scene) -> str:
     return f"tracks are off centre: {', '.join(off)}" if off else ""
 
 
-def _whirl_by_units(
-    scene: Scene,
-    whirl: Whirls,
-    span: tuple[float, float],
-    motion_of: Callable[[Scene], MainMotion],
-    workers: Workers,
-    progress: Progress | None,
-) -> None:
+def _nodes(result: Speeds, narrowest: float | None) -> NDArray[np.float64]:
+    """Speeds at which the units are judged: both sides of every boundary of Floquet, or a scan."""
+    if "floquet" in result.methods:
+        return nodes_around([c.speed for c in result.methods["floquet"]], *result.range)
+    return np.linspace(*result.range, 1 + intervals_of_scan(result.range, narrowest))
+
+
+def _by_units(result: Speeds, why: str, nodes: NDArray[np.float64], search: Search) -> None:
+    """Boundaries by the units, unless there is a reason `why` the rotor cannot rest."""
+    if why:
+        result.refused["cosim"] = why
+        return
+    cuts = np.linspace(0, len(nodes) - 1, 1 + min(_PARTS, max(1, (len(nodes) - 1) // 2)))
+    spans = [nodes[a : b + 1].tolist() for a, b in pairwise(cuts.astype(int))]
+    try:
+        searched = search(MainMotion, spans)
+    except SimulationError as error:
+        if not (result.methods or isinstance(error, NoMainMotion)):
+            raise
+        result.refused["cosim"] = str(error)
+        return
+    result.methods["cosim"] = tuple(c for crossings, _ in searched for c in crossings)
+    result.lowest["cosim"] = searched[0][1]
+
+
+def intervals_of_scan(span: tuple[float, float], narrowest: float | None) -> int:
+    """Intervals in which the co-simulation looks where Floquet does not say where."""
+    return SCAN if narrowest is None else math.ceil((span[1] - span[0]) / narrowest)
+
+
+def _whirl_by_units(scene: Scene, whirl: Whirls, span: tuple[float, float], search: Search) -> None:
     """Both sides of every boundary of the whirl, where no weights touch or drift in it."""
     nodes = nodes_around([c.speed for c in whirl.methods["floquet"]], *span).tolist()
     free = itertools.groupby(nodes, lambda speed: has_map(scene, speed))
@@ -218,48 +225,32 @@ def _whirl_by_units(
         whirl.refused["cosim"] = (
             "where weights touch or drift in the whirl, and at the boundaries beside it"
         )
-    work = functools.partial(_search, scene, "cosim", motion_of, None)
     try:
-        searched = in_order(work, spans, workers, progress)
+        searched = search(WhirlMotion, spans)
     except SimulationError as error:
         whirl.refused["cosim"] = f"to this whirl: {error}"
         return
     whirl.methods["cosim"] = tuple(c for crossings, _ in searched for c in crossings)
 
 
-def _by_units(
+def _search_all(
     scene: Scene,
-    result: Speeds,
-    method: str,
-    nodes: NDArray,
-    motion_of: Callable[[Scene], MainMotion],
+    separate: bool,
     workers: Workers,
     progress: Progress | None,
-) -> SimulationError | None:
-    """Boundaries by the units; returns the failure of a method that should have found them."""
-    parts = 1 if workers == 1 else min(_PARTS, max(1, (len(nodes) - 1) // 2))
-    cuts = np.linspace(0, len(nodes) - 1, parts + 1).astype(int)
-    spans = [nodes[a : b + 1].tolist() for a, b in pairwise(cuts)]
-    # within this process progress is told by every speed, across processes by every part
-    inner, outer = (progress, None) if workers == 1 else (None, progress)
-    work = functools.partial(_search, scene, method, motion_of, inner)
-    try:
-        searched = in_order(work, spans, workers, outer)
-    except SimulationError as error:
-        result.refused[method] = str(error)
-        return None if isinstance(error, NoMainMotion) else error
-    result.methods[method] = tuple(c for crossings, _ in searched for c in crossings)
-    result.lowest[method] = searched[0][1]
-    return None
+    motion: type[MainMotion],
+    spans: list[list[float]],
+) -> Searched:
+    """Crossings among the speeds of every span, and the side on which its first speed is."""
+    if workers != 1:
+        work = functools.partial(_search, motion, scene, separate)
+        return in_order(work, spans, workers, progress)
+    with motion(scene, separate=separate) as found:
+        return in_order(functools.partial(crossings, found.growth), spans, 1, progress)
 
 
 def _search(
-    scene: Scene,
-    method: str,
-    motion_of: Callable[[Scene], MainMotion],
-    progress: Progress | None,
-    nodes: list[float],
+    motion: type[MainMotion], scene: Scene, separate: bool, nodes: list[float]
 ) -> tuple[list[Crossing], Side]:
-    with motion_of(scene) as motion:
-        in_run = functools.partial(growth_in_run, motion)
-        return crossings(motion.growth if method == "cosim" else in_run, nodes, progress)
+    with motion(scene, separate=separate) as found:
+        return crossings(found.growth, nodes)

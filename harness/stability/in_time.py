@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,7 +19,6 @@ SMALLEST = 1e-10  # change per revolution that the coupling's own error may fake
 SHARE = 1e-4  # of the motion in the window: what is below is noise of the fit
 FEWEST = 6  # revolutions in the window
 LATE = 10  # last part of a run in which it is judged: one tenth
-BALANCED_SHARE = 0.01  # residual moment over that at the start
 SETTLING = 9.0  # times 1/growth rate: e^-9 leaves 1e-4 of what the main motion is missed by
 TRANSIENT = 60.0  # revolutions before that: the weights find their places
 LONGEST = 3000.0  # revolutions of a run: what settles later, e^-0.003 a revolution, is a boundary
@@ -67,35 +65,6 @@ def _largest_multiplier(window: NDArray) -> float:
     return float(np.abs(np.linalg.eigvals(reduced)).max())
 
 
-@dataclass(frozen=True)
-class RunEnd:
-    """How a run from rest ended.
-
-    Attributes:
-        speed: [rad/s].
-        revolutions: length of the run.
-        residual: largest unbalance left at any station in the last tenth of the run [kg m].
-        share: residual over the unbalance at the start of the run, weights included.
-    """
-
-    speed: float
-    revolutions: float
-    residual: float
-    share: float
-
-    @property
-    def balanced(self) -> bool:
-        """Whether no more than 1 % of the unbalance at the start is left."""
-        return self.share <= BALANCED_SHARE
-
-    def __str__(self) -> str:
-        word = "balanced" if self.balanced else "not balanced"
-        return (
-            f"{word}: residual moment {self.residual:.3g} kg m ({self.share:.2g} of the first) "
-            f"after {self.revolutions:.0f} revolutions"
-        )
-
-
 def needed_revolutions(growth: float, speed: float) -> float:
     """Length of a run that shows whether a motion of this growth rate [1/s] comes to balance."""
     each = abs(growth) * 2.0 * math.pi / speed  # ln of what a revolution leaves of it
@@ -104,8 +73,12 @@ def needed_revolutions(growth: float, speed: float) -> float:
     return math.ceil(TRANSIENT + SETTLING / each)
 
 
-def run_from_rest(scene: Scene, speed: float, revolutions: float) -> RunEnd:
+def run_from_rest(scene: Scene, speed: float, revolutions: float) -> tuple[float, float]:
     """Run a scene at a speed, rotor at rest in the middle, weights where the scene puts them.
+
+    Returns:
+        Largest unbalance left at any station in the last tenth of the run [kg m], and that over the
+        unbalance at the start, weights included.
 
     Raises:
         SimulationError: the run cannot be completed correctly.
@@ -119,4 +92,4 @@ def run_from_rest(scene: Scene, speed: float, revolutions: float) -> RunEnd:
         unbalance += (result[xi] + 1j * result[eta])[:, None] * rotor.planes[mounted.plane]
     size = np.abs(unbalance).max(axis=1)
     residual = float(size[-(len(result.time) // LATE) :].max())
-    return RunEnd(speed, revolutions, residual, residual / float(size[0]))
+    return residual, residual / float(size[0])

@@ -52,7 +52,7 @@ class MainMotion(Closing):
 
     Args:
         scene: the weights' angles are the first guess of the balanced ones.
-        steps, separate: as of `Revolution`.
+        separate: as of `Revolution`.
 
     Attributes:
         state: (n,) states of the units in the main motion.
@@ -63,9 +63,9 @@ class MainMotion(Closing):
         SceneError: gravity swings the weights.
     """
 
-    def __init__(self, scene: Scene, *, steps: int | None = None, separate: bool = False) -> None:
+    def __init__(self, scene: Scene, *, separate: bool = False) -> None:
         scene.refuse_unrest("a main motion")
-        self.units = Revolution(scene, steps=steps, separate=separate)
+        self.units = Revolution(scene, separate=separate)
         try:
             self._speed = abs(scene.profile().end)  # any will do for what follows
             self._angles = self._places_of_angles()

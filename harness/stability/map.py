@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass, field
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 from pathlib import Path
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,12 +15,13 @@ from numpy.typing import NDArray
 from ...models.assembly import Assembly
 from ...models.stability import growth_map
 from ..errors import SimulationError
-from ..output.outcome import Outcome
+from ..output.store import StoredItems
 from ..output.table import Sheet
+from ..output.words import kinds_of
 from ..output.workers import Progress, Workers, in_order
 from ..scene import Scene
 from ..scene.replace import SPEED
-from .axis import Axis, refuse_axes
+from .axis import Axis, Map, refuse_axes
 from .boundaries import criterion_of
 from .main_motion import MainMotion
 from .map_store import open_map
@@ -28,6 +29,13 @@ from .whirl import whirl_at
 
 Vector = NDArray[np.float64]
 Reasons = NDArray[np.object_]  # why points have no growth rate; empty where they have
+_STRIPS = {
+    "growth": "largest growth rate [1/s]",
+    "criterion": "negative: balanced by the criterion",
+    "why_not": "why there is no growth rate",
+    "whirl": "amplitude that remains where weights cannot balance [m]",
+    "whirl_growth": "growth rate of that whirl [1/s]",
+}
 _ROWS = 8  # values of the slow axis solved together; more would hide the progress
 _PLASTIC = 1.324717957244746  # its powers spread points evenly over a square
 
@@ -48,38 +56,31 @@ class MapPoint:
     refusal: str = ""
 
 
-@dataclass(frozen=True, repr=False)
-class StabilityMap(Outcome):
+@dataclass(frozen=True, eq=False, repr=False)
+class StabilityMap(Map):
     """Growth rates over two parameters.
 
     Attributes:
-        title: of the scene.
-        x, y: axes, and their labels.
-        growth: (len(y), len(x)) largest growth rate [1/s]; NaN where weights cannot balance.
-        criterion: (len(y), len(x)) negative where the criterion says balanced, in units of its
-            largest value; None where it does not apply.
+        growth: largest growth rate [1/s]; NaN where weights cannot balance.
+        whirl: largest amplitude of the whirl that remains where the weights cannot balance [m]; NaN
+            elsewhere, and where there is no steady whirl.
+        whirl_growth: growth rate of deviations from it [1/s].
+        criterion: negative where the criterion says balanced, in units of its largest value; None
+            where it does not apply.
         no_criterion: why not.
         points: co-simulated.
-        failed: of the grid, without a growth rate because its equations cannot be solved.
-        whirl: (len(y), len(x)) largest amplitude of the whirl that remains where the weights
-            cannot balance [m]; NaN elsewhere, and where there is no steady whirl.
-        whirl_growth: (len(y), len(x)) growth rate of deviations from it [1/s].
+        failure: why a point has no growth rate, where its equations cannot be solved; else empty.
     """
 
-    dimensions: ClassVar[int] = 2
     drawn_by: ClassVar[str] = "..stability.plot:plot_map"
 
-    title: str
-    x: Axis
-    y: Axis
-    labels: tuple[str, str]
-    growth: NDArray[np.float64]
-    criterion: NDArray[np.float64] | None
-    no_criterion: str = ""
-    points: tuple[MapPoint, ...] = ()
-    failed: tuple[MapPoint, ...] = ()
-    whirl: NDArray[np.float64] = field(default_factory=lambda: np.zeros((0, 0)))
-    whirl_growth: NDArray[np.float64] = field(default_factory=lambda: np.zeros((0, 0)))
+    growth: Vector
+    whirl: Vector
+    whirl_growth: Vector
+    criterion: Vector | None
+    no_criterion: str
+    points: tuple[MapPoint, ...]
+    failure: Reasons
 
     @property
     def agreeing(self) -> int:
@@ -90,17 +91,46 @@ class StabilityMap(Outcome):
             for p in self.points
         )
 
+    def lines(self) -> Iterator[str]:
+        """What was found, in words.
+
+        >>> found = ab.load("filimonikhina").map("speed=1:6:4", "weights.drag=0.01:1:3:log")
+        >>> list(found.lines())[0]
+        '12 points: 6 balanced, 6 not, 0 where the weights cannot balance'
+        """
+        failed = self.failure[self.failure != ""]
+        none = int(np.isnan(self.growth).sum()) - failed.size
+        yield (
+            f"{self.growth.size} points: {int((self.growth <= 0.0).sum())} balanced, "
+            f"{int((self.growth > 0.0).sum())} not, {none} where the weights cannot balance"
+        )
+        if none:
+            stable = self.whirl[self.whirl_growth < 0.0]
+            ends = (
+                f", of {1e3 * stable.min():.4g} to {1e3 * stable.max():.4g} mm"
+                if len(stable)
+                else ""
+            )
+            yield f"where they cannot, a stable whirl remains at {len(stable)} points{ends}"
+        if self.criterion is None:
+            yield f"criterion: does not apply: {self.no_criterion}"
+        if self.points:
+            yield f"{self.agreeing} of {len(self.points)} co-simulated points agree with Floquet"
+        refused = [*failed, *(p.refusal for p in self.points if p.refusal)]
+        for count, reason in kinds_of(refused)[:3]:
+            yield f"{count} without a verdict, such as: {reason}"
+
     def table(self) -> Sheet:
         """One line a point of the grid."""
         measured = {(p.y, p.x): p.growth for p in self.points}
         rows = []
         for (j, i), growth in np.ndenumerate(self.growth):
-            numbers = map(float, (self.x.values[i], self.y.values[j], growth))
             word = ""
             if self.criterion is not None:
                 word = "stable" if self.criterion[j, i] < 0.0 else "unstable"
-            whirls = (float(each[j, i]) for each in (self.whirl, self.whirl_growth))
-            rows.append((*numbers, word, measured.get((j, i), ""), *whirls))
+            whirl = float(self.whirl[j, i]), float(self.whirl_growth[j, i])
+            point = measured.get((j, i), "")
+            rows.append((*self._place(j, i), float(growth), word, point, *whirl))
         growths = ("growth rate [1/s]", "criterion", "cosim growth rate [1/s]")
         heads = (*self.labels, *growths, "whirl [m]", "whirl growth rate [1/s]")
         return Sheet(heads, rows, title=self.title)
@@ -130,7 +160,10 @@ def stability_map(
     starts = range(0, len(slow.values), rows)
     jobs = [(scene, slow.path, slow.values[i : i + rows].tolist(), fast) for i in starts]
     places = grid_points(cosim, len(x.values), len(y.values))
-    kept = {} if store is None else open_map(store, scene, x, y, rows, places)
+    kept: dict[str, StoredItems] = {}
+    if store is not None:
+        form: dict[str, Any] = {"along": "x" if transposed else "y", "rows": rows, "places": places}
+        kept = open_map(store, "stability map", scene, x, y, _STRIPS, **form)
     strips = in_order(_strip, jobs, workers, lambda done: report(share * done), kept.get("strip"))
     grids = [np.concatenate(arrays) for arrays in zip(*strips, strict=True)]
     growth, criterion, why_not, whirl, whirl_growth = (
@@ -140,20 +173,18 @@ def stability_map(
     rates = in_order(
         _measure, work, workers, lambda done: report(0.5 + 0.5 * done), kept.get("point")
     )
-    failed = np.argwhere(why_not != "").tolist()
     applies = bool(np.isfinite(criterion).any())
     return StabilityMap(
-        scene.heading,
+        scene,
         x,
         y,
-        (x.label(scene), y.label(scene)),
         growth,
+        whirl,
+        whirl_growth,
         criterion if applies else None,
         "" if applies else _why_no_criterion(scene),
         tuple(MapPoint(*place, *rate) for place, rate in zip(places, rates, strict=True)),
-        tuple(MapPoint(i, j, math.nan, str(why_not[j, i])) for j, i in failed),
-        whirl,
-        whirl_growth,
+        why_not,
     )
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from enum import Enum
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
 import typer
 
@@ -12,10 +12,6 @@ from ..errors import UserError
 from ..output import costs, options
 from ..output.terminal import progress_bar, ready_to_write, say
 
-if TYPE_CHECKING:
-    from .map import StabilityMap
-
-_MOST_SAID = 10  # points without a growth rate
 AXIS = "PATH=LOW:HIGH:N[:log]"
 
 
@@ -53,7 +49,6 @@ def command(
     from ..output.report import Report
     from ..scene.changes import changed_scene
     from .axis import Axis
-    from .map import StabilityMap
 
     stores = [path for path in output or () if options.is_store(path)]
     if len(stores) > 1:
@@ -76,11 +71,8 @@ def command(
         form: dict[str, Any] = {"workers": workers, "progress": moved, "store": store}
         data = loaded.map(axes[0], axes[1], method.value, cosim=cosim, **form)
     with page.keeping():
-        if isinstance(data, StabilityMap):
-            _say(data)
-        else:
-            for line in data.lines():
-                say(line)
+        for line in data.lines():
+            say(line)
     if csv is not None:
         say(f"Points: {data.to_csv(csv)}")
     for store in stores:
@@ -91,33 +83,3 @@ def command(
     for picture in pictures:
         say(f"Picture: {data.plot(picture)}")
     page.write()
-
-
-def _say(data: StabilityMap) -> None:
-    import numpy as np
-
-    growth = data.growth
-    none = int(np.isnan(growth).sum()) - len(data.failed)
-    say(
-        f"{growth.size} points: {int((growth <= 0.0).sum())} balanced, "
-        f"{int((growth > 0.0).sum())} not, {none} where the weights cannot balance"
-    )
-    if none:
-        stable = data.whirl[data.whirl_growth < 0.0]
-        span = (
-            f", of {1e3 * stable.min():.4g} to {1e3 * stable.max():.4g} mm" if len(stable) else ""
-        )
-        say(f"where they cannot, a stable whirl remains at {len(stable)} points{span}")
-    if data.criterion is None:
-        say(f"criterion: does not apply: {data.no_criterion}")
-    if data.points:
-        say(f"{data.agreeing} of {len(data.points)} co-simulated points agree with Floquet")
-    for point in (*data.points, *data.failed[:_MOST_SAID]):
-        if point.refusal:
-            place = ", ".join(
-                f"{axis.path} = {axis.values[i]:.4g}"
-                for axis, i in ((data.x, point.x), (data.y, point.y))
-            )
-            say(f"no verdict at {place}: {point.refusal}", style="yellow")
-    if len(data.failed) > _MOST_SAID:
-        say(f"and at {len(data.failed) - _MOST_SAID} more", style="yellow")

@@ -2,83 +2,73 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
 import tomli_w
+from numpy.typing import ArrayLike
 
 from ..output.store import StoredArray, StoredItems, open_store
 from ..scene import Scene
-from ..scene.replace import SPEED
 from .axis import Axis
+
+POINTS = {
+    "cosim_growth": "largest growth rate, co-simulated [1/s]",
+    "cosim_why_not": "why there is none",
+}
 
 
 def open_map(
-    path: Path, scene: Scene, x: Axis, y: Axis, rows: int, places: Sequence[tuple[int, int]]
+    path: Path,
+    content: str,
+    scene: Scene,
+    x: Axis,
+    y: Axis,
+    strips: Mapping[str, str],
+    *,
+    along: str = "y",
+    rows: int = 1,
+    places: Sequence[tuple[int, int]] = (),
 ) -> dict[str, StoredItems]:
     """Parts `strip` and `point` of the store of a map at that place, begun or gone on with.
 
     Args:
-        rows: values of the slow axis in a strip; it is x where y is the speed.
+        content: kind of the map.
+        strips: arrays of the grid, and what they mean; of text where that begins with `why`.
+        along, rows: the slow axis, and how many of its values are in a strip.
         places: of the points to be co-simulated, on both axes.
 
     Raises:
         UserError: the store is another map's, or none.
     """
-    grid = ("y", "x"), (len(y.values), len(x.values)), "x" if y.path == SPEED else "y"
-    strips = {
-        "growth": StoredArray(*grid, chunk=rows, meaning="largest growth rate [1/s]"),
-        "criterion": StoredArray(*grid, chunk=rows, meaning="negative: balanced by the criterion"),
-        "why_not": StoredArray(*grid, "str", rows, "why there is no growth rate"),
-        "whirl": StoredArray(
-            *grid, chunk=rows, meaning="amplitude that remains where weights cannot balance [m]"
-        ),
-        "whirl_growth": StoredArray(*grid, chunk=rows, meaning="growth rate of that whirl [1/s]"),
+    shape, count = (len(y.values), len(x.values)), len(places)
+    parts = {
+        "strip": {
+            name: StoredArray(("y", "x"), shape, along, _kind(meaning), rows, meaning)
+            for name, meaning in strips.items()
+        }
     }
-    points = {
-        "cosim_growth": StoredArray(
-            ("point",), (len(places),), "point", meaning="largest growth rate, co-simulated [1/s]"
-        ),
-        "cosim_why_not": StoredArray(
-            ("point",), (len(places),), "point", "str", meaning="why there is none"
-        ),
-    }
-    i, j = np.array(places, dtype=int).reshape(-1, 2).T
-    along = {"x": ("x", x.values), "y": ("y", y.values)}
-    made_for = {
-        **_made_for("stability map", scene, x, y),
-        "number of co-simulated points": str(len(places)),
-    }
-    parts = {"strip": strips, "point": points} if places else {"strip": strips}
+    coordinates: dict[str, tuple[str, ArrayLike]] = {"x": ("x", x.values), "y": ("y", y.values)}
     if places:
-        along |= {"point_x": ("point", x.values[i]), "point_y": ("point", y.values[j])}
-    return open_store(path, made_for, parts, along)
-
-
-def open_run_map(path: Path, scene: Scene, x: Axis, y: Axis) -> StoredItems:
-    """The rows of a map of runs, one for every value of y, begun or gone on with.
-
-    Raises:
-        UserError: the store is another map's, or none.
-    """
-    grid = ("y", "x"), (len(y.values), len(x.values)), "y"
-    rows = {
-        "residual": StoredArray(*grid, meaning="amplitude in the last revolution [m]"),
-        "settled": StoredArray(*grid, meaning="1: the last two revolutions are alike"),
-        "failure": StoredArray(*grid, "str", meaning="why the run failed"),
-    }
-    along = {"x": ("x", x.values), "y": ("y", y.values)}
-    return open_store(path, _made_for("map of runs", scene, x, y), {"row": rows}, along)["row"]
-
-
-def _made_for(content: str, scene: Scene, x: Axis, y: Axis) -> dict[str, str]:
-    return {
+        parts["point"] = {
+            name: StoredArray(("point",), (count,), "point", _kind(meaning), 1, meaning)
+            for name, meaning in POINTS.items()
+        }
+        i, j = np.array(places, dtype=int).T
+        coordinates |= {"point_x": ("point", x.values[i]), "point_y": ("point", y.values[j])}
+    made_for = {
         "content": content,
         "scene": tomli_w.dumps(scene.document),
         "x axis": _words(x),
         "y axis": _words(y),
+        "number of co-simulated points": str(count),
     }
+    return open_store(path, made_for, parts, coordinates)
+
+
+def _kind(meaning: str) -> str:
+    return "str" if meaning.startswith("why") else "f8"
 
 
 def _words(axis: Axis) -> str:

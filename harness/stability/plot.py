@@ -8,12 +8,14 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib.artist import Artist
-from matplotlib.colors import ListedColormap, LogNorm, SymLogNorm
+from matplotlib.colors import ListedColormap, SymLogNorm
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
+from ..output.picture import Field, Line, Panel, Picture, PlotAxis
 from ..output.plot import Drawing, metres, save
+from .axis import Map
 from .map import StabilityMap
 from .run_map import RunMap
 from .speeds import Speeds
@@ -27,8 +29,7 @@ DECADES = 3.0  # of growth rates told apart on either side of zero
 
 def plot_map(data: StabilityMap, path: Path | None) -> Path | Drawing:
     """Blue where deviations decay, red where they grow."""
-    figure = Figure(figsize=(8.6, 5.6), layout="constrained")
-    axes = figure.subplots()
+    figure, axes = _framed(data)
     x, y = data.x.values, data.y.values
     finite = np.abs(data.growth[np.isfinite(data.growth)])
     largest = float(np.quantile(finite, 0.98)) if finite.size else 1.0
@@ -52,9 +53,7 @@ def plot_map(data: StabilityMap, path: Path | None) -> Path | Drawing:
         )
         handles += _whirls(axes, data)
     handles += _points(axes, data)
-    scales = ["log" if axis.log else "linear" for axis in (data.x, data.y)]
-    axes.set(xscale=scales[0], yscale=scales[1], xlim=(x[0], x[-1]), ylim=(y[0], y[-1]))
-    axes.set(xlabel=data.labels[0], ylabel=data.labels[1], title=data.title)
+    axes.set(xlim=(x[0], x[-1]), ylim=(y[0], y[-1]))
     figure.legend(
         handles=handles, loc="outside lower center", ncols=min(3, len(handles)), fontsize="small"
     )
@@ -74,47 +73,34 @@ def _whirls(axes: Any, data: StabilityMap) -> list[Artist]:
     return [Line2D([], [], color="tab:green", label=f"stable whirl that remains [{unit}]")]
 
 
-def plot_run_map(data: RunMap, path: Path | None) -> Path | Drawing:
-    """Residual amplitude as colour; runs that have not settled are dotted, failed ones hatched."""
-    figure = Figure(figsize=(8.6, 5.6), layout="constrained")
-    axes = figure.subplots()
-    x, y = data.x.values, data.y.values
-    shown = np.ma.masked_invalid(data.residual)
-    factor, unit = metres(float(shown.max()) if shown.count() else 1.0)
-    shown = shown * factor
-    positive = shown[shown > 0.0]
-    norm = LogNorm(positive.min(), positive.max()) if positive.count() else None
-    colours = axes.pcolormesh(x, y, shown, cmap="viridis", norm=norm, rasterized=True)
-    figure.colorbar(colours, ax=axes, pad=0.015, label=f"residual amplitude [{unit}]")
-    handles: list[Artist] = []
+def plot_run_map(data: RunMap, path: Path | None) -> Path | Picture:
+    """Residual amplitude as colour; runs that have not settled are dotted, failed ones grey."""
+    factor, unit = metres(float(np.nan_to_num(data.residual).max()))
+    shown = np.where(data.residual > 0.0, data.residual * factor, np.nan)
+    moves = bool(np.isfinite(shown).any())
+    amplitude = PlotAxis(
+        "residual amplitude", unit, log=moves, limits=None if moves else (0.0, 1.0)
+    )
+    x, y = (
+        PlotAxis(label, log=axis.log)
+        for label, axis in zip(data.labels, (data.x, data.y), strict=True)
+    )
     j, i = np.nonzero(data.settled == 0.0)
-    if len(i):
-        handles += axes.plot(x[i], y[j], ".", color="white", ms=2.0, mec="0.3", mew=0.3)
-        handles[-1].set_label("not settled")
-    if shown.mask.any():
-        look: Any = {"facecolor": "0.85", "edgecolor": "0.6", "hatch": "///"}
-        axes.patch.set(**look)
-        handles.append(Patch(**look, label="failed"))
-    scales = ["log" if axis.log else "linear" for axis in (data.x, data.y)]
-    axes.set(xscale=scales[0], yscale=scales[1], title=data.title)
-    axes.set(xlabel=data.labels[0], ylabel=data.labels[1])
-    if handles:
-        figure.legend(handles=handles, loc="outside lower center", ncols=2, fontsize="small")
-    return save(figure, path)
+    dots = Line((data.x.values[i], data.y.values[j]), "not settled", "#000000", "dots")
+    field = Field(data.x.values, data.y.values, shown, amplitude)
+    panel = Panel((x, y), [dots] if len(i) else [], field)
+    picture = Picture(data.title, [panel], height=4.6, width=8.6)
+    return picture if path is None else picture.save(path)
 
 
 def plot_proved_map(data: ProvedMap, path: Path | None) -> Path | Drawing:
     """Three colours: stable, unstable, undecided."""
     from .proved_map import STATES, edges
 
-    figure = Figure(figsize=(8.6, 5.6), layout="constrained")
-    axes = figure.subplots()
+    figure, axes = _framed(data)
     colours = ("0.85", "tab:blue", "tab:red")
     look: Any = {"cmap": ListedColormap(colours), "vmin": 0, "vmax": 2, "rasterized": True}
     axes.pcolormesh(edges(data.x), edges(data.y), data.parts, **look)
-    scales = ["log" if axis.log else "linear" for axis in (data.x, data.y)]
-    axes.set(xscale=scales[0], yscale=scales[1], title=data.title)
-    axes.set(xlabel=data.labels[0], ylabel=data.labels[1])
     handles = [Patch(color=c, label=state) for c, state in zip(colours, STATES, strict=True)]
     figure.legend(handles=handles, loc="outside lower center", ncols=3, fontsize="small")
     return save(figure, path)
@@ -136,6 +122,16 @@ def plot_speeds(data: Speeds, path: Path | None) -> Path | Drawing:
     axes.set(xlabel="speed [rad/s]", xlim=data.range)
     axes.set_title(f"{data.scene}: balancing is stable (green), unstable (red)")
     return save(figure, path)
+
+
+def _framed(data: Map) -> tuple[Figure, Any]:
+    """A figure, and axes with the names and scales of a map's."""
+    figure = Figure(figsize=(8.6, 5.6), layout="constrained")
+    axes = figure.subplots()
+    scales = ["log" if axis.log else "linear" for axis in (data.x, data.y)]
+    axes.set(xscale=scales[0], yscale=scales[1], title=data.title)
+    axes.set(xlabel=data.labels[0], ylabel=data.labels[1])
+    return figure, axes
 
 
 def _boundary(

@@ -13,12 +13,11 @@ from numpy.typing import NDArray
 
 from ...models.proof.certificate import Certificate, State
 from ...models.proof.rotors import Unproved
-from ..output.outcome import Outcome
 from ..output.table import Sheet
 from ..output.workers import Progress, Workers, in_order
 from ..scene import Scene
 from ..scene.replace import SPEED
-from .axis import Axis, refuse_axes
+from .axis import Axis, Map, refuse_axes
 from .exact import Change, Tables, refuse_unproved, system
 from .proved import PRECISION
 
@@ -32,24 +31,16 @@ Box = tuple[int, int, int, int]  # parts from, to along x, from, to along y
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class ProvedMap(Outcome):
-    """What is proved over two parameters.
+class ProvedMap(Map):
+    """What is proved over two parameters; N values of an axis stand for N cells between its ends.
 
     Attributes:
-        title: of the scene.
-        x, y: axes; their N values stand for N cells between the first and the last.
-        labels: of both.
         parts: (PARTS N_y, PARTS N_x) places in `STATES` of the parts of the cells.
         certificates: number of places about which modes were computed.
     """
 
-    dimensions: ClassVar[int] = 2
     drawn_by: ClassVar[str] = "..stability.plot:plot_proved_map"
 
-    title: str
-    x: Axis
-    y: Axis
-    labels: tuple[str, str]
     parts: Raster
     certificates: int
 
@@ -108,8 +99,7 @@ def proved_map(
     parts = np.zeros((cuts[1][-1], cuts[0][-1]), np.int8)
     for (a, b, c, d), (block, _) in zip(boxes, found, strict=True):
         parts[c:d, a:b] = block
-    labels = x.label(scene), y.label(scene)
-    return ProvedMap(scene.heading, x, y, labels, parts, sum(count for _, count in found))
+    return ProvedMap(scene, x, y, parts, sum(count for _, count in found))
 
 
 def _block(job: tuple[Scene, Axis, Axis, Box]) -> tuple[Raster, int]:

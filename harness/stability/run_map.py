@@ -13,38 +13,33 @@ from numpy.typing import NDArray
 
 from ..master.alike import cosimulate_alike, refuse_unvaried
 from ..master.one_file import composition
-from ..output.outcome import Outcome
 from ..output.table import Sheet
 from ..output.words import kinds_of
 from ..output.workers import Progress, Workers, in_order
 from ..scene import Scene
-from .axis import Axis, refuse_axes
-from .map_store import open_run_map
+from .axis import Axis, Map, refuse_axes
+from .map_store import open_map
 
-_RESULTS = ("residual", "settled", "failure")
+_RESULTS = {
+    "residual": "amplitude in the last revolution [m]",
+    "settled": "1: the last two revolutions are alike",
+    "failure": "why the run failed",
+}
 Rows = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class RunMap(Outcome):
+class RunMap(Map):
     """Runs over two parameters.
 
     Attributes:
-        title: of the scene.
-        x, y: axes, and their labels.
-        residual: (len(y), len(x)) largest amplitude in the last revolution [m]; NaN where the run
-            failed.
-        settled: (len(y), len(x)) 1 where the last two revolutions are alike.
-        failure: (len(y), len(x)) why a run failed; else empty.
+        residual: largest amplitude in the last revolution [m]; NaN where the run failed.
+        settled: 1 where the last two revolutions are alike.
+        failure: why a run failed; else empty.
     """
 
-    dimensions: ClassVar[int] = 2
     drawn_by: ClassVar[str] = "..stability.plot:plot_run_map"
 
-    title: str
-    x: Axis
-    y: Axis
-    labels: tuple[str, str]
     residual: Rows
     settled: Rows
     failure: NDArray[np.object_]
@@ -69,8 +64,7 @@ class RunMap(Outcome):
         for (j, i), failure in np.ndenumerate(self.failure):
             numbers = (self.residual[j, i], self.settled[j, i])
             shown = ("", "") if failure else map(float, numbers)
-            place = (float(self.x.values[i]), float(self.y.values[j]))
-            rows.append((*place, *shown, failure))
+            rows.append((*self._place(j, i), *shown, failure))
         heads = (*self.labels, "residual amplitude [m]", "settled", "failure")
         return Sheet(heads, rows, title=self.title)
 
@@ -100,11 +94,9 @@ def run_map(
         at = {axis.path: axis.values[end] for axis, end in zip((x, y), ends, strict=True)}
         composition(scene.replace(at))
     jobs = [(scene, x, y.path, value) for value in y.values.tolist()]
-    kept = None if store is None else open_run_map(store, scene, x, y)
+    kept = None if store is None else open_map(store, "map of runs", scene, x, y, _RESULTS)["strip"]
     rows = in_order(_row, jobs, workers, progress, kept)
-    residual, settled, failure = (np.concatenate(column) for column in zip(*rows, strict=True))
-    labels = x.label(scene), y.label(scene)
-    return RunMap(scene.heading, x, y, labels, residual, settled, failure)
+    return RunMap(scene, x, y, *(np.concatenate(column) for column in zip(*rows, strict=True)))
 
 
 def _row(job: tuple[Scene, Axis, str, float]) -> tuple[NDArray, ...]:

@@ -75,7 +75,7 @@ class Speeds(Outcome):
         >>> [list(row) for row in found.rows()][0]
         ['floquet', 'criterion']
         """
-        order = [m for m in ("floquet", "cosim", "cosim-run", "criterion") if m in self.methods]
+        order = [m for m in ("floquet", "cosim", "criterion") if m in self.methods]
         rows: list[dict[str, Crossing]] = []
         for method in order:
             left = list(self.methods[method])

@@ -30,18 +30,15 @@ def command(
     range_: Annotated[tuple[str, str], options.RANGE],
     method: Annotated[
         str,
-        typer.Option(help="criterion, floquet, cosim, cosim-run, proved; several with commas."),
+        typer.Option(help="criterion, floquet, cosim, proved; several with commas."),
     ] = DEFAULT,
     json_file: Annotated[Path | None, options.json("the speeds")] = None,
-    scan: Annotated[
-        int, typer.Option(min=2, help="Intervals of a co-simulated scan when Floquet is not asked.")
-    ] = 60,
     narrowest: Annotated[
         float | None,
         options.quantity(
             "rad/s",
-            "Width of a band Floquet must not miss [rad/s]; default: range/1000. "
-            "Of undecided bands of --method proved.",
+            "Width of a band that must not be missed [rad/s]; default: range/1000, of cosim alone "
+            "range/60. Of undecided bands of --method proved.",
             "--narrowest",
         ),
     ] = None,
@@ -68,9 +65,8 @@ def command(
             high,
             names,
             narrowest=narrowest,
-            scan=scan,
             workers=os.cpu_count() or 1,
-            progress=costs.within(at_most, f"--range {low:g} {high:g} --scan {scan}", progress),
+            progress=costs.within(at_most, f"--range {low:g} {high:g}", progress),
             within=within,
         )
     if result.methods or result.proof is None:
@@ -91,9 +87,8 @@ def command(
             show(whirl_table(result.whirl))
         for name, reason in result.whirl.refused.items():
             say(f"{name}: does not apply {reason}", style="yellow")
-    for name in result.methods:
-        if name.startswith("cosim"):
-            say(f"{name}: {_looked(result, scan)}")
+    if "cosim" in result.methods:
+        say(f"cosim: {_looked(result, narrowest)}")
     if json_file is not None:
         write_json(result.as_json(), json_file)
 
@@ -165,8 +160,11 @@ def _angles(one: WhirlAt) -> str:
     return ", ".join(f"{math.degrees(angle):.1f}" for angle in one.angles)
 
 
-def _looked(result: Speeds, scan: int) -> str:
+def _looked(result: Speeds, narrowest: float | None) -> str:
+    from .boundaries import intervals_of_scan
+
     if "floquet" in result.methods:
         return "looked on both sides of every speed of Floquet, between them and at the ends"
-    width = (result.range[1] - result.range[0]) / scan
+    low, high = result.range
+    width = (high - low) / intervals_of_scan(result.range, narrowest)
     return f"scanned by itself: bands narrower than {width:.3g} rad/s can be missed"

@@ -187,8 +187,8 @@ class WhirlMotion(MainMotion):
         SimulationError: the units have none, or another than the equations.
     """
 
-    def __init__(self, scene: Scene, *, steps: int | None = None, separate: bool = False) -> None:
-        self.units = Revolution(scene, steps=steps, separate=separate)
+    def __init__(self, scene: Scene, *, separate: bool = False) -> None:
+        self.units = Revolution(scene, separate=separate)
         self._angles = self._places_of_angles()
 
     def at(self, speed: float) -> None:

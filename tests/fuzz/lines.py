@@ -182,7 +182,7 @@ _VALUES: dict[str, Any] = {
     "LOW HIGH": lambda _draw, _: ["0.5", "3", "12", "150", *NUMBERS],
 }
 _NAMED = {
-    "method": ["floquet", "criterion", "criterion,floquet", "cosim", "cosim-run", ",", ""],
+    "method": ["floquet", "criterion", "criterion,floquet", "cosim", ",", ""],
     "angles": ["12", "0,120,240", "12/24", "0", "-3", "x", "1e9", ""],
     "grade": ["G2.5", "G0", "G-1", "X", "G1e300"],
     "words": ["stiff", "loop", "nothing"],
@@ -192,7 +192,7 @@ _NAMED = {
 def _brief(draw: random.Random, name: str, words: list[str]) -> list[str]:
     """Options that keep most lines short."""
     known = {option for each in commands()[name].params for option in each.opts}
-    brief = {"--set": "run.revolutions=0.3", "-n": "4", "--movie-seconds": "0.2", "--scan": "4"}
+    brief = {"--set": "run.revolutions=0.3", "-n": "4", "--movie-seconds": "0.2"}
     brief |= {
         "--starts": "6",
         "--most": "2",

@@ -209,7 +209,6 @@ def test_a_missing_file_of_the_program_is_an_internal_error_to_report(
         (["run", "two_balls", "--set", 'run.record=["rotor.z"]'], "rotor.z"),
         (["speeds", "two_balls", "--range", "1", "9", "--method", ""], "name at least one of"),
         (["speeds", "two_balls", "--range", "1", "9", "--narrowest", "1e-9"], "at most 100000"),
-        (["speeds", "two_balls", "--range", "1", "9", "--scan", "1000000000"], "at most 100000"),
         (["run", "two_balls", "-o", "/nowhere/at/all.csv"], "there is no directory /nowhere/at"),
         (["check", "liquid_disc", "--json", "/"], "it is a directory"),
         (["check", "liquid_disc", "--report", "/dev/null/x"], "cannot be made a directory"),

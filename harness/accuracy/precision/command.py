@@ -25,9 +25,6 @@ def command(
     seconds: Annotated[
         float, typer.Option(min=1.0, help="About how long the measuring may take.")
     ] = 75.0,
-    all_curves: Annotated[
-        bool, typer.Option("--all-curves", help="Draw all methods, not the best of each group.")
-    ] = False,
     changes: Annotated[list[str] | None, options.changes("run.revolutions=20")] = None,
     at_most: Annotated[str, options.AT_MOST] = costs.DEFAULT,
 ) -> None:
@@ -48,7 +45,5 @@ def command(
         with write_whole(markdown_file) as stream:
             stream.write(report.markdown(study))
     if output is not None:
-        say(f"Picture: {study.plot(output, all_curves=all_curves)}")
-    if words := report.one_file_words(study):
-        say(words, style="bold")
-    say(report.cheapest_words(study), style="bold")
+        say(f"Picture: {study.plot(output)}")
+    show(report.cheapest(study))

@@ -42,6 +42,10 @@ FEWEST_ROUNDS, MOST_ROUNDS = 2, 7
 TARGETS = (1e-3, 1e-5, 1e-7, 1e-9)
 SHARE = 1 / 90  # of the time given for one run, so that some thirty methods can take three turns
 SHARE_CUBIC = 1 / 45  # the same where small errors are to be had
+KEYS = (
+    "scene", "method", "order", "steps_per_rev", "corrections", "tolerance",
+    "error", "seconds", "status", "at_end", "work",
+)  # fmt: skip
 FINER = 1.5  # how much longer a run takes than the one before it: steps grow by 1.2 to 2
 
 
@@ -55,7 +59,6 @@ class Point:
         seconds: smallest of the runs.
         work: communication steps, or evaluations of the right-hand side.
         status: `ok`, or what is wrong with it in words.
-        rotor: error of the rotor's displacements alone, relative to the largest of them.
     """
 
     scene: str
@@ -65,12 +68,6 @@ class Point:
     seconds: float | None
     work: int | None
     status: str
-    rotor: float | None = None
-
-    @property
-    def counts(self) -> bool:
-        """Whether it ran to the end."""
-        return self.error is not None
 
 
 @dataclass(frozen=True, repr=False)
@@ -84,7 +81,6 @@ class Precision(Outcome):
     """
 
     drawn_by: ClassVar[str] = "..accuracy.precision.plot:plot_precision"
-    document_by: ClassVar[str] = "..accuracy.precision.report:as_json"
 
     scene: Scene
     points: tuple[Point, ...]
@@ -95,9 +91,12 @@ class Precision(Outcome):
 
     def table(self) -> Sheet:
         """A row for every method, step and tolerance: errors of the range, seconds."""
-        from .report import rows
-
-        return rows(self)
+        rows = []
+        for point in self.points:
+            name = point.method.name + " in one file" * point.method.one_file
+            values = {**vars(point.method), **vars(point), "method": name}
+            rows.append([values[key] for key in KEYS])
+        return Sheet(KEYS, rows, title=self.scene.heading)
 
     def cheapest(
         self, error: float, *, coupled: bool | None = None, one_file: bool = False
@@ -112,14 +111,19 @@ class Precision(Outcome):
         >>> short.precision(1.0).cheapest(1e-4, coupled=True).error <= 1e-4
         True
         """
-        exact = [p for p in self.points if p.error is not None and p.error <= error]
         asked = [
             p
-            for p in exact
+            for p in self.points
             if (coupled is None or coupled != p.method.in_one_piece)
             and p.method.one_file == one_file
         ]
-        return min(asked, key=lambda point: point.seconds or math.inf, default=None)
+        return cheapest(asked, error)
+
+
+def cheapest(points: Sequence[Point], error: float) -> Point | None:
+    """The fastest of some points that is at least that exact."""
+    exact = [p for p in points if p.error is not None and p.error <= error]
+    return min(exact, key=lambda point: point.seconds or math.inf, default=None)
 
 
 def precision(
@@ -229,8 +233,9 @@ def _point(
     if run is None:
         return Point(scene.name, method, None, None, None, None, bench.status[method])
     at = np.searchsorted(right.time, run.time)
-    missed = {name: np.abs(run.signals[name] - right.signal(name)[at]) for name in ranges}
-    gaps = [missed[name] / ranges[name] for name in ranges]
+    gaps = [
+        np.abs(run.signals[name] - right.signal(name)[at]) / size for name, size in ranges.items()
+    ]
     error, at_end = float(np.max(gaps)), float(np.max([gap[-1] for gap in gaps]))
     status = bench.status[method]
     if not math.isfinite(error):
@@ -240,10 +245,7 @@ def _point(
     elif error < TWO_DECADES * own and status == "ok":
         status = "ok, within two decades of the reference's own error"
     seconds = bench.best.get(method, run.seconds)
-    places = [n for n in missed if n.startswith("rotor.") and n.rpartition(".")[2] in ("x", "y")]
-    reach = max((float(np.max(np.abs(right.signal(n)))) for n in places), default=0.0)
-    rotor = max(float(np.max(missed[n])) for n in places) / reach if reach else None
-    return Point(scene.name, method, error, at_end, seconds, run.work, status, rotor)
+    return Point(scene.name, method, error, at_end, seconds, run.work, status)
 
 
 def observed_orders(points: Sequence[Point], own: float) -> dict[str, float]:

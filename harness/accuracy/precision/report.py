@@ -1,36 +1,11 @@
-"""What was measured as table, CSV, JSON, Markdown, and in words."""
+"""What was measured as tables, and in words."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from typing import Any
 
 from ...output.table import Sheet
 from .measure import TARGETS, TWO_DECADES, Point, Precision
-
-KEYS = (
-    "scene", "method", "order", "steps_per_rev", "corrections", "tolerance",
-    "error", "seconds", "status",
-)  # fmt: skip
-
-
-def row(point: Point) -> dict[str, Any]:
-    """One point with the keys of the JSON document."""
-    name = point.method.name + " in one file" * point.method.one_file
-    values = {**vars(point.method), **vars(point), "method": name}
-    return {key: values[key] for key in KEYS}
-
-
-def as_json(study: Precision) -> dict[str, Any]:
-    """`{"rows": [...]}`, a row for every method, step and tolerance."""
-    return {"rows": [row(point) for point in study.points]}
-
-
-def rows(study: Precision) -> Sheet:
-    """The rows with the error at the end, the error of x and y alone, and the work added."""
-    cells = [[*row(p).values(), p.at_end, p.rotor, p.work] for p in study.points]
-    columns = (*KEYS, "error_at_end", "error_of_rotor", "work")
-    return Sheet(columns, cells, title=study.scene.heading)
 
 
 def table(study: Precision) -> Sheet:
@@ -56,7 +31,7 @@ def _without_repeats(points: Sequence[Point]) -> Iterable[Point]:
     said: set[tuple[str, str]] = set()
     for point in points:
         key = (point.method.family, point.status)
-        if point.counts or key not in said:
+        if point.error is not None or key not in said:
             yield point
         said.add(key)
 
@@ -75,39 +50,28 @@ def reference_words(study: Precision) -> str:
     )
 
 
-def cheapest_words(study: Precision) -> str:
-    """The last line: the cheapest way to each error."""
-    ways = []
-    for target in TARGETS:
-        coupled, whole = (study.cheapest(target, coupled=kind) for kind in (True, False))
-        way = "no way measured" if coupled is None else _way(coupled)
-        rival = "" if whole is None else f"; in one piece {_way(whole)}"
-        ways.append(f"to {target:g} by {way}{rival}" if coupled else f"to {target:g}: {way}{rival}")
-    return f"Cheapest for {study.scene.name}: {'. '.join(ways)}."
-
-
-def one_file_words(study: Precision) -> str:
-    """How many times as fast as SciPy's best the composite is; "" if it did not run."""
-    ways = []
-    for target in TARGETS:
-        one = study.cheapest(target, coupled=True, one_file=True)
-        whole = study.cheapest(target, coupled=False)
+def cheapest(study: Precision) -> Sheet:
+    """The cheapest way to each error: coupled in C, coupled in Python, in one piece."""
+    rows = []
+    for error in TARGETS:
+        one = study.cheapest(error, coupled=True, one_file=True)
+        apart, whole = (study.cheapest(error, coupled=coupled) for coupled in (True, False))
+        fast = "-"
         if one and whole and one.seconds and whole.seconds:
-            ratio = whole.seconds / one.seconds
-            ways.append(f"{ratio:.0f} at {target:g} ({_way(one)}; {_way(whole)})")
-    if not ways:
-        return ""
-    return f"In one file, times as fast as SciPy's best in one piece: {', '.join(ways)}."
+            fast = f"{whole.seconds / one.seconds:.2g}"
+        rows.append((study.scene.name, f"{error:.0e}", _way(one), _way(apart), _way(whole), fast))
+    columns = ("scene", "error", "one file", "separate FMUs", "SciPy in one piece", "times faster")
+    return Sheet(columns, rows, "lllllr", "Cheapest way to an error")
 
 
-def _way(point: Point) -> str:
-    assert point.seconds is not None
+def _way(point: Point | None) -> str:
+    if point is None or point.seconds is None:
+        return "-"
     name = point.method.family.removeprefix("monolith ").removesuffix(" in one file")
-    return f"{name}, {point.method.setting} ({1e3 * point.seconds:.3g} ms, {point.error:.1e})"
+    return f"{1e3 * point.seconds:.3g} ms: {name}, {point.method.setting}"
 
 
 def markdown(study: Precision) -> str:
     """Everything as Markdown."""
-    words = (reference_words(study), table(study).markdown(), one_file_words(study))
-    parts = [f"### {study.scene.name}", *filter(None, words), cheapest_words(study)]
-    return "\n\n".join(parts) + "\n"
+    parts = (reference_words(study), table(study).markdown(), cheapest(study).markdown())
+    return "\n\n".join([f"### {study.scene.name}", *parts]) + "\n"

@@ -21,10 +21,12 @@ from ...scene import Scene, load_scene
 UNEVEN = (2, 4, 6, 8, 10, 12, 14)  # powers of ten of the stiffness along y, 1e2 N/m along x
 LEFT_ALONE = 1e-2  # of the range: a picture would not show it; asked of the default coupling
 TOLERANCE = 1e-5  # asked of the runs with a tolerance
-TOO_COARSE = "use more coupling.steps_per_rev"  # what a run says of steps too long for its signals
 FACTOR = 10.0  # by which the error that a run states of itself may be too small
 PROMISED = 3.0 * TOLERANCE  # what the error may be then
 REFERENCE_SHARE = 0.1  # of the error allowed: a reference less certain proves nothing
+STATES = ("x", "y", "vx", "vy", "angle", "speed")  # for which the reference states its error
+XY = ("rotor.x", "rotor.y")
+ROTOR_AND_MOMENT = (*XY, "weights.moment_xi", "weights.moment_eta")
 
 Series = Mapping[str, NDArray[np.float64]]
 
@@ -123,46 +125,60 @@ def linear_motion(scene: Scene, times: NDArray[np.float64]) -> Series:
     return {"rotor.x": x.real, "rotor.y": y.imag}
 
 
-def against_closed_form(scene: Scene, allowed: float) -> Outcome:
-    """Run a scene without weights by both engines and compare with its closed form."""
-    names = ["rotor.x", "rotor.y"]
-    results = [cosimulate(scene, record=names, separate=separate) for separate in (False, True)]
-    error = max(deviation(result, linear_motion(scene, result.time)) for result in results)
-    return Outcome(f"error {error:.1e} over {results[0].steps} steps", error <= allowed)
-
-
 def stated_error(result: Result) -> float:
     """By how much of its motion a run says it errs for too coarse steps; 0 if it does not."""
     return result.estimated_error if result.estimated_error >= STATED_ERROR else 0.0
 
 
-ErrorOf = Callable[[Scene, float, bool], tuple[float, Result]]  # scene, error allowed, separate
+# (scene, its run, error allowed) -> right motion, and its own error
+Right = Callable[[Scene, Result, float], tuple[Series, float]]
 
 
-def _both_ways(error_of: ErrorOf, build: Scene) -> Outcome:
-    """A scene left alone, by both engines where it has no events, and with a tolerance."""
-    text, holds = _left_alone(error_of, build, False)
-    if not build.has_events:
-        words, right = _left_alone(error_of, build, True)
-        text, holds = f"{text}; separate {words}", holds and right
-    try:
-        error, result = error_of(build.replace({"coupling.tolerance": TOLERANCE}), PROMISED, False)
-    except SimulationError as refusal:
-        return Outcome(f"{text}; tolerance {TOLERANCE:g} refused ({refusal})", False)
-    text += f"; tolerance {TOLERANCE:g}: {error:.1e} in {result.steps} steps"
-    return Outcome(text, holds and error <= PROMISED)
+def closed_form(scene: Scene, result: Result, _allowed: float) -> tuple[Series, float]:
+    """The motion without weights."""
+    return linear_motion(scene, result.time), 0.0
 
 
-def _left_alone(error_of: ErrorOf, build: Scene, separate: bool) -> tuple[str, bool]:
-    """A run of a scene as it is, which may be refused, or state that its steps are too long."""
-    try:
-        error, result = error_of(build, LEFT_ALONE, separate)
-    except SimulationError as refusal:
-        return f"as it is refused ({refusal})", "use" in str(refusal)
-    text = f"as it is {error:.1e} in {result.steps} steps"
-    if stated := stated_error(result):
-        text = f"{text} and said to be too coarse ({stated:.1g})"
-    return text, error <= max(LEFT_ALONE, FACTOR * stated)
+def monolith(**options: Any) -> Right:
+    """The motion by the monolith's reference, whose own error is below a tenth of that allowed.
+
+    Args:
+        options: of `models.monolith.reference`.
+    """
+
+    def right(scene: Scene, result: Result, allowed: float) -> tuple[Series, float]:
+        motion, own = reference(
+            scene.assembly(),
+            scene.profile(),
+            result.time,
+            initial=scene.run.initial.motion(),
+            signals=[name for name in result.signals if name.rpartition(".")[2] in STATES],
+            bound=REFERENCE_SHARE * allowed,
+            **options,
+        )
+        return {name: motion.signal(name) for name in result.signals}, own
+
+    return right
+
+
+def compare(
+    scene: Scene, signals: Sequence[str], right: Right, allowed: float, separate: bool = False
+) -> tuple[float, float, Result]:
+    """Error of a scene's run in `signals`, that of the right motion, and the run.
+
+    Raises:
+        ReferenceDisagreement: nobody knows what is right.
+    """
+    result = cosimulate(scene, record=signals, separate=separate)
+    motion, own = right(scene, result, allowed)
+    return deviation(result, motion), own, result
+
+
+def against_closed_form(scene: Scene, allowed: float) -> Outcome:
+    """Run a scene without weights by both engines and compare with its closed form."""
+    found = [compare(scene, XY, closed_form, allowed, separate) for separate in (False, True)]
+    error, steps = max(error for error, *_ in found), found[0][-1].steps
+    return Outcome(f"error {error:.1e} over {steps} steps", error <= allowed)
 
 
 BOTH_WAYS = (
@@ -171,68 +187,42 @@ BOTH_WAYS = (
 )
 
 
-def force_against_closed_form(build: Scene) -> Outcome:
-    """Run a linear scene whose balancers send forces, and compare with its closed form."""
-
-    def error_of(scene: Scene, _allowed: float, separate: bool) -> tuple[float, Result]:
-        result = cosimulate(scene, record=["rotor.x", "rotor.y"], separate=separate)
-        return deviation(result, linear_motion(scene, result.time)), result
-
-    return _both_ways(error_of, build)
-
-
-STATES = ("x", "y", "vx", "vy", "angle", "speed")  # for which the reference states its error
-ROTOR_AND_MOMENT = ("rotor.x", "rotor.y", "weights.moment_xi", "weights.moment_eta")
-
-
-def error_against_monolith(
-    build: Scene, signals: Sequence[str], allowed: float, separate: bool = False, **options: Any
-) -> tuple[float, float, Result]:
-    """Error of a run in `signals`, the reference's own, and the run.
-
-    Args:
-        allowed: error that would be right; the reference's own is held below a tenth of it.
-        options: of `models.monolith.reference`.
-    """
-    result = cosimulate(build, record=signals, separate=separate)
-    error, own = against_reference(build, result, bound=REFERENCE_SHARE * allowed, **options)
-    return error, own, result
+def both_ways(scene: Scene, signals: Sequence[str], right: Right) -> Outcome:
+    """A scene left alone, by both engines where it has no events, and with a tolerance."""
+    text, holds, worst = _left_alone(scene, signals, right, False)
+    if not scene.has_events:
+        words, also, own = _left_alone(scene, signals, right, True)
+        text, holds, worst = f"{text}; separate {words}", holds and also, max(worst, own)
+    kept = scene.replace({"coupling.tolerance": TOLERANCE})
+    try:
+        error, own, result = compare(kept, signals, right, PROMISED)
+    except SimulationError as refusal:
+        return Outcome(f"{text}; tolerance {TOLERANCE:g} refused ({refusal})", False)
+    text += f"; tolerance {TOLERANCE:g}: {error:.1e} in {result.steps} steps"
+    worst = max(worst, own)
+    text += f"; reference {worst:.0e}" * bool(worst)
+    return Outcome(text, holds and error <= PROMISED)
 
 
-def against_reference(scene: Scene, result: Result, **options: Any) -> tuple[float, float]:
-    """Error of a scene's run in all that was recorded, and the reference's own.
-
-    Args:
-        options: of `models.monolith.reference`.
-
-    Raises:
-        ReferenceDisagreement: nobody knows what is right.
-    """
-    right, own = reference(
-        scene.assembly(),
-        scene.profile(),
-        result.time,
-        initial=scene.run.initial.motion(),
-        signals=[name for name in result.signals if name.rpartition(".")[2] in STATES],
-        **options,
-    )
-    return deviation(result, {name: right.signal(name) for name in result.signals}), own
+def _left_alone(
+    scene: Scene, signals: Sequence[str], right: Right, separate: bool
+) -> tuple[str, bool, float]:
+    """A run of a scene as it is, which may be refused, or state that its steps are too long."""
+    try:
+        error, own, result = compare(scene, signals, right, LEFT_ALONE, separate)
+    except SimulationError as refusal:
+        return f"as it is refused ({refusal})", "use" in str(refusal), 0.0
+    text = f"as it is {error:.1e} in {result.steps} steps"
+    if stated := stated_error(result):
+        text = f"{text} and said to be too coarse ({stated:.1g})"
+    return text, error <= max(LEFT_ALONE, FACTOR * stated), own
 
 
 def against_monolith(
-    build: Scene, signals: Sequence[str] = ROTOR_AND_MOMENT, **options: Any
+    scene: Scene, signals: Sequence[str] = ROTOR_AND_MOMENT, **options: Any
 ) -> Outcome:
     """Run a scene with weights and compare `signals` with the monolith's reference."""
-    worst = 0.0
-
-    def error_of(scene: Scene, allowed: float, separate: bool) -> tuple[float, Result]:
-        nonlocal worst
-        error, own, result = error_against_monolith(scene, signals, allowed, separate, **options)
-        worst = max(worst, own)
-        return error, result
-
-    outcome = _both_ways(error_of, build)
-    return Outcome(f"{outcome.text}; reference {worst:.0e}", outcome.holds)
+    return both_ways(scene, signals, monolith(**options))
 
 
 def refusal(run: Callable[[], object], *words: str) -> Outcome:

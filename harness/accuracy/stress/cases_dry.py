@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any
 
-from .case import ROTOR_AND_MOMENT, Case
-from .cases_weights import MASS, RADIUS, SPEED, XY, coupled
+from .case import ROTOR_AND_MOMENT, XY, Case
+from .cases_weights import MASS, RADIUS, SPEED, coupled
 
 PULL = MASS * RADIUS * SPEED**2  # N: of the unbalance, as much as one weight can balance
 

@@ -24,20 +24,21 @@ def command(
 
     Each must be right or clearly refused; exit code 1 if not.
     """
-    from .run import all_cases, markdown, stress, table
+    from .run import all_cases, stress, table
 
     names = [name for name in all_cases() if only is None or only.lower() in name.lower()]
     if not names:
         listed = "; ".join(all_cases())
         raise UserError(f"{only!r}: no case has this in its name; there are: {listed}")
     with costs.limited(at_most, f"{len(names)} cases"), progress_bar("stress") as move:
-        rows = stress(names, lambda case, done: move(done, case[:40]))
-    show(table(rows))
+        rows = stress(names, move)
+    sheet = table(rows)
+    show(sheet)
     bad = [row for row in rows if not row.holds]
     held = f"All {len(rows)} cases hold." if not bad else f"{len(bad)} of {len(rows)} do NOT hold."
     say(held, style="bold")
     if markdown_file is not None:
         with write_whole(markdown_file) as stream:
-            stream.write(markdown(rows))
+            stream.write(sheet.markdown() + "\n")
     if bad:
         raise typer.Exit(1)

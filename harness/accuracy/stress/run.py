@@ -6,15 +6,16 @@ import os
 import time
 import warnings
 from collections.abc import Sequence
-from contextlib import closing
 from dataclasses import dataclass
+from functools import cache
 
 from ...output.table import BAD, GOOD, Sheet
-from ...output.workers import ItemProgress, Workers, as_they_come
+from ...output.workers import Progress, Workers, in_order
+from ...scene.plausible import ImplausibleWarning
 from . import cases_angles, cases_dry, cases_rotor, cases_shafts, cases_weights
 from .case import Case, Outcome
 
-COLUMNS = ("case", "expected", "outcome", "s")
+COLUMNS = ("case", "expected", "outcome", "s", "holds")
 
 
 @dataclass(frozen=True)
@@ -28,6 +29,7 @@ class StressRow:
     seconds: float
 
 
+@cache
 def all_cases() -> dict[str, Case]:
     """Every case in order, by name."""
     parts = (cases_rotor, cases_weights, cases_dry, cases_shafts, cases_angles)
@@ -40,6 +42,7 @@ def run_case(name: str) -> StressRow:
     start_time = time.perf_counter()
     with warnings.catch_warnings():
         warnings.simplefilter("error", RuntimeWarning)  # an overflow must not pass in silence
+        warnings.simplefilter("ignore", ImplausibleWarning)
         try:
             outcome = case.run()
         except Exception as error:
@@ -51,42 +54,22 @@ def run_case(name: str) -> StressRow:
 
 
 def stress(
-    names: Sequence[str] | None = None,
-    progress: ItemProgress | None = None,
-    workers: Workers | None = None,
+    names: Sequence[str], progress: Progress | None = None, workers: Workers | None = None
 ) -> list[StressRow]:
-    """Run cases; rows in the cases' order.
+    """Run cases; rows in the order of the names, which are of `all_cases`.
 
     Args:
-        names: of `all_cases`; by default all.
-        progress: called with the case just done, and the finished fraction.
+        progress: called with the finished fraction.
         workers: processes, by default as many as there are cores, or an executor.
     """
-    names = list(all_cases() if names is None else names)
-    rows: dict[int, StressRow] = {}
-    with closing(as_they_come(run_case, names, workers or os.cpu_count() or 1)) as ready:
-        for index, row in ready:
-            assert isinstance(row, StressRow)
-            rows[index] = row
-            if progress:
-                progress(row.case, len(rows) / len(names))
-    return [rows[index] for index in range(len(names))]
+    return in_order(run_case, names, workers or os.cpu_count() or 1, progress)
 
 
 def table(rows: Sequence[StressRow]) -> Sheet:
-    """The rows for the terminal."""
+    """The rows."""
     cells = [
         (r.case, r.expected, r.outcome, f"{r.seconds:.1f}", "yes" if r.holds else "NO")
         for r in rows
     ]
     colours = {"holds": {"yes": GOOD, "NO": BAD}}
-    return Sheet((*COLUMNS, "holds"), cells, "lllrl", "Stiff and extreme cases", colours)
-
-
-def markdown(rows: Sequence[StressRow]) -> str:
-    """The rows as a Markdown table."""
-    cells = []
-    for row in rows:
-        verdict = row.outcome if row.holds else f"**does not hold:** {row.outcome}"
-        cells.append((row.case, row.expected, verdict, f"{row.seconds:.1f}"))
-    return Sheet(COLUMNS, cells).markdown() + "\n"
+    return Sheet(COLUMNS, cells, "lllrl", "Stiff and extreme cases", colours)

@@ -8,9 +8,9 @@ import math
 import numpy as np
 import pytest
 
-from autobalancer.harness.checks.report import as_json, sourced, verdict
+from autobalancer.harness.checks.liquid_window import sign_change
+from autobalancer.harness.checks.report import as_json, table, verdict
 from autobalancer.harness.checks.row import Row, Rows
-from autobalancer.harness.checks.sign_change import sign_change
 from autobalancer.harness.errors import SimulationError
 from autobalancer.harness.output.files import write_json
 
@@ -71,7 +71,7 @@ def test_nothing_checked_does_not_hold():
 def test_a_report_marks_the_row_that_fails():
     rows = [number(1.0, 2.0, 0.1)]
     assert verdict(rows) == "1 of 1 rows do NOT hold."
-    assert sourced(rows).rows[0][2:7] == ["1", "2", "1", "0.1", "NO"]
+    assert table(rows, "scene").rows[0][2:7] == ["1", "2", "1", "0.1", "NO"]
 
 
 def test_sign_change_is_found_from_a_guess_that_is_off():

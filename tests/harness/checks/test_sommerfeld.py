@@ -2,7 +2,7 @@
 
 import pytest
 
-from autobalancer.harness.checks.registry import run_checks
+from autobalancer.harness import check
 from autobalancer.harness.checks.sommerfeld import variants_of
 from autobalancer.harness.errors import SceneError
 from autobalancer.harness.scene import load_scene
@@ -11,7 +11,7 @@ pytestmark = pytest.mark.slow
 
 
 def test_a_rotor_is_caught_and_passes_within_a_per_cent_of_the_closed_form():
-    rows = run_checks(load_scene("sommerfeld"))
+    rows = check("sommerfeld")
     assert [row.quantity for row in rows if not row.holds] == []
     assert len(rows) == 6
 

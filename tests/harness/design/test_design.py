@@ -28,7 +28,6 @@ from autobalancer.harness.design.settling import (
     settled_at,
 )
 from autobalancer.harness.errors import SceneError, SimulationError
-from autobalancer.harness.scene.check import CapacityCheck
 from autobalancer.models.spacing import closest
 from autobalancer.models.weights import alignment
 from tests.papers import fan_angles
@@ -39,7 +38,7 @@ pytestmark = pytest.mark.slow
 def rows_of(measure, scene, **options):
     """All rows of a paper's check; `scene` may be the name of a bundled one."""
     scene = load_scene(scene) if isinstance(scene, str) else scene
-    return list(measure(scene, lambda fraction: None, **options))
+    return list(measure(scene, **options))
 
 
 def test_random_starts_never_overlap_and_reach_the_whole_circle():
@@ -84,8 +83,7 @@ def test_interval_of_the_median_covers_it_95_times_in_100():
 
 def test_residual_and_packed_angles_on_both_sides_of_the_capacity():
     scene = load_scene("finite_weights").replace({"run.revolutions": 60})
-    check = CapacityCheck(kind="capacity", points=3, up_to=1.2)
-    rows = list(check_capacity(scene, check, lambda fraction: None))
+    rows = list(check_capacity(scene, points=3))
     assert len(rows) == 4
     assert [row for row in rows if not row.holds] == []
     # the rotor's damping turns the group: without that the angles would not hold
@@ -110,9 +108,8 @@ def test_table_1_rows_hold_and_name_the_two_digits_that_are_not_rounded():
 
 
 def test_capacity_check_refuses_point_weights():
-    check = CapacityCheck(kind="capacity")
     with pytest.raises(SceneError, match="weight_radius"):
-        next(check_capacity(load_scene("two_balls"), check, lambda fraction: None))
+        next(check_capacity(load_scene("two_balls")))
 
 
 def test_decay_is_the_exact_eigenvalue_and_near_the_slow_root_where_that_is_dominant():

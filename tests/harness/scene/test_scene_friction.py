@@ -12,7 +12,6 @@ from autobalancer.harness.master.many import cosimulate_many
 from autobalancer.harness.master.plan import plan
 from autobalancer.harness.master.revolution import Revolution
 from autobalancer.harness.master.schedule import FEWEST_CHOSEN, step_size
-from autobalancer.harness.rotor.study import campbell_of, modes_at
 from autobalancer.harness.stability.axis import Axis
 from autobalancer.harness.stability.map import stability_map
 from autobalancer.models.monolith import simulate
@@ -63,8 +62,7 @@ def test_mistakes_are_named(sliders, said):
     "analysis",
     [
         lambda scene: speeds(scene, (1.0, 2.0)),
-        lambda scene: modes_at(scene),
-        lambda scene: campbell_of(scene, 1.0, 2.0),
+        lambda scene: scene.rotor(),
         lambda scene: Revolution(scene),
         refuse_without_reference,
         lambda scene: stability_map(

@@ -6,8 +6,7 @@ import math
 import numpy as np
 import pytest
 
-from autobalancer.harness import SimulationError, UserError, load_scene, speeds
-from autobalancer.harness.checks.registry import run_checks
+from autobalancer.harness import SimulationError, UserError, check, load_scene, speeds
 from autobalancer.harness.master.revolution import Revolution
 from autobalancer.harness.scene import Scene
 from autobalancer.harness.stability.crossings import crossings, nodes_around
@@ -24,6 +23,7 @@ from tests.floquet import multipliers
 pytestmark = pytest.mark.slow
 
 MANY = {  # N weights of the same total mass, next to positions that are not on one line
+    2: [0.3, 1.0],
     3: [0.3, 1.9, 4.2],
     4: [0.3, 1.9, 3.5, 5.0],
     6: [0.3, 1.2, 2.1, 3.3, 4.4, 5.6],
@@ -73,17 +73,8 @@ def test_units_rest_where_no_unbalance_is_left(name):
     assert not rest.any()
 
 
-def test_multipliers_of_the_units_are_those_of_floquet():
-    scene = load_scene("filimonikhina")
-    expected = multipliers(scene.assembly(), [3.0])[0]
-    with MainMotion(scene) as motion:
-        found = motion.multipliers(3.0)
-    for value in found:
-        assert np.abs(expected - value).min() < 1e-6
-
-
-@pytest.mark.parametrize("count", [3, 4, 6])
-def test_turns_that_change_no_moment_are_left_out_by_structure(count):
+@pytest.mark.parametrize("count", [2, 3, 4, 6])
+def test_multipliers_are_those_of_floquet_but_for_turns_that_change_no_moment(count):
     scene = weights(count)
     with MainMotion(scene) as motion:
         assert motion.neutral.shape[1] == count - 2 == linearise(scene.assembly()).neutral
@@ -95,7 +86,7 @@ def test_turns_that_change_no_moment_are_left_out_by_structure(count):
     assert abs(found[0]) < 1.0, "nothing that does not decay is left"
     # a multiple multiplier (weights' free rates) is split by the root of the differences' error
     for value in found:
-        assert np.abs(expected - value).min() < 1e-4
+        assert np.abs(expected - value).min() < (1e-6 if count == 2 else 1e-4)
 
 
 def test_neutral_multiplier_does_not_hide_a_growing_one():
@@ -220,17 +211,10 @@ def test_three_methods_stand_side_by_side():
 
 
 def test_units_alone_find_the_speeds_by_a_scan_of_their_own():
-    found = speeds(load_scene("filimonikhina"), (4.0, 9.0), ["cosim"], scan=10)
+    found = speeds(load_scene("filimonikhina"), (4.0, 9.0), ["cosim"], narrowest=0.5)
     np.testing.assert_allclose(
         [c.speed for c in found.methods["cosim"]], [5.04992967, 8.32228599], rtol=1e-6
     )
-
-
-def test_growth_in_runs_finds_the_same_speed():
-    found = speeds(load_scene("filimonikhina"), (8.2, 8.45), ["floquet", "cosim-run"])
-    (floquet,), (run,) = found.methods["floquet"], found.methods["cosim-run"]
-    assert run.speed == pytest.approx(floquet.speed, rel=1e-3)
-    assert run.above == floquet.above == "stable"
 
 
 def test_a_method_that_does_not_apply_says_why():
@@ -337,19 +321,19 @@ def test_a_speed_too_slow_for_a_turn_to_be_computed_is_told_and_not_raised(invok
 # -- check ----------------------------------------------------------------------------------------
 
 
-def quick(**check):
+def quick(**keys):
     scene = load_scene("filimonikhina")
     document = {
         "rotor": scene.rotor.model_dump(),
         "balancer": [scene.balancer[0].model_dump(exclude_none=True)],
         "operation": {"speed": 3.0},
-        "check": [{"kind": "critical_speeds", "range": [4.5, 5.5], **check}],
+        "check": [{"kind": "critical_speeds", "range": [4.5, 5.5], **keys}],
     }
     return type(scene).from_document(document, label="quick")
 
 
 def test_check_compares_units_with_floquet():
-    rows = run_checks(quick(case="half", set={"rotor.unbalance": 0.004}))
+    rows = check(quick(case="half", set={"rotor.unbalance": 0.004}))
     (row,) = rows
     assert row.holds
     assert "half: critical speed 1, unstable above" in row.quantity
@@ -365,7 +349,7 @@ def test_check_fails_when_floquet_is_not_that_of_the_units(monkeypatch):
         return [Crossing(1.002 * c.speed, c.above) for c in true(assembly, low, high, **options)]
 
     monkeypatch.setattr("autobalancer.harness.stability.boundaries.balancing_boundaries", shifted)
-    (row,) = run_checks(quick())
+    (row,) = check(quick())
     assert not row.holds
     assert row.error == pytest.approx(0.002, rel=1e-2)
 
@@ -374,6 +358,6 @@ def test_check_says_when_a_run_ends_otherwise_than_predicted(monkeypatch):
     monkeypatch.setattr(
         "autobalancer.harness.checks.critical_speeds.growth_rates", lambda a, w: np.array([-0.3])
     )
-    rows = run_checks(quick(runs_from_rest=[7.0]))
+    rows = check(quick(runs_from_rest=[7.0]))
     assert not rows[-1].holds
     assert rows[-1].measured.startswith("not balanced: residual moment")

@@ -13,8 +13,6 @@ from autobalancer.harness.master.pictures.motion import Motion
 from autobalancer.harness.master.pictures.orders import spectra, tracked
 from autobalancer.harness.master.result import UnknownSignalError
 from autobalancer.harness.output.picture import Picture
-from autobalancer.harness.rotor.plot import polar_response
-from autobalancer.harness.rotor.study import response_of
 from autobalancer.harness.scene import Scene
 
 pytestmark = pytest.mark.slow
@@ -104,10 +102,10 @@ def on_circle(speed, curve):
 
 
 def test_polar_curve_of_a_disc_is_its_circle(slow_run_up):
-    data = response_of(disc(), 0.1, 3.0)
-    (line,) = lines(polar_response(data), style="solid")
+    found = disc().rotor(0.1, 3.0)
+    (line,) = lines(found.plot(kind="polar"), style="solid")
     curve = line.points[1] * np.exp(1j * line.points[0]) * 1e-3
-    np.testing.assert_allclose(on_circle(data.speeds, curve), 1.0, rtol=1e-9)
+    np.testing.assert_allclose(on_circle(found.response().speeds, curve), 1.0, rtol=1e-9)
 
 
 def test_polar_curve_of_a_slow_run_up_is_that_circle_and_its_marks_say_the_speed(slow_run_up):
