@@ -16,6 +16,7 @@ from autobalancer.harness.output import options
 from autobalancer.harness.output.cluster import who_works
 from autobalancer.harness.output.commands import Commands, execute
 from autobalancer.harness.output.files import write_whole
+from autobalancer.harness.output.interrupts import answer_signals
 from autobalancer.harness.output.store import refuse_store
 from autobalancer.harness.output.terminal import progress_bar, ready_to_write, say
 from tests.truth.draw import FAMILIES
@@ -112,4 +113,5 @@ def counts(families: list[str] | None, n: int) -> dict[str, int]:
 if __name__ == "__main__":
     app = typer.Typer(cls=Commands, add_completion=False, pretty_exceptions_enable=False)
     app.callback(invoke_without_command=True)(command)
+    answer_signals()
     execute(app)

@@ -130,7 +130,7 @@ def _alive(process: str) -> bool:
     ("number", "code", "said"),
     [
         (signal.SIGINT, -signal.SIGINT, 1),
-        (signal.SIGTERM, 128 + signal.SIGTERM, 0),
+        (signal.SIGTERM, -signal.SIGTERM, 0),
         (signal.SIGKILL, -signal.SIGKILL, 0),
     ],
 )
