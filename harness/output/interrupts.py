@@ -24,7 +24,7 @@ _TOO_LATE = 2  # exit code, that of wrong input
 _LONGEST = 1e8  # s: more does not fit the timer everywhere
 _GRACE = 1.0  # s for the main thread to come back from C code
 _CLEARING = 1.0  # s in which other threads may still write into a folder that is removed
-_NAMED_BY = ("TMPDIR", "TMP")  # the place of temporary files
+_NAMED_BY = ("TMPDIR", "TEMP", "TMP")  # the place of temporary files
 _MATPLOTLIB = "MPLCONFIGDIR"  # the place of its configuration and cache
 _CLEAR_LINE = b"\r\x1b[K\x1b[?25h"  # takes a progress bar away and shows the cursor again
 _folder = ""  # of temporary files
@@ -78,8 +78,9 @@ def temporary_files() -> Iterator[None]:
 
     global _folder
     try:
-        # known before it is made: a signal in between leaves nothing
-        _folder = os.path.join(tempfile.gettempdir(), f"autobalancer-{os.urandom(6).hex()}")
+        # tempfile would try a place out by a file there, which a signal leaves behind
+        place = next((os.environ[name] for name in _NAMED_BY if name in os.environ), "/tmp")
+        _folder = os.path.join(place, f"autobalancer-{os.urandom(6).hex()}")
         os.mkdir(_folder, 0o700)
     except OSError:
         yield

@@ -137,6 +137,7 @@ def processes(workers: int) -> Iterator[Executor]:
     # afresh: threads of numerical libraries do not survive a fork
     context = multiprocessing.get_context("spawn")
     folder = tempfile.TemporaryDirectory(prefix=PREFIX, ignore_cleanup_errors=True)
+    _start_tracker()
     with folder as directory:
         pool = _Pool(workers, context, _begin, (directory,))
         try:
@@ -161,13 +162,27 @@ def _executor(workers: Workers, items: int) -> Iterator[Executor | None]:
             yield executor
 
 
+def _start_tracker() -> None:
+    """Start what removes the semaphores of a process that was killed, and let it do so in silence.
+
+    Its start with the first process would unblock the signal that `_Pool` blocks.
+    """
+    if os.name == "nt":
+        return
+    before = os.environ.get("PYTHONWARNINGS", "")
+    os.environ["PYTHONWARNINGS"] = "ignore::UserWarning"
+    try:
+        resource_tracker.ensure_running()
+    finally:
+        os.environ["PYTHONWARNINGS"] = before
+
+
 class _Pool(ProcessPoolExecutor):
     """Processes that ignore Ctrl-C even while their interpreter loads."""
 
     def submit(self, *arguments: Any, **options: Any) -> Future[Any]:
         if not hasattr(signal, "pthread_sigmask"):  # Windows
             return super().submit(*arguments, **options)
-        resource_tracker.ensure_running()  # would unblock the signal when it starts
         before = signal.pthread_sigmask(signal.SIG_BLOCK, [signal.SIGINT])
         try:
             return super().submit(*arguments, **options)  # begins the processes
