@@ -147,7 +147,7 @@ def test_the_command_says_whose_store_it_is_and_where_one_cannot_be(tmp_path):
 
 @pytest.mark.parametrize(
     ("name", "why"),
-    [("a.zarr", "is a file and no store"), ("a.nc", "must end in .png, .svg, .pdf, or .zarr")],
+    [("a.zarr", "is a file and no store"), ("a.nc", "must end in .png, .svg, .pdf, .zarr")],
 )
 def test_a_place_that_can_be_neither_picture_nor_store_is_refused_in_words(tmp_path, name, why):
     (tmp_path / name).touch()

@@ -254,7 +254,7 @@ def test_command_writes_picture_table_and_document(invoke, tmp_path, monkeypatch
         (["--vary", "wheels.drag=uniform(1,2)"], "cannot be varied"),
         (
             ["--vary", "weights.drag=uniform(1,2)", "-o", "a.bmp"],
-            "or .csv for a table, .zarr",
+            ".pdf, .csv, .zarr",
         ),
     ],
 )
