@@ -151,8 +151,7 @@ def balance(scene: Scene, *, progress: Progress | None = None) -> BalancingRepor
         for name in setup.technologies:
             used = measured
             if name == "scalar":
-                lag = float(np.angle(measured[0, 0])) if setup.lag is None else setup.lag
-                used = scalar_coefficients(measured, lag)
+                used = scalar_coefficients(measured, float(np.angle(measured[0, 0])))
             done.append(_cycles(machine, name, used, first, levers, shares, unbalance))
             report(0.3 + 0.7 * len(done) / len(setup.technologies))
         return BalancingReport(

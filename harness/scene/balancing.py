@@ -7,7 +7,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field, field_validator
 
-from .quantities import SI, Angle, Positive, Table, Text, Whole
+from .quantities import SI, Positive, Table, Text, Whole
 from .rotor_table import RotorTable
 
 _GRADE = re.compile(r"^G\s?(\d+(?:\.\d+)?)$")
@@ -24,9 +24,6 @@ class Balancing(Table):
     """Numbers of the planes that take corrections; default: all planes of the rotor."""
     technology: Literal["complex", "scalar", "both"] = "both"
     """Kind of the coefficients; both: one after the other."""
-    lag: Annotated[Angle | None, SI("rad")] = None
-    """The one phase that the scalar technology is calibrated to; default: that of the first support
-    under the first plane's trial unbalance."""
     axis: Literal["x", "y"] = "x"
     """Direction in which the supports are watched."""
     revolutions: Annotated[Whole, Field(ge=1, le=100_000)] = 8
