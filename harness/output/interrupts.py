@@ -79,8 +79,8 @@ def temporary_files() -> Iterator[None]:
     global _folder
     try:
         # tempfile would try a place out by a file there, which a signal leaves behind
-        place = next((os.environ[name] for name in _NAMED_BY if name in os.environ), "/tmp")
-        _folder = os.path.join(place, f"autobalancer-{os.urandom(6).hex()}")
+        home = next((os.environ[name] for name in _NAMED_BY if name in os.environ), "/tmp")
+        _folder = os.path.join(home, f"autobalancer-{os.urandom(6).hex()}")
         os.mkdir(_folder, 0o700)
     except OSError:
         yield
