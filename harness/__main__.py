@@ -1,13 +1,10 @@
-"""Entry point of `autobalancer`; signals before a command is at work are answered in a word.
+"""Entry point of `autobalancer`.
 
 A command is a file in the folder of its feature with a function `command`; it is registered here.
 """
 
 from __future__ import annotations
 
-import os
-import signal
-from types import FrameType
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
@@ -16,22 +13,12 @@ if TYPE_CHECKING:
 
 def main() -> None:
     """Load the commands and run the one that is asked for."""
-    loading = True
+    from .output.interrupts import answer_signals
 
-    def end(number: int, _frame: FrameType | None) -> None:
-        os.write(2, b"interrupted\n" if number == signal.SIGINT else b"terminated\n")
-        if loading:  # C modules that are being imported turn any exception into an ImportError
-            os._exit(128 + number)
-        raise SystemExit(128 + number)
-
-    for number in (signal.SIGINT, signal.SIGTERM):
-        if signal.getsignal(number) is not signal.SIG_IGN:  # else it is to be ignored
-            signal.signal(number, end)
+    answer_signals()
     from .output.commands import execute
 
-    app = program()
-    loading = False
-    execute(app)
+    execute(program())
 
 
 def program() -> Typer:

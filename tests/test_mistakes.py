@@ -29,32 +29,21 @@ IN_FILES = [
     # units
     ("speed = 150.0", "speed = 1430", "is the speed in rpm, or track_radius in mm?"),
     ("speed = 150.0", 'speed = "1430"', 'such as "1200 rpm"'),
+    ("speed = 150.0", 'speed = "1430 rmp"', "unknown unit 'rmp'"),
     ("speed = 150.0", "speed_rpm = 1430", 'did you mean "speed"'),
-    ("mass = 0.05", "mass = 50", 'is it in g? then write "50 g"'),
-    ("track_radius = 0.2", "track_radius = 200", "track_radius in mm?"),
+    ("mass = 0.05", 'mass = "50 mm"', "a mass is expected"),
     ("unbalance = 0.02", "unbalance = 0.2", "more than a tenth of the track radius"),
     ("damping = 80.0", "damping_ratio = 5.0", "times the critical one"),
     ("damping = 80.0", "damping = 80.0\ndamping_ratio = 0.1", "not both"),
-    # values
-    ("mass = 8.0", "mass = -8.0", "must be greater than 0"),
-    ("drag = 0.2", "drag = -0.2", "must be 0 or more"),
+    # values, keys and tables; more in `harness/scene/test_scene_mistakes.py`
     ("count = 3", "count = 100000", "10000"),
     ("drag = 0.2", "drag = 0.2\nrestitution = 0.5", "weight_radius"),
-    ("revolutions = 2", 'revolutions = 2\nrecord = ["rotor.z"]', "rotor.z"),
-    ("[run]", '[coupling]\nscheme = "jacoby"\n[run]', "must be one of 'auto', 'jacobi'"),
-    # keys and tables
     ("stiffness = 2e4", "stifness = 2e4", 'did you mean "stiffness"'),
     ("track_radius = 0.2", "radius = 0.2", "track_radius"),
     ("[rotor]", "[roter]", 'did you mean "rotor"'),
     ("[[balancer]]", "[[balancers]]", 'did you mean "balancer"'),
-    ("speed = 150.0", "", "speed"),
     ("speed = 150.0", "run_up = {from = 0, to = 150}", "seconds"),
-    ('kind = "balls"', 'kind = "bals"', 'did you mean "balls"'),
-    ('kind = "planar"', 'kind = "plane"', 'did you mean "planar"'),
     ('kind = "planar"', 'kind = "flexible"', "stations"),
-    # TOML
-    ("mass = 8.0", "mass = ", "line 4"),
-    (DRUM, "", "rotor"),
 ]
 
 

@@ -5,13 +5,13 @@ from __future__ import annotations
 import hashlib
 import io
 import lzma
-import os
 import struct
-import tempfile
 import zipfile
 import zlib
 from collections.abc import Mapping
 from pathlib import Path
+
+from ..whole_files import whole_file
 
 # what zipfile raises besides BadZipFile: unknown compression, encryption, a stream that breaks off
 _DAMAGE = (RuntimeError, EOFError, ValueError, zlib.error, lzma.LZMAError, struct.error)
@@ -74,24 +74,8 @@ def source(path: Path) -> str:
     return path.read_text(encoding="utf-8").replace("\r\n", "\n")
 
 
-def permissions(target: Path) -> int:
-    """Those of the file to be replaced, or of a new one: temporary files are private."""
-    if target.exists():
-        return target.stat().st_mode & 0o7777
-    umask = os.umask(0)
-    os.umask(umask)
-    return 0o666 & ~umask
-
-
 def write(target: Path, data: bytes) -> None:
     """Write a file whole or not at all."""
     target.parent.mkdir(parents=True, exist_ok=True)
-    handle, draft = tempfile.mkstemp(prefix=f".{target.name}-", dir=target.parent)
-    try:
-        with os.fdopen(handle, "wb") as file:
-            file.write(data)
-        os.chmod(draft, permissions(target))
-        os.replace(draft, target)
-    except BaseException:
-        os.unlink(draft)
-        raise
+    with whole_file(target) as stream:
+        stream.write(data)

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import html
+import warnings
 from pathlib import Path
 
 from ..errors import SimulationError, UserError
 from ..scene import load_scene
 from ..scene.file import find
+from ..scene.plausible import ImplausibleWarning
 
 PAGE = """# {name}
 
@@ -35,6 +37,8 @@ def page(name: str) -> str:
 def live(name: str, path: Path) -> None:
     """Write the page that `autobalancer show` writes, or one that says why there is none."""
     try:
-        load_scene(name).show(path)
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", ImplausibleWarning)
+            load_scene(name).show(path)
     except (SimulationError, UserError) as error:
         path.write_text(f"<!DOCTYPE html><meta charset='utf-8'><p>{html.escape(str(error))}</p>")

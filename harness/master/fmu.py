@@ -27,7 +27,6 @@ from .unit_files import described, measured_in
 if TYPE_CHECKING:
     from typing_extensions import Self
 
-SIGNALS_WAIT = True  # no exception may cross a unit: see output/interrupts.py
 _WARNING = fmi2.fmi2Warning
 _STATUS = ("OK", "Warning", "Discard", "Error", "Fatal", "Pending")
 _LOADED = (f"binaries/{fmpy.platform}/", "resources/")

@@ -17,7 +17,6 @@ from typing import Any
 import fmpy
 from fmpy import fmi2
 
-SIGNALS_WAIT = True  # no exception may cross a unit: see output/interrupts.py
 _TURN = threading.RLock()
 _RESOURCES_OF_PYTHONFMU = "slavemodule.txt"  # it is pythonfmu's loader that reads this one
 _REALS = (c_void_p, POINTER(c_uint), c_size_t, POINTER(c_double))

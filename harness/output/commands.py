@@ -10,7 +10,6 @@ import errno
 import functools
 import inspect
 import os
-import signal
 import subprocess
 import sys
 from collections.abc import Callable
@@ -25,7 +24,7 @@ from typer.core import TyperGroup
 from ..errors import SimulationError, UserError, is_own_file
 from ..units import engineering
 from . import options
-from .interrupts import Interrupted, interruptible, temporary_files
+from .interrupts import temporary_files
 from .machine import program_version
 from .terminal import is_quiet, say
 
@@ -39,8 +38,7 @@ class Commands(TyperGroup):
 
     def invoke(self, ctx: Any) -> Any:
         try:
-            with interruptible():
-                return super().invoke(ctx)
+            return super().invoke(ctx)
         except UserError as error:
             say(str(error), error=True)
             raise typer.Exit(2) from error
@@ -71,11 +69,6 @@ class Commands(TyperGroup):
             place = f"{error.filename}: " if error.filename else ""
             say(f"{place}{error.strerror or error}", error=True)
             raise typer.Exit(2) from error
-        except (Interrupted, KeyboardInterrupt) as interrupt:
-            if not isinstance(interrupt, Interrupted):
-                interrupt = Interrupted(signal.SIGINT)
-            say(interrupt.words, error=True)
-            raise typer.Exit(interrupt.exit_code) from interrupt
 
 
 def without_command(

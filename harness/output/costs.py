@@ -9,7 +9,7 @@ from contextlib import contextmanager, suppress
 from typing import TYPE_CHECKING
 
 from ..errors import UserError
-from .interrupts import raised_after
+from .interrupts import ended_after
 
 if TYPE_CHECKING:
     from .workers import Progress
@@ -69,16 +69,15 @@ def in_words(seconds: float) -> str:
 
 @contextmanager
 def limited(at_most: str, key: str) -> Iterator[None]:
-    """Work whose parts are too unlike for an estimate: refused when the time is over.
+    """Work whose parts are too unlike for an estimate: the command ends when the time is over.
 
     Args:
         key: and its value, which make the work so long.
 
     Raises:
-        UserError: `at_most` is no time, or is over.
+        UserError: `at_most` is no time.
     """
-    late = UserError(f"{key}: not done within --at-most {at_most}")
-    with raised_after(seconds_of(at_most), late):
+    with ended_after(seconds_of(at_most), f"{key}: not done within --at-most {at_most}"):
         yield
 
 

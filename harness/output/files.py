@@ -9,17 +9,15 @@ import math
 import os
 import re
 import sys
-import tempfile
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import IO, Any
 
-from ...fmus.xml.archive import permissions
+from ...fmus.whole_files import draft_of, whole_file
 from ..errors import UserError
 
 _DESCRIPTOR = re.compile(r"/dev/(?P<name>stdout|stderr)$|(?:/dev|/proc/self)/fd/(?P<number>\d+)$")
 _STANDARD = {"stdout": 1, "stderr": 2}
-_LONGEST_NAME = 255  # bytes, on every usual file system
 PICTURES = ("png", "svg", "pdf")
 MOVIES = ("gif", "webp", "mp4")
 
@@ -68,20 +66,8 @@ def write_whole(path: str | Path, mode: str = "w") -> Iterator[IO[Any]]:
             return
         target = Path(os.path.realpath(path))  # a link stays a link
         _refuse_protected(target)
-        handle, temporary = tempfile.mkstemp(
-            dir=target.parent, prefix=f".{target.name}-", suffix=target.suffix
-        )
-        try:
-            with open(handle, mode, **text) as stream:
-                yield stream
-                stream.flush()
-                os.fsync(stream.fileno())
-            os.chmod(temporary, permissions(target))
-            os.replace(temporary, target)
-        except BaseException:
-            with contextlib.suppress(OSError):
-                os.unlink(temporary)
-            raise
+        with whole_file(target, mode, **text) as stream:
+            yield stream
     except OSError as error:
         raise UserError(f"{path}: cannot be written: {error.strerror or error}") from error
 
@@ -101,10 +87,8 @@ def refuse_unwritable(path: Path) -> None:
             return  # to open a pipe would have its reader begin
         target = Path(os.path.realpath(path))
         _refuse_protected(target)
-        with tempfile.TemporaryFile(dir=target.parent):
-            pass
-        if len(os.fsencode(f".{target.name}-12345678{target.suffix}")) > _LONGEST_NAME:
-            raise OSError(errno.ENAMETOOLONG, "its name is too long")
+        with draft_of(target) as draft:
+            draft.touch(exist_ok=False)
     except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or error
         raise UserError(f"{path}: cannot be written: {reason}") from error

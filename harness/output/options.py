@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from contextvars import ContextVar
 from functools import partial
 from pathlib import Path
@@ -17,6 +17,7 @@ from .terminal import ready_to_write
 
 typed: ContextVar[tuple[str, ...]] = ContextVar("typed", default=())  # after the program's name
 STORE, TABLE = ".zarr", ".csv"
+_PICTURES = [f".{kind}" for kind in PICTURES]
 SCENE = typer.Argument(metavar="SCENE", help="Scene file, or the name of a bundled scene.")
 AT_MOST = typer.Option("--at-most", metavar="TIME", help="Refuse what takes longer: 30m, 2h, 1d.")
 REPORT = typer.Option(
@@ -46,31 +47,30 @@ def speed_range(given: tuple[str, str]) -> tuple[float, float]:
     return low, high
 
 
-def _writable(path: Path | None) -> Path | None:
-    ready_to_write(path)
-    return path
+def is_store(path: Path | None) -> TypeGuard[Path]:
+    """Whether it is named as a store."""
+    return path is not None and path.suffix == STORE
 
 
-def _no_store(path: Path | None) -> Path | None:
+def _ready(path: Path, endings: Sequence[str]) -> None:
+    """Refuse a place that has none of these endings, or cannot be written to."""
+    if is_store(path) and STORE in endings:
+        from .store import refuse_store
+
+        return refuse_store(path)
     if is_store(path):
         raise UserError(f"{path}: this command writes no store: name the file otherwise")
-    return _writable(path)
-
-
-def _drawable(path: Path | None) -> Path | None:
     ready_to_write(path)
-    if path is not None:
-        picture_format(path)
-    return path
+    if endings and path.suffix.lower() not in endings and not is_stream(path):
+        raise UserError(f"{path}: must end in {', '.join(endings)}")
 
 
 def output(kind: str, help: str, *names: str) -> Any:
     """A file to write, ending in `kind`, under these names of the option or the parameter's."""
 
     def ready(path: Path | None) -> Path | None:
-        _no_store(path)
-        if path is not None and kind and path.suffix.lower() != kind and not is_stream(path):
-            raise UserError(f"{path}: must end in {kind}")
+        if path is not None:
+            _ready(path, [kind] if kind else [])
         return path
 
     return typer.Option(*names, metavar=f"FILE{kind}", help=help, callback=ready)
@@ -78,62 +78,44 @@ def output(kind: str, help: str, *names: str) -> Any:
 
 def picture(help: str, *names: str) -> Any:
     """A picture to draw."""
-    return typer.Option(*names, metavar="FILE.png", help=help, callback=_drawable)
+
+    def ready(path: Path | None) -> Path | None:
+        ready_to_write(path)
+        if path is not None:
+            picture_format(path)
+        return path
+
+    return typer.Option(*names, metavar="FILE.png", help=help, callback=ready)
 
 
-def is_store(path: Path | None) -> TypeGuard[Path]:
-    """Whether it is named as a store."""
-    return path is not None and path.suffix == STORE
+def _places(help: str, endings: Sequence[str]) -> Any:
+    """`--output`, several times: what ends so, a store among it."""
 
+    def ready(paths: list[Path] | None) -> list[Path] | None:
+        for path in paths or ():
+            _ready(path, endings)
+        return paths
 
-def _storable(path: Path) -> None:
-    from .store import refuse_store
-
-    refuse_store(path)
-
-
-def _drawable_or_store(paths: list[Path] | None) -> list[Path] | None:
-    for path in paths or ():
-        _refuse_ending(path, f"{STORE} for a store", (*PICTURES, STORE.removeprefix(".")))
-        _storable(path) if is_store(path) else _drawable(path)
-    return paths
-
-
-def _refuse_ending(path: Path, others: str, known: Sequence[str]) -> None:
-    if path.suffix.removeprefix(".").lower() not in known:
-        kinds = ", ".join(f".{kind}" for kind in PICTURES)
-        raise UserError(f"{path}: must end in {kinds}, or {others}")
-
-
-def _kept(help: str, callback: Callable[[Any], Any]) -> Any:
-    """`--output`, which can be a store."""
-    return typer.Option("--output", "-o", metavar="FILE", help=help, callback=callback)
+    help = f"Picture (png, svg, pdf); {help} Can be given several times."
+    return typer.Option("--output", "-o", metavar="FILE", help=help, callback=ready)
 
 
 def pictures_or_store() -> Any:
     """Pictures to draw, and a store of everything they are drawn from."""
     help = (
-        "Picture (png, svg, pdf); or FILE.zarr, which keeps every point as it comes: the same "
-        "command goes on where it was ended. Can be given several times."
+        "or FILE.zarr, which keeps every point as it comes: the same command goes on where it was "
+        "ended."
     )
-    return _kept(help, _drawable_or_store)
-
-
-def _any_place(paths: list[Path] | None) -> list[Path] | None:
-    kinds = [*PICTURES, *(each.removeprefix(".") for each in (STORE, TABLE))]
-    for path in paths or ():
-        _refuse_ending(path, f"{TABLE} for a table, {STORE} for a store", kinds)
-        _writable(path) if path.suffix == TABLE else _drawable_or_store([path])
-    return paths
+    return _places(help, [*_PICTURES, STORE])
 
 
 def picture_table_or_store(of: str) -> Any:
     """Pictures, tables, and a store of the same."""
     help = (
-        f"Picture (png, svg, pdf); FILE.csv with every {of}; or FILE.zarr, which keeps them as "
-        "they come: the same command goes on where it was ended. Can be given several times."
+        f"FILE.csv with every {of}; or FILE.zarr, which keeps them as they come: the same command "
+        "goes on where it was ended."
     )
-    return _kept(help, _any_place)
+    return _places(help, [*_PICTURES, TABLE, STORE])
 
 
 def json(what: str) -> Any:

@@ -10,7 +10,6 @@ import multiprocessing
 import os
 import shutil
 import signal
-import sys
 import tempfile
 import threading
 from collections.abc import Callable, Generator, Iterator, Sequence
@@ -26,10 +25,10 @@ from contextlib import closing, contextmanager
 from dataclasses import dataclass
 from functools import partial
 from itertools import islice
+from multiprocessing import resource_tracker
 from typing import Any, Generic, Protocol, TypeVar
 
 from ..errors import SimulationError
-from .interrupts import deaf_children
 
 Item = TypeVar("Item")
 Outcome = TypeVar("Outcome")
@@ -138,7 +137,8 @@ def processes(workers: int) -> Iterator[Executor]:
     # afresh: threads of numerical libraries do not survive a fork
     context = multiprocessing.get_context("spawn")
     folder = tempfile.TemporaryDirectory(prefix=PREFIX, ignore_cleanup_errors=True)
-    with _sigterm_ends(), folder as directory:
+    _start_tracker()
+    with folder as directory:
         pool = _Pool(workers, context, _begin, (directory,))
         try:
             yield pool
@@ -162,26 +162,32 @@ def _executor(workers: Workers, items: int) -> Iterator[Executor | None]:
             yield executor
 
 
-@contextmanager
-def _sigterm_ends() -> Iterator[None]:
-    """SIGTERM ends the block as an exception does, unless the program answers it in its own way."""
-    main = threading.current_thread() is threading.main_thread()
-    if not main or signal.getsignal(signal.SIGTERM) is not signal.SIG_DFL:
-        yield
+def _start_tracker() -> None:
+    """Start what removes the semaphores of a process that was killed, and let it do so in silence.
+
+    Its start with the first process would unblock the signal that `_Pool` blocks.
+    """
+    if os.name == "nt":
         return
-    signal.signal(signal.SIGTERM, lambda number, _frame: sys.exit(128 + number))
+    before = os.environ.get("PYTHONWARNINGS", "")
+    os.environ["PYTHONWARNINGS"] = "ignore::UserWarning"
     try:
-        yield
+        resource_tracker.ensure_running()
     finally:
-        signal.signal(signal.SIGTERM, signal.SIG_DFL)
+        os.environ["PYTHONWARNINGS"] = before
 
 
 class _Pool(ProcessPoolExecutor):
-    """Processes that a Ctrl-C does not meet while their interpreter loads, either."""
+    """Processes that ignore Ctrl-C even while their interpreter loads."""
 
     def submit(self, *arguments: Any, **options: Any) -> Future[Any]:
-        with deaf_children(signal.SIGINT):  # it begins the processes
+        if not hasattr(signal, "pthread_sigmask"):  # Windows
             return super().submit(*arguments, **options)
+        before = signal.pthread_sigmask(signal.SIG_BLOCK, [signal.SIGINT])
+        try:
+            return super().submit(*arguments, **options)  # begins the processes
+        finally:
+            signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
 def _begin(directory: str) -> None:

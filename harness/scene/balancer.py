@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
 import numpy as np
@@ -12,7 +13,7 @@ from ...models.assembly import Mounted
 from ...models.liquid import Liquid as LiquidModel
 from ...models.papers.capacity import capacity, moment_range
 from ...models.rotor import LinearRotor
-from ...models.spacing import closest, fits, half_angle, largest_radius, touching
+from ...models.spacing import fits, half_angle, largest_radius, touching
 from ...models.weights import KAPPA, Weights
 from .feeds import Feeds, Start, fed
 from .quantities import (
@@ -125,10 +126,8 @@ class WeightBalancer(Balancer):
         for key in _OWN:
             if given := each_of(getattr(self, key)):
                 refuse_other_length(key, given, self.count, "weight")
-        if radii := each_of(self.weight_radius):
-            self._refuse_overlap(radii)
-        elif self.weight_radius is not None:
-            self._refuse_tight(self.weight_radius)
+        if self.weight_radius is not None:
+            self._refuse_overlap(each_of(self.weight_radius) or [self.weight_radius] * self.count)
         elif self.restitution > 0.0:
             raise refusal(
                 "restitution", "point weights do not collide: give weight_radius, or leave this out"
@@ -140,31 +139,20 @@ class WeightBalancer(Balancer):
         """Of the track's centre from the plane's, in the rotor, xi + i eta [m]."""
         return complex(self.track_offset_xi, self.track_offset_eta)
 
-    def _refuse_tight(self, radius: float) -> None:
-        track = self.track_radius
-        if radius >= track:
+    def _refuse_overlap(self, radii: Sequence[float]) -> None:
+        """Refuse weights that do not fit, or overlap at their start angles, which tell their
+        order."""
+        order, track = self._order, self.track_radius
+        if max(radii) >= track:
             raise refusal("weight_radius", f"must be less than track_radius = {track!r} m")
-        if not fits(self.count, radius, track):
+        if len(set(radii)) == 1 and not fits(self.count, radii[0], track):
             raise refusal(
                 "weight_radius",
                 f"{self.count} weights do not fit on a track of radius {track!r} m: "
                 f"must be at most {largest_radius(self.count, track):.6g} m",
             )
-        distance, first, second = closest(self.angles)
-        if self.count > 1 and distance < 2.0 * self.half_angle * (1.0 - 1e-9):
-            raise refusal(
-                "angles",
-                f"weights {first + 1} and {second + 1} overlap: {distance:.6g} rad apart, must be "
-                f"at least {2.0 * self.half_angle:.6g} rad for their weight_radius",
-            )
-
-    def _refuse_overlap(self, radii: tuple[float, ...]) -> None:
-        """Of unequal weights, at their start angles, which tell their order."""
-        order, track = self._order, self.track_radius
-        if max(radii) >= track:
-            raise refusal("weight_radius", f"must be less than track_radius = {track!r} m")
         room = math.tau
-        for k, i in enumerate(order):
+        for k, i in enumerate(order if self.count > 1 else ()):
             j = order[(k + 1) % self.count]
             needed = touching(radii[i], radii[j], track)
             apart = (self.angles[j] - self.angles[i]) % math.tau
@@ -175,7 +163,7 @@ class WeightBalancer(Balancer):
                     f"weights {i + 1} and {j + 1} overlap: {apart:.6g} rad apart, must be at least "
                     f"{needed:.6g} rad for their weight_radius",
                 )
-        if room < 1e-9:
+        if self.unequal and room < 1e-9:
             raise refusal("weight_radius", "unequal weights fill the track: make it larger")
 
     @property

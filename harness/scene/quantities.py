@@ -8,7 +8,6 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, Any
 
 from pydantic import (
-    AfterValidator,
     BaseModel,
     BeforeValidator,
     ConfigDict,
@@ -173,15 +172,9 @@ def _pair_schema(**bounds: float) -> WithJsonSchema:
     return WithJsonSchema({"anyOf": [number, pair]})
 
 
-def _small_angle(value: float) -> float:
-    if abs(value) > LARGEST_ANGLE:
-        raise ValueError(f"must be between -{LARGEST_ANGLE:g} and {LARGEST_ANGLE:g}")
-    return value
-
-
 # strict: text and true/false are not numbers
 Real = Annotated[float, Field(strict=True, allow_inf_nan=False, ge=-LARGEST, le=LARGEST)]
-Angle = Annotated[Real, AfterValidator(_small_angle), SI("rad")]
+Angle = Annotated[Real, Field(ge=-LARGEST_ANGLE, le=LARGEST_ANGLE), SI("rad")]
 Positive = Annotated[Real, Field(gt=0)]
 NotNegative = Annotated[Real, Field(ge=0)]
 Whole = Annotated[int, Field(strict=True)]

@@ -12,7 +12,7 @@ from typing import Any
 from pydantic import BaseModel
 
 from .messages import kinds_of, quoted, show, tables_in
-from .quantities import LARGEST, Table, fields_of, unit_of
+from .quantities import LARGEST, LARGEST_ANGLE, Table, fields_of, unit_of
 from .scene import Scene
 
 HEAD = ("| key | unit | default | allowed | meaning |", "|---|---|---|---|---|")
@@ -125,8 +125,9 @@ def _allowed(schema: dict[str, Any], definitions: dict[str, Any]) -> str:
 
 
 def _bounds(schema: dict[str, Any]) -> str:
-    own = {key: value for key, value in schema.items() if value not in (LARGEST, -LARGEST)}
-    above, least, most = (own.get(k) for k in ("exclusiveMinimum", "minimum", "maximum"))
+    limits_of_all = {each for limit in (LARGEST, LARGEST_ANGLE) for each in (limit, -limit)}
+    found = [schema.get(key) for key in ("exclusiveMinimum", "minimum", "maximum")]
+    above, least, most = (None if limit in limits_of_all else limit for limit in found)
     if least is not None and most is not None:
         return f"{least:g} to {most:,.10g}".replace(",", " ")
     limits = ((">", above), ("≥", least), ("≤", most))

@@ -8,7 +8,7 @@ from itertools import pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
-from pydantic import AfterValidator, BeforeValidator, Field, model_validator
+from pydantic import BeforeValidator, Field, model_validator
 
 from ...models.assembly import SpeedProfile
 from ...models.constants import DEFAULT_STEPS, FEWEST_STEPS
@@ -125,7 +125,7 @@ class Operation(Table):
     """Direction of gravity in fixed axes; default: downwards, -pi/2."""
 
     @model_validator(mode="after")
-    def _one_of_them(self) -> Operation:
+    def _fits_together(self) -> Operation:
         given = [key for key in DRIVES if getattr(self, key) not in (None, ())]
         if len(given) != 1:
             how = "not both" if given else "neither is there"
@@ -133,19 +133,11 @@ class Operation(Table):
                 "run_up",
                 f"give either speed (rad/s) or run_up: {how} (or a profile, or a motor alone)",
             )
-        return self
-
-    @model_validator(mode="after")
-    def _goes_on(self) -> Operation:
         times, speeds = zip(*self.profile, strict=True) if self.profile else ((), ())
         if self.profile and (times[0] != 0.0 or any(b <= a for a, b in pairwise(times))):
             raise refusal("profile", "times must ascend from 0 s on")
         if self.profile and (len(times) < 2 or not max(speeds) > 0.0):
             raise refusal("profile", "must have two corners or more, one of them above 0 rad/s")
-        return self
-
-    @model_validator(mode="after")
-    def _changes_in_order(self) -> Operation:
         if any(b.time < a.time for a, b in pairwise(self.unbalance_changes)):
             raise refusal("unbalance_changes", "times must not fall from one change to the next")
         if self.unbalance_changes and self.motor:
@@ -269,16 +261,10 @@ class Initial(Table):
         return Start(**self.model_dump())
 
 
-def _enough(revolutions: float) -> float:
-    if revolutions < FEWEST_REVOLUTIONS:
-        raise ValueError(f"must be {FEWEST_REVOLUTIONS:g} or more")
-    return revolutions
-
-
 class Run(Table):
     """How long, from where, and what is recorded."""
 
-    revolutions: Annotated[Positive, AfterValidator(_enough)] = 20.0
+    revolutions: Annotated[Real, Field(ge=FEWEST_REVOLUTIONS)] = 20.0
     """Length of the run; with a motor in time, as long as so many take at its no-load speed;
     default of a profile: until its last corner."""
     record: tuple[Text, ...] | None = None

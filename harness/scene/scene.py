@@ -27,14 +27,7 @@ from .check import AnyCheck
 from .file import bundled_scenes, find, read, refuse_deep
 from .messages import locate, problems
 from .methods import Methods
-from .model_rules import (
-    in_python,
-    liquid_windows,
-    native_alone,
-    under_a_motor,
-    with_quintics,
-    without_second_derivatives,
-)
+from .model_rules import model_problems, without_second_derivatives
 from .quantities import Flag, Table, Text
 from .replace import in_full, plain, replaced
 from .rotor import Rotor
@@ -377,29 +370,7 @@ class Scene(Methods, Table):
             rotor = self._linear_rotor
         except ValueError as error:
             return [f"rotor: {error}"]
-        lines = under_a_motor(self.operation.motor, rotor, self.coupling.scheme)
-        lines += in_python(self.native_alone) if self.coupling.units == "python" else []
-        lines += with_quintics(self._without_second_derivatives) if self.coupling.order == 5 else []
-        lines += self._never_turned()
-        lines += [
-            f"operation.unbalance_changes[{k}].number = {change.number}: must be at most "
-            f"{len(self.rotor.unbalance_names)}, the number of the rotor's unbalances"
-            for k, change in enumerate(self.operation.unbalance_changes, start=1)
-            if change.number > len(self.rotor.unbalance_names)
-        ]
-        lines += self.balancing.problems(self.rotor) if self.balancing else []
-        return lines + liquid_windows(self.checks, self.rotor, rotor, self.balancer)
-
-    def _never_turned(self) -> list[str]:
-        """A length of the run that the profile does not reach, as it ends at rest."""
-        profile = self.profile()
-        if self.runs_its_profile or math.isfinite(profile.time_of(math.tau * self.run.revolutions)):
-            return []
-        turned = profile.angle(profile.seconds) / math.tau
-        return [
-            f"run.revolutions = {self.run.revolutions:g}: operation.profile ends at rest after "
-            f"{turned:.6g} revolutions; must be less, or left out: the run ends with the profile"
-        ]
+        return [*model_problems(self, rotor)]
 
     @property
     def revolutions(self) -> float:
@@ -409,18 +380,9 @@ class Scene(Methods, Table):
         return self.profile().angle(self.profile().seconds) / math.tau
 
     @property
-    def native_alone(self) -> list[str]:
-        """Keys of what native units compute and Python units do not."""
-        return native_alone(self.rotor, self.operation, self.balancer, self.coupling.order)
-
-    @property
     def takes_quintics(self) -> bool:
         """Whether its units have signals of order 5."""
-        return not self._without_second_derivatives
-
-    @property
-    def _without_second_derivatives(self) -> dict[str, str]:
-        return without_second_derivatives(self.rotor, self.operation, self.balancer)
+        return not without_second_derivatives(self)
 
 
 def load_scene(source: str | Path) -> Scene:

@@ -1,4 +1,4 @@
-"""Mangled scenes, assignments, command lines, interrupts: done or refused in words.
+"""Mangled scenes, command lines, interrupts: done or refused in words.
 
     python -m tests.fuzz KIND COUNT [FIRST]
 
@@ -25,7 +25,7 @@ os.environ["DASK_DISTRIBUTED__COMM__TIMEOUTS__CONNECT"] = "3s"  # where no clust
 from autobalancer.harness.master.plan import plan
 from autobalancer.harness.master.unit_files import find_or_build
 from autobalancer.harness.scene import bundled_scenes, load_scene
-from tests.fuzz import lines, scenes
+from tests.fuzz import lines
 from tests.fuzz.judge import Wrong, refuse_wrong
 
 LOADED = [  # by some command or other, which would otherwise load it anew each time
@@ -37,54 +37,30 @@ LOADED = [  # by some command or other, which would otherwise load it anew each 
 ]
 WRONG = "wrong"
 TOLD = 500  # cases between two words of progress
-SHORT = ["--set", "run.revolutions=0.1"]
-BRIEF = ["--at-most", "2s"]
-ON_SCENE = [
-    *[["run", *SHORT, *BRIEF]] * 40,
-    ["rotor", *BRIEF],
-    ["rotor", "--campbell", "c.png", "--response", "r.svg", "--range", "1", "50", *BRIEF],
-    ["check", *BRIEF],
-    ["build", "-o", "built", "--platform", "x86_64-linux"],
-    ["build", "-o", "built", "--platform", "x86_64-linux", "--one-file", "--ssp"],
-    ["build", "-o", "built", "--platform", "x86_64-linux", "--ssp"],
-    ["speeds", "--range", "0.5", "5", "--method", "criterion,floquet", *BRIEF],
-    ["map", "--x", "speed=0.5:9:2", "--y", "rotor.mass=0.5:2:2", "--csv", "m.csv", *BRIEF],
-    ["balance", *BRIEF],
-    ["scatter", "--vary", "rotor.mass=uniform(0.9,1.1)", "-n", "3", *BRIEF],
-    ["run", *SHORT, *BRIEF, "--verify", "--json", "f.json"],
-    ["run", *SHORT, *BRIEF, "-o", "s.csv", "--plot", "p.pdf", "--weights", "w.png"],
-]
 
 
-def a_scene(draw: random.Random, folder: Path) -> int:
-    (folder / "given").mkdir()
-    scenes.scene(draw, folder / "given/scene.toml")
-    command, *options = draw.choice(ON_SCENE)
-    return refuse_wrong([command, "given/scene.toml", *options], folder)
+def run_scene(draw: random.Random, folder: Path) -> int:
+    """A command on a mangled scene."""
+    lines.furnish(draw, folder)
+    return refuse_wrong(lines.line(draw, "given/scene.toml"), folder)
 
 
-def an_assignment(draw: random.Random, folder: Path) -> int:
-    some = [word for _ in range(draw.randint(1, 3)) for word in ("--set", scenes.assignment(draw))]
-    command = draw.choice(["run", "run", "run", "rotor"])
-    short = SHORT if command == "run" and draw.random() < 0.9 else []
-    return refuse_wrong([command, draw.choice(lines.QUICK), *short, *some, *BRIEF], folder)
-
-
-def a_command_line(draw: random.Random, folder: Path) -> int:
+def run_line(draw: random.Random, folder: Path) -> int:
+    """Any command line."""
     lines.furnish(draw, folder)
     return refuse_wrong(lines.line(draw), folder)
 
 
-def an_interrupt(draw: random.Random, folder: Path) -> int:
+def interrupt_line(draw: random.Random, folder: Path) -> int:
+    """Any command line, with a signal at some moment."""
     lines.furnish(draw, folder)
     return refuse_wrong(lines.line(draw), folder, draw)
 
 
 KINDS: dict[str, Callable[[random.Random, Path], int]] = {
-    "scenes": a_scene,
-    "assignments": an_assignment,
-    "lines": a_command_line,
-    "interrupts": an_interrupt,
+    "scenes": run_scene,
+    "lines": run_line,
+    "interrupts": interrupt_line,
 }
 
 

@@ -16,6 +16,7 @@ from . import scenes
 from .judge import KEPT
 
 QUICK = ["two_balls", "filimonikhina", "liquid_disc", "three_mass_shaft", "run_up", "sommerfeld"]
+ON_SCENE = [*["run"] * 20, "rotor", "check", "build", "speeds", "map", "balance", "scatter"]
 LONG = ("check", "precision", "stress")  # made of many runs
 NUMBERS = [
     "0", "1", "2", "3", "-5", "0.5", "12", "150", "1e300", "1e-300", "nan", "inf", "1e9", "x",
@@ -36,6 +37,7 @@ ENDINGS = {
     "FILE": [".png", ".png", ".svg", ".pdf", ".html", ".csv", ".zarr"],
     "FILE.gif": [".gif", ".webp", ".mp4"],
     "FILE.html": [".html"],
+    "FILE.toml": [".toml"],
 }
 NAMED_ENDINGS = {"json": ".json", "csv": ".csv", "markdown": ".md"}  # by an option's name
 AXES = ["speed", "speed", "rotor.mass", "rotor.unbalance", "rotor.stiffness", "weights.drag"]
@@ -83,14 +85,14 @@ def furnish(draw: random.Random, folder: Path) -> None:
         (folder / f"protected{ending}").chmod(0o444)
 
 
-def line(draw: random.Random) -> list[str]:
-    """One command and its arguments."""
-    name = draw.choice(list(commands()))
+def line(draw: random.Random, scene: str = "") -> list[str]:
+    """One command and its arguments, on this scene where one is given."""
+    name = draw.choice(ON_SCENE if scene else list(commands()))
     words = [name]
     for parameter in commands()[name].params:
         if parameter.param_type_name == "argument":
-            if parameter.required or draw.random() < 0.7:
-                words.insert(1, _scene(draw, name))
+            if scene or parameter.required or draw.random() < 0.7:
+                words.insert(1, scene or _scene(draw, name))
         elif draw.random() < (0.98 if parameter.required else 0.12):
             words += _option(draw, parameter)
     words += _brief(draw, name, words)

@@ -14,10 +14,6 @@ import pytest
 pytestmark = pytest.mark.slow
 
 LONG = {
-    "separate": [
-        *["run", "two_balls", "--separate"],
-        *["--set", "run.revolutions=1e6", "--set", "run.record=[]"],
-    ],
     "run": ["run", "two_balls", "--set", "run.revolutions=3e6", "--set", "run.record=[]"],
     "python": [
         *["run", "two_balls", "--set", "run.revolutions=1e6", "--set", "run.record=[]"],
@@ -27,10 +23,7 @@ LONG = {
         *["map", "filimonikhina", "--x", "speed=0.5:12:1500"],
         *["--y", "weights.drag=1e-4:1:1500:log", "-o", "map.png"],
     ],
-    "stress": ["stress"],
 }
-
-
 WORDS = {signal.SIGINT: "interrupted", signal.SIGTERM: "terminated"}
 
 
@@ -72,95 +65,31 @@ def test_a_command_ends_at_once_with_one_word_and_leaves_no_folder(tmp_path, ans
 
 
 BEGIN = """
-import os, signal, sys, time
+import ctypes, multiprocessing, os, pathlib, signal, subprocess, sys, tempfile, threading, time
+from autobalancer.fmus.whole_files import whole_file
 from autobalancer.harness.output import interrupts
-def told(number=signal.SIGTERM):
+def send(number=signal.SIGTERM):
     os.kill(os.getpid(), number)
 """
-BETWEEN = {
-    "swallowed by C code that calls Python": """
-        import ctypes
-        call = ctypes.CFUNCTYPE(None)(told)
-        with interrupts.interruptible():
-            call()
-            time.sleep(30.0)
-    """,
-    "raised only when nothing is at work that must not see it": """
-        marked = {"SIGNALS_WAIT": True, "told": told, "time": time}
-        exec("def work():\\n try:\\n  told()\\n  time.sleep(0.2)\\n"
-             " except BaseException:\\n  print('seen')", marked)
-        with interrupts.interruptible():
-            marked["work"]()
-            time.sleep(30.0)
-    """,
-    "turned into another exception, as a C module does that is being imported": """
-        with interrupts.interruptible():
-            try:
-                told()
-                time.sleep(30.0)
-            except interrupts.Interrupted:
-                raise ImportError("initialization failed") from None
-    """,
-    "sent twice at once, as `timeout` does": """
-        with interrupts.interruptible():
-            try:
-                told()
-            finally:
-                told()
-                print("cleared up")
-    """,
+MOMENTS = {
+    "within C code that calls Python": "ctypes.CFUNCTYPE(None)(send)(); time.sleep(30.0)",
+    "twice at once, as `timeout` does": "send(); send(); time.sleep(30.0)",
+    "within C code that never comes back": """
+lock, mutex = ctypes.CDLL(None).pthread_mutex_lock, ctypes.create_string_buffer(64)
+threading.Timer(0.3, send).start()
+lock(mutex), lock(mutex)""",
+    "while a file is written": """
+with whole_file(pathlib.Path(tempfile.tempdir).parent / "file"):
+    send(); time.sleep(30.0)""",
+    "beside a program that writes temporary files": """
+other = "import tempfile, time; tempfile.mkdtemp(); print(flush=True); time.sleep(2.0)"
+begun = subprocess.Popen([sys.executable, "-c", other], stdout=subprocess.PIPE)
+begun.stdout.readline(); send(); time.sleep(30.0)""",
 }
-BY_FORCE = {
-    "a second one": """
-        with interrupts.temporary_files(), interrupts.interruptible():
-            try:
-                told()
-            finally:
-                time.sleep(interrupts._TWICE + 0.1)
-                told()
-                time.sleep(30.0)
-    """,
-    "C code that never comes back": """
-        import ctypes, threading
-        interrupts._GRACE = 0.3
-        lock, mutex = ctypes.CDLL(None).pthread_mutex_lock, ctypes.create_string_buffer(64)
-        with interrupts.temporary_files(), interrupts.interruptible():
-            threading.Timer(0.3, told).start()
-            lock(mutex), lock(mutex)
-    """,
-}
-
-
-def _python(script: str, folder) -> subprocess.CompletedProcess[str]:
-    return subprocess.run(
-        [sys.executable, "-c", BEGIN + textwrap.dedent(script)],
-        env={**os.environ, "TMPDIR": str(folder)},
-        capture_output=True,
-        text=True,
-        timeout=20.0,
-    )
-
-
-@pytest.mark.parametrize("case", BETWEEN)
-def test_a_signal_is_never_lost_and_raised_once(tmp_path, case):
-    ended = _python(BETWEEN[case], tmp_path)
-    assert "seen" not in ended.stdout
-    assert "Interrupted: 15" in ended.stderr.splitlines()[-1]
-    assert ended.stderr.count("Traceback") == 1 + ("turned" in case)
-    assert ("cleared up" in ended.stdout) == ("twice" in case)
-
-
-@pytest.mark.parametrize("case", BY_FORCE)
-def test_a_process_that_does_not_end_in_order_is_ended_and_leaves_no_folder(tmp_path, case):
-    ended = _python(BY_FORCE[case], tmp_path)
-    assert (ended.returncode, ended.stderr) == (143, "terminated\n")
-    assert os.listdir(tmp_path) == []
-
-
-TOLD_LOADING = """
-import os, signal, sys, time
+LOADING = """
+import os, sys, time
 module, number = sys.argv[1], int(sys.argv[2])
-class Told:  # as a C module does that the interrupt meets
+class Sender:  # as a C module does that the interrupt meets
     def find_spec(self, name, *_):
         if name == module:
             try:
@@ -168,11 +97,11 @@ class Told:  # as a C module does that the interrupt meets
                 time.sleep(20.0)
             except BaseException:
                 raise ImportError("initialization failed") from None
-sys.meta_path.insert(0, Told())
+sys.meta_path.insert(0, Sender())
 from autobalancer.harness.__main__ import main
 main()
 """
-TOLD_WORKERS = """
+WORKERS = """
 import os, signal, time
 from autobalancer.harness.output.workers import processes
 signal.signal(signal.SIGINT, lambda *_: None)
@@ -185,7 +114,8 @@ with processes(1) as pool:
 """
 
 
-def _told(script: str, folder, answering, *arguments: object) -> tuple[int, str, str]:
+def _ended(script: str, folder, answering, *arguments: object) -> tuple[int, str, str]:
+    """Exit code and output of a script that leaves no file in its temporary folder."""
     ended = subprocess.run(
         [sys.executable, "-c", script, *map(str, arguments)],
         env={**os.environ, "TMPDIR": str(folder)},
@@ -199,35 +129,26 @@ def _told(script: str, folder, answering, *arguments: object) -> tuple[int, str,
     return ended.returncode, ended.stdout, ended.stderr
 
 
-@pytest.mark.parametrize(("number", "word"), [(2, "interrupted"), (15, "terminated")])
-@pytest.mark.parametrize("module", ["typer", "autobalancer.harness.accuracy.stress"])
+@pytest.mark.parametrize("moment", MOMENTS)
+def test_a_signal_ends_the_process_at_any_moment_and_leaves_no_file(tmp_path, answering, moment):
+    block = textwrap.indent(MOMENTS[moment].strip(), "    ")
+    script = f"{BEGIN}interrupts.answer_signals()\nwith interrupts.temporary_files():\n{block}"
+    assert _ended(script, tmp_path, answering) == (143, "", "terminated\n")
+
+
+@pytest.mark.parametrize(
+    ("module", "number", "word"),
+    [("typer", 2, "interrupted"), ("autobalancer.harness.accuracy.stress", 15, "terminated")],
+)
 def test_a_signal_while_the_program_loads_is_answered_in_a_word(
     tmp_path, answering, module, number, word
 ):
-    ended = _told(TOLD_LOADING, tmp_path, answering, module, number)
+    ended = _ended(LOADING, tmp_path, answering, module, number)
     assert ended == (128 + number, "", f"{word}\n")
 
 
 def test_ctrl_c_does_not_meet_workers_that_load(tmp_path, answering):
-    assert _told(TOLD_WORKERS, tmp_path, answering) == (0, "3\n", "")
-
-
-def test_programs_that_are_begun_and_killed_leave_no_files(tmp_path):
-    other = "import tempfile, time; tempfile.mkdtemp(); print(flush=True); time.sleep(30.0)"
-    ended = _python(
-        f"""
-        import subprocess
-        with interrupts.temporary_files():
-            other = subprocess.Popen([sys.executable, "-c", {other!r}], stdout=subprocess.PIPE)
-            other.stdout.readline()
-            other.kill()
-            other.wait()
-        print(os.environ["TMPDIR"])
-        """,
-        tmp_path,
-    )
-    assert (ended.returncode, ended.stdout) == (0, f"{tmp_path}\n")
-    assert os.listdir(tmp_path) == []
+    assert _ended(WORKERS, tmp_path, answering) == (0, "3\n", "")
 
 
 def test_a_picture_is_drawn_where_the_home_folder_cannot_be_written(tmp_path):

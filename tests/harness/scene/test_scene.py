@@ -116,11 +116,6 @@ def test_replace_leaves_the_original_alone():
     assert other.replace({"run.revolutions": 3}).rotor.unbalance == 0.1
 
 
-def test_replace_reaches_tables_that_the_file_leaves_out():
-    scene = load_scene("two_balls").replace({"run.initial.vx": 0.5})
-    assert dict(scene.run.initial) == {"x": 0, "y": 0, "vx": 0.5, "vy": 0, "angle": 0}
-
-
 def test_speed_and_run_up_take_each_other_s_place():
     run_up = {"from": 0.0, "to": 9.0, "seconds": 60.0}
     rising = load_scene("two_balls").replace({"operation.run_up": run_up})
@@ -128,11 +123,6 @@ def test_speed_and_run_up_take_each_other_s_place():
     assert (profile.speed(0.0), profile.speed(30.0), profile.speed(99.0)) == (0.0, 4.5, 9.0)
     assert rising.replace({"operation.speed": 2.0}).profile().acceleration(0.0) == 0.0
     assert rising.replace({"operation.run_up.to": 6.0}).profile().end == 6.0
-
-
-def test_tolerance_takes_the_place_of_steps():
-    scene = load_scene("two_balls").replace({"coupling.tolerance": 1e-4})
-    assert scene.coupling.steps_per_rev is None
 
 
 def test_where_nothing_is_asked_a_tolerance_is_kept_by_what_can_keep_one():

