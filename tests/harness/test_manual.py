@@ -10,6 +10,7 @@ from typer.main import get_command
 from autobalancer.harness.__main__ import program
 from autobalancer.harness.manual import site
 from autobalancer.harness.scene import bundled_scenes, load_scene
+from tests.browser import Opened, chromium
 
 pytestmark = pytest.mark.slow
 
@@ -49,6 +50,21 @@ def test_every_scene_runs_in_its_page(built):
     for name in bundled_scenes():
         assert f"../live/{name}.html" in (built / "scenes" / f"{name}.html").read_text("utf-8")
         assert "WebAssembly" in (built / "live" / f"{name}.html").read_text("utf-8")
+
+
+def test_live_pages_share_their_units_and_run_as_files(tmp_path):
+    browser = chromium(tmp_path / "chromium")
+    if browser is None:
+        pytest.skip("no chromium with chromedriver: pages are not run")
+    for name in ("two_balls", "liquid_disc"):
+        site.scene_page.live(name, tmp_path / f"{name}.html")
+    assert {path.name for path in tmp_path.glob("*.js")} == {"units.js"}
+    for name in ("two_balls", "liquid_disc"):
+        page = tmp_path / f"{name}.html"
+        assert page.stat().st_size < 30_000
+        Opened(browser, page).wait("return machine.units.value('coupling.steps') > 0")
+        assert browser.get_log("browser") == []
+    browser.quit()
 
 
 def test_nothing_is_loaded_from_a_network(built):
