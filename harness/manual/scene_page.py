@@ -11,7 +11,11 @@ from ..scene import load_scene
 from ..scene.file import find
 
 UNITS = '<script type="text/plain" id="units">'  # from here on all live pages are alike
-PAGE = """# {name}
+PAGE = """---
+hide: [toc]
+---
+
+# {name}
 
 {title}
 
