@@ -24,7 +24,9 @@ def page() -> str:
     lines: list[str] = []
     for place, texts in found.items():
         if texts:
-            lines += [f"## {place}", "", *(f"- {_plain(text)}" for text in texts), ""]
+            lines += [f"## {place}", ""]
+            for text in texts:  # a heading: the search ranks titles first
+                lines += [f"##### {_plain(text)}", ""]
     return "\n".join(lines)
 
 
@@ -53,7 +55,7 @@ def _of_c(source: str) -> Iterator[str]:
     code = re.sub(r"/\*.*?\*/|^#.*?$", "", source, flags=re.DOTALL | re.MULTILINE)
     for match in re.finditer(r'"(?:[^"\\\n]|\\.)*"(?:\s*"(?:[^"\\\n]|\\.)*")*', code):
         text = "".join(re.findall(r'"((?:[^"\\\n]|\\.)*)"', match[0])).replace('\\"', '"')
-        if len(text.split()) > 3:
+        if len(text.split()) > 3 and "\\n" not in text:  # with \\n it is assembly
             yield re.sub(r"\{\w(?:\.\d+)?\}", "…", text)
 
 

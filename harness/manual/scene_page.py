@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import html
+import json
 import warnings
 from pathlib import Path
 
@@ -11,7 +12,12 @@ from ..scene import load_scene
 from ..scene.file import find
 from ..scene.plausible import ImplausibleWarning
 
-PAGE = """# {name}
+UNITS = '<script type="text/plain" id="units">'  # from here on all live pages are alike
+PAGE = """---
+hide: [toc]
+---
+
+# {name}
 
 {title}
 
@@ -35,10 +41,19 @@ def page(name: str) -> str:
 
 
 def live(name: str, path: Path) -> None:
-    """Write the page that `autobalancer show` writes, or one that says why there is none."""
+    """Write the page that `autobalancer show` writes, or one that says why there is none.
+
+    Units and scripts are the same in every scene. They are written once, beside the pages, as a
+    script that inserts them: pages opened as files may load nothing else.
+    """
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", ImplausibleWarning)
             load_scene(name).show(path)
+        own, start, shared = path.read_text(encoding="utf-8").partition(UNITS)
+        inserted = f"document.write({json.dumps(start + shared)});"
+        path.with_name("units.js").write_text(inserted, encoding="utf-8")
+        own = own.replace("script-src ", "script-src 'self' file: ", 1)
+        path.write_text(f'{own}<script src="units.js"></script>', encoding="utf-8")
     except (SimulationError, UserError) as error:
         path.write_text(f"<!DOCTYPE html><meta charset='utf-8'><p>{html.escape(str(error))}</p>")

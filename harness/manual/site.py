@@ -89,6 +89,10 @@ def write_site(output: Path, track: Callable[..., Iterable[Any]], live: bool = T
             "nav": _nav(pages),
         }
         build(load_config(shutil.copy(MANUAL / "mkdocs.yml", scratch), strict=live, **settings))
+    scripts = output / "assets" / "javascripts"
+    shutil.rmtree(scripts / "lunr")  # other languages than English
+    for source_map in (output / "assets").rglob("*.map"):
+        source_map.unlink()
 
 
 def _nav(pages: Path) -> list[dict[str, Any]]:

@@ -10,6 +10,7 @@ from typer.main import get_command
 from autobalancer.harness.__main__ import program
 from autobalancer.harness.manual import site
 from autobalancer.harness.scene import bundled_scenes, load_scene
+from tests.browser import Opened, chromium
 
 pytestmark = pytest.mark.slow
 
@@ -25,10 +26,22 @@ def built(tmp_path_factory):
     return folder
 
 
+@pytest.fixture(scope="module")
+def browser(tmp_path_factory):
+    found = chromium(tmp_path_factory.mktemp("chromium"))
+    if found is None:
+        pytest.skip("no chromium with chromedriver: pages are not opened")
+    yield found
+    found.quit()
+
+
 def search(folder, *words):
     """Places of the site with all words: what its search has to offer."""
     index = json.loads((folder / "search" / "search_index.json").read_text(encoding="utf-8"))
-    text = [(each["location"], re.sub("<.*?>", "", each["text"])) for each in index["docs"]]
+    text = [
+        (each["location"], re.sub("<.*?>", "", f"{each['title']} {each['text']}"))
+        for each in index["docs"]
+    ]
     return {place for place, said in text if all(word in said for word in words)}
 
 
@@ -45,10 +58,49 @@ def test_search_finds(built, words, place):
     assert any(found.startswith(place) for found in search(built, *words))
 
 
+@pytest.mark.parametrize(
+    ("query", "first"),
+    [
+        ("support_damping", "reference/scene.html"),
+        (
+            "/tmp/my.toml: balancer[1].weight_radius = 0.03 m: 30 weights do not fit on a track of "
+            "radius 0.2 m: must be at most 0.0209057 m",
+            "how-to/faq.html",
+        ),
+        ("would take about 40.9 m, more than --at-most 1s; in 0.51 s", "how-to/faq.html"),
+        ("mill: design: its weights have no size: give --race", "reference/messages.html"),
+        ("Goncharov Fig. 7", "results/papers.html"),
+    ],
+)
+def test_search_answers_a_newcomer_first(built, browser, query, first):
+    from selenium.webdriver.common.by import By
+    from selenium.webdriver.support.ui import WebDriverWait
+
+    browser.get((built / "index.html").as_uri())
+    box = browser.find_element(By.CSS_SELECTOR, "input.md-search__input")
+    box.click()
+    box.send_keys(query)
+    hits = WebDriverWait(browser, 30).until(
+        lambda found: found.find_elements(By.CSS_SELECTOR, "a.md-search-result__link")
+    )
+    assert f"/{first}" in hits[0].get_attribute("href")
+
+
 def test_every_scene_runs_in_its_page(built):
     for name in bundled_scenes():
         assert f"../live/{name}.html" in (built / "scenes" / f"{name}.html").read_text("utf-8")
         assert "WebAssembly" in (built / "live" / f"{name}.html").read_text("utf-8")
+
+
+def test_live_pages_share_their_units_and_run_as_files(browser, tmp_path):
+    for name in ("two_balls", "liquid_disc"):
+        site.scene_page.live(name, tmp_path / f"{name}.html")
+    assert {path.name for path in tmp_path.glob("*.js")} == {"units.js"}
+    for name in ("two_balls", "liquid_disc"):
+        page = tmp_path / f"{name}.html"
+        assert page.stat().st_size < 30_000
+        Opened(browser, page).wait("return machine.units.value('coupling.steps') > 0")
+        assert browser.get_log("browser") == []
 
 
 def test_nothing_is_loaded_from_a_network(built):

@@ -231,4 +231,4 @@ def test_command_writes_picture_table_and_document(invoke, tmp_path, monkeypatch
 def test_command_refuses_a_file_that_it_does_not_write(invoke):
     outcome = invoke("scatter", "two_balls", "--vary", "weights.drag=uniform(1,2)", "-o", "a.bmp")
     assert outcome.exit_code == 2
-    assert "or .csv for a table, .zarr" in " ".join(outcome.output.split())
+    assert ".pdf, .csv, .zarr" in " ".join(outcome.output.split())
