@@ -755,7 +755,6 @@ static int composite_is_torque(const Unit *unit, size_t reference)
 
 static size_t composite_signals(const Layout *layout, size_t *first)
 {
-    (void)layout;
     *first = 0;
     return 0;
 }
@@ -768,9 +767,6 @@ static int composite_verdict(const Unit *unit)
 
 static int composite_slope(Unit *unit, size_t reference, double *value)
 {
-    (void)unit;
-    (void)reference;
-    (void)value;
     return 1;
 }
 

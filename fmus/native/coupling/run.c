@@ -20,7 +20,6 @@ typedef struct {
 static void keep_message(void *host, const char *name, Status status, const char *message)
 {
     KeptRun *run = host;
-    (void)name;
     if (!run->unit) {
         Text text = text_in(run->refusal, sizeof run->refusal);
         text_put(&text, message);

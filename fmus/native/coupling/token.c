@@ -58,7 +58,6 @@ static void forward(void *host, const char *name, Status status, const char *mes
 {
     Unit *unit = host;
     Text text = text_in(unit->message_buffer, sizeof unit->message_buffer);
-    (void)name;
     text_put(&text, unit->name);
     text_put(&text, ": ");
     text_put(&text, message);
