@@ -1,16 +1,16 @@
-"""The units' declarations for the C units: `layout.h`, and the token that names a unit's layout.
+"""The units' declarations for the C units: `layout.h`, and the token of a unit and its sizes.
 
 The variables of a unit of any size follow from those of a few sizes: names that differ in their
 index alone make a block, which C repeats.  The sizes that are looked at are different primes, so
 that how often a block stands there says what repeats it.  What a start value depends on is left to
-C (`starts` of each unit); the digest in the token compares the outcome with the declarations here.
+C (`starts` of each unit).
 """
 
 from __future__ import annotations
 
 import re
 import struct
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -54,8 +54,6 @@ TABLES = (
 )
 
 _INDEX = re.compile(r"(?<=[\[,])\d+(?=[\],])")
-# starts computed from others, whose last digit depends on the machine's linear algebra
-_COMPUTED = "compliance["
 # starts that depend on index or size: C computes them
 _STARTS_IN_C = (
     "station[#].z",
@@ -133,8 +131,13 @@ def token(unit: SizedUnit, stamp: str) -> str:
         unit: with its sizes.
         stamp: of the C sources.
     """
-    words = [unit.name, *(f"{key}={value}" for key, value in unit.options.items())]
-    return "/".join([*words, f"{digest(unit.layout)}-{stamp}"])
+    words = [unit.name, *(f"{key}={value}" for key, value in unit.options.items()), ""]
+    return signed("/".join(words), stamp)
+
+
+def signed(text: str, stamp: str) -> str:
+    """A text with its digest and the stamp of the C sources behind, which the library compares."""
+    return f"{text}{hashed(text)}-{stamp}"
 
 
 def start_entries(layout: Layout, start: Mapping[str, float | bool], end: int) -> list[str]:
@@ -165,27 +168,12 @@ def identity_of(text: str) -> str:
     return f"{re.split('[/;]', text, maxsplit=1)[0]}/{hashed(text)}"
 
 
-def digest(layout: Layout, text: str = "") -> str:
-    """FNV-1a of all names, units, start values and limits, and of a text: 16 hexadecimal digits."""
-    return hashed("".join([*_described(layout), text]))
-
-
 def hashed(text: str) -> str:
     """FNV-1a of a text: 16 hexadecimal digits."""
     total = _FNV_START
     for byte in text.encode("ascii"):
         total = (total ^ byte) * _FNV_PRIME & 0xFFFFFFFFFFFFFFFF
     return f"{total:016x}"
-
-
-def _described(layout: Layout) -> Iterator[str]:
-    """A line a variable, as variables.c writes it."""
-    for v in layout.reals:
-        start = "~" if _COMPUTED in v.name else bits(0.0 if v.start is None else v.start)
-        low = "-" if v.minimum is None else bits(v.minimum) + "+" * v.above
-        yield f"{_group(v)} {v.name} {v.unit} {start} {low}\n"
-    for v in layout.booleans:
-        yield f"b {v.name} {int(bool(v.start))}\n"
 
 
 def bits(value: float) -> str:
