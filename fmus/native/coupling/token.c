@@ -8,8 +8,8 @@
    A part: name, plane of the rotor from 1, s where it exchanges force and v where it is told its plane's
    place, token.  The rotor is the first part and a motor the last; both have plane 0 and no letters.
    `start` and `flags` are of the part before them: value references and the bits of what they start
-   from; Booleans that are true.  `own` are the start values of the composite's own variables; the digest is
-   of all before it. */
+   from; Booleans that are true.  `own` are the start values of the composite's own variables; the
+   digest is of all before it. */
 #include <string.h>
 
 #include "coupling/composite.h"
@@ -25,9 +25,7 @@ int composite_named(const char *token)
 
 static int refuse_composition(Unit *unit, const char *why)
 {
-    text_put(unit_reason(unit), "identity of a composite: ");
-    text_put(&unit->reason, why);
-    return 1;
+    return unit_fail(unit, "identity of a composite: %s", why);
 }
 
 /* A part's own message under the composite's name. */
@@ -35,9 +33,7 @@ static void forward(void *host, const char *name, Status status, const char *mes
 {
     Unit *unit = host;
     Text text = text_in(unit->message_buffer, sizeof unit->message_buffer);
-    text_put(&text, unit->name);
-    text_put(&text, ": ");
-    text_put(&text, message);
+    text_format(&text, "%s: %s", unit->name, message);
     unit->log(unit->host, unit->name, status, text.at);
 }
 
@@ -86,7 +82,8 @@ static int read_part(Unit *unit, Part *part, const char *at)
     int is_motor, is_mounted;
     uint64_t plane = 0;
     at = token_word(at, ',', name, sizeof name);
-    at = at ? token_word(text_whole(at, 10, &plane) + 1, ',', connections, sizeof connections) : NULL;
+    at = at ? text_whole(at, 10, &plane) + 1 : NULL;
+    at = at ? token_word(at, ',', connections, sizeof connections) : NULL;
     at = at ? token_word(at, ';', token, sizeof token) : NULL;
     if (!at) {
         return refuse_composition(unit, "a part must be name, plane, connections, token");
@@ -100,8 +97,9 @@ static int read_part(Unit *unit, Part *part, const char *at)
     if (first != (part->unit->equations == &ROTOR_EQUATIONS) || c->motor ||
         part->unit->layout.sizes.order + 1 != c->orders || part->unit->layout.sizes.fixed_frame ||
         (is_mounted && plane - 1 >= (uint64_t)c->parts->unit->layout.sizes.planes)) {
-        return refuse_composition(unit, "its parts must be a rotor, balancers on its planes and at most one "
-                                        "motor, with signals of one order that turn with the rotor");
+        return refuse_composition(unit, "its parts must be a rotor, balancers on its planes and at "
+                                  "most one motor, with signals of one order that turn with the "
+                                  "rotor");
     }
     c->motor = is_motor ? part : NULL;
     c->mounted += !is_motor;
@@ -136,7 +134,7 @@ static int read_count(const char *at, size_t *count)
     return wrong;
 }
 
-/* Read coupling and parts; 1 with the reason.  `own`: start values of the coupling's own variables. */
+/* Read coupling and parts; 1 with the reason.  `own`: start values of the coupling's variables. */
 static int read_parts(Unit *unit, const char *at, const char **own)
 {
     Composite *c = unit->own;
@@ -227,11 +225,10 @@ static void lay_out_variables(Unit *unit, const Layout *own, const double *start
     }
     c->tolerance = at;
     c->steps_per_rev = at + 1;
-    c->fewest = at + 2;
-    c->top_speed = at + 3;
-    c->limit = at + 4;
-    c->rise = c->motor ? 0 : at + 5;
-    c->changes = at + 6 + 2 * c->corner_count;
+    c->top_speed = at + 2;
+    c->limit = at + 3;
+    c->rise = c->motor ? 0 : at + 4;
+    c->changes = at + 5 + 2 * c->corner_count;
     at = copy_variables(unit, at, NULL, own, starts, 0, own->parameters.count);
     layout->parameters.count = layout->inputs.first = c->drive = at;
     c->outer = at + (c->motor ? 0 : 2);
@@ -333,7 +330,8 @@ int composite_build(Unit *unit, const char *token)
         return refuse_composition(unit, "it has no parts, or too many for the memory");
     }
     refuse_composition(unit, "");
-    if (token_check(token, &unit->reason) || read_parts(unit, text_after(token, "Composite;"), &own)) {
+    if (token_check(token, &unit->reason) ||
+        read_parts(unit, text_after(token, "Composite;"), &own)) {
         return 1;
     }
     stop_at_contacts(c);

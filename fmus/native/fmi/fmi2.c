@@ -181,8 +181,9 @@ EXPORT fmi2Status fmi2GetDirectionalDerivative(fmi2Component c, const fmi2ValueR
                                                fmi2Real change[])
 {
     const char *function = "fmi2GetDirectionalDerivative";
-    Status status = front_allowed(c, function, INITIALISING | RUNNING, unknowns, unknown, change);
-    status = status ? status : front_allowed(c, function, INITIALISING | RUNNING, knowns, known, seed);
+    const int phases = INITIALISING | RUNNING;
+    Status status = front_allowed(c, function, phases, unknowns, unknown, change);
+    status = status ? status : front_allowed(c, function, phases, knowns, known, seed);
     return status ? status
                   : unit_directional(front_unit(c), unknown, unknowns, known, knowns, seed, change);
 }
@@ -265,7 +266,7 @@ EXPORT fmi2Status fmi2DoStep(fmi2Component c, fmi2Real time, fmi2Real step,
 
 EXPORT fmi2Status fmi2CancelStep(fmi2Component c)
 {
-    return front_refuse(c, "fmi2CancelStep", "no step is under way: doStep returns when it is over");
+    return front_refuse(c, "fmi2CancelStep", "no step is under way");
 }
 
 /* A status the unit does not have; the host goes on. */

@@ -1,5 +1,5 @@
-/* The functions of FMI 3.0 for what the units do not have: variables of other types, clocks, event mode of
-   co-simulation, adjoint derivatives.  Each is refused with a reason. */
+/* The functions of FMI 3.0 for what the units do not have: variables of other types, clocks, event
+   mode of co-simulation, adjoint derivatives.  Each is refused with a reason. */
 #include "fmi/fmi3.h"
 #include "fmi/front.h"
 
@@ -55,7 +55,8 @@ EXPORT fmi3Instance fmi3InstantiateScheduledExecution(
     {                                                                                             \
         return front_refuse(instance, "fmi3" #name, "the unit does not have this");               \
     }
-#define REFUSE_CLOCK(name, ...) REFUSE(name, const fmi3ValueReference vr[], size_t count, __VA_ARGS__)
+#define REFUSE_CLOCK(name, ...)                                                                   \
+    REFUSE(name, const fmi3ValueReference vr[], size_t count, __VA_ARGS__)
 
 REFUSE_MODE(EnterConfigurationMode)
 REFUSE_MODE(ExitConfigurationMode)

@@ -15,10 +15,9 @@ static char *composition(const char *token, const char *resources, Text *reason)
     if (text) {
         token_identity(text, &identity);
         if (!text_equal(expected, token)) {
-            text_put(reason, "resources: " COMPOSITION ": its identity is ");
-            text_put(reason, expected);
-            text_put(reason, ", and must be that of the model description, ");
-            text_put(reason, token);
+            text_format(reason,
+                        "resources: %s: its identity is %s, and must be that of the model "
+                        "description, %s", COMPOSITION, expected, token);
             free(text);
             return NULL;
         }

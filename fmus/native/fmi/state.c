@@ -8,8 +8,8 @@
 
 enum { STATE_MAGIC = 0x41425354, STATE_VERSION = 1, CHECKSUM_SIZE = 8 };
 
-/* The values: Reals, then Booleans as 0 or 1, then the equations' memory.  Serialised it is the same bytes
-   on every platform, as all of them store the lowest byte first, with a checksum behind. */
+/* The values: Reals, then Booleans as 0 or 1, then the equations' memory.  Serialised it is the same
+   bytes on every platform, as all of them store the lowest byte first, with a checksum behind. */
 typedef struct {
     uint32_t magic, version;
     char token[TOKEN_SIZE];
@@ -36,13 +36,8 @@ static Status check_state(Unit *unit, const State *state, const char *what)
         return unit_refuse(unit, what, "this is no state of such a unit");
     }
     if (!text_equal(state->token, unit->token)) {
-        Text *reason = unit_reason(unit);
-        text_put(reason, "the state belongs to '");
-        text_put(reason, state->token);
-        text_put(reason, "', not to '");
-        text_put(reason, unit->token);
-        text_put(reason, "'");
-        return unit_report(unit, STATUS_ERROR, what);
+        return unit_refuse(unit, what, "the state belongs to '%s', not to '%s'", state->token,
+                           unit->token);
     }
     return STATUS_OK;
 }
@@ -173,35 +168,31 @@ Status unit_serialise(Unit *unit, const void *state, unsigned char *bytes, size_
 static int has_wrong_content(Unit *unit, const State *state)
 {
     const int phase = state->phase;
-    Text *reason = unit_reason(unit);
+    const double *memory = state->values + count_values(unit) - unit->memory_count;
     size_t k;
     if (state->count != count_values(unit) ||
         (phase != INSTANTIATED && phase != INITIALISING && phase != RUNNING &&
          phase != TERMINATED) ||
         state->stale < FRESH || state->stale > BEGINNING) {
-        text_put(reason, "the bytes are no state of this unit");
-        return 1;
+        return unit_fail(unit, "the bytes are no state of this unit");
     }
     if (!is_finite(state->time)) {
-        text_put(reason, "the bytes hold a time that is not finite");
-        return 1;
+        return unit_fail(unit, "the bytes hold a time that is not finite");
     }
     for (k = 0; k < unit->layout.computed.first; k++) {
-        if (layout_problem(&unit->layout, k, state->values[k], reason)) {
+        if (layout_problem(&unit->layout, k, state->values[k], unit_reason(unit))) {
             return 1;
         }
     }
     /* outputs are computed anew before they are read, and may be what a failed step left */
     for (k = unit->layout.real_count; k < state->count; k++) {
         if (!is_finite(state->values[k])) {
-            text_put(reason, "the bytes hold numbers that are not finite");
-            return 1;
+            return unit_fail(unit, "the bytes hold numbers that are not finite");
         }
     }
     if (state->stale < COMPUTED && unit->equations->stands_at &&
-        !unit->equations->stands_at(state->values + state->count - unit->memory_count, state->time)) {
-        text_put(reason, "the bytes hold a time that is not that of their motion");
-        return 1;
+        !unit->equations->stands_at(memory, state->time)) {
+        return unit_fail(unit, "the bytes hold a time that is not that of their motion");
     }
     return 0;
 }

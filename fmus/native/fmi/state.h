@@ -1,7 +1,7 @@
 /* A unit's complete state, and its form as bytes: versioned and checked.
 
-   A damaged state, or one of another unit, size or build, is refused and changes nothing.  A host keeps
-   states as pointers without type. */
+   A damaged state, or one of another unit, size or build, is refused and changes nothing.  A host
+   keeps states as pointers without type. */
 #ifndef AUTOBALANCER_UNIT_STATE_H
 #define AUTOBALANCER_UNIT_STATE_H
 

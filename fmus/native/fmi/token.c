@@ -2,6 +2,7 @@
 
 #include <string.h>
 
+#include "fmi/unit.h"
 #include "stamp.h"
 
 enum { WORD_SIZE = 32, MOST_OF_ANYTHING = 100000, DIGITS = 16, SIGNATURE = 2 * DIGITS + 1 };
@@ -40,12 +41,11 @@ int token_check(const char *text, Text *reason)
     if (text_equal(signature, expected)) {
         return 0;
     }
-    text_put(reason, strncmp(signature, expected, DIGITS)
-                         ? "it is not as this library's model descriptions have it"
-                         : "it was built from other sources than this library");
-    text_put(reason, "; expected at its end '");
-    text_put(reason, expected);
-    text_put(reason, "'");
+    text_format(reason, "%s; expected at its end '%s'",
+                strncmp(signature, expected, DIGITS)
+                    ? "it is not as this library's model descriptions have it"
+                    : "it was built from other sources than this library",
+                expected);
     return 1;
 }
 
@@ -63,10 +63,11 @@ static int *size_named(Sizes *sizes, const char *name)
                                             : NULL;
 }
 
-/* The table of a unit's variables and its sizes by its token's options; why there is none, or NULL. */
+/* The table of a unit's variables and its sizes by its token's options; why not, or NULL. */
 static const char *read_options(const char *token, const Table **table, Sizes *sizes)
 {
-    char unit[WORD_SIZE], key[WORD_SIZE], value[WORD_SIZE], kind[WORD_SIZE] = "", shaft[WORD_SIZE] = "";
+    char unit[WORD_SIZE], key[WORD_SIZE], value[WORD_SIZE];
+    char kind[WORD_SIZE] = "", shaft[WORD_SIZE] = "";
     const char *end = signature_of(token), *at = token_word(token, '/', unit, sizeof unit);
     while (at && at < end) {
         char *word;
@@ -104,9 +105,7 @@ int token_read(const char *token, const Table **table, Sizes *sizes, Text *reaso
     const Sizes none = {1, 1, 1, 1, 0, 2, 0, 3, 0};
     const char *wrong;
     *sizes = none;
-    text_put(reason, "identity '");
-    text_put(reason, token ? token : "");
-    text_put(reason, "': ");
+    text_format(reason, "identity '%s': ", token ? token : "");
     if (!token || text_length(token) >= TOKEN_SIZE) {
         text_put(reason, "must be that of the model description this library came with");
         return 1;
