@@ -6,20 +6,21 @@ import re
 import zipfile
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
-from functools import cache
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
 
+from fmpy import platform, platform_tuple
+
 from .catalogue import equations, sized_unit
-from .native.build.compile import stamp
-from .native.build.layout import identity_of, start_entries, start_values, token
-from .native.build.package import native_files, platforms_of
+from .native.build.compile import libraries, stamp
+from .native.build.layout import identity_of, start_entries, token
+from .native.build.package import holds_universal, native_files
 from .unit import SizedUnit, Unit, alternatives
 from .xml import fmi2, fmi3
 from .xml.archive import digest, unzipped, write, zipped
-from .xml.description import Capabilities, about_in, options_in
+from .xml.description import Capabilities, options_in
 from .xml.documentation import LICENCE, html
 from .xml.terminals import icon
 
@@ -201,52 +202,28 @@ def _release() -> str:
         return "0"
 
 
-def identity(unit: str, **arguments: Any) -> str:
-    """Hash of the content of the FMU that `build` would write from the present sources.
-
-    Computed once for the same arguments, which are those of `build`.
-    """
-    given = {k: tuple(v) if isinstance(v, list) else v for k, v in arguments.items()}
-    return _identity(unit, tuple(sorted(given.items())))
-
-
-@cache
-def _identity(unit: str, arguments: tuple[tuple[str, Any], ...]) -> str:
-    return digest(contents(unit, **dict(arguments)))
-
-
-def content_id(path: Path | str) -> str:
-    """Hash of the content of an FMU file: equal to `identity` when it is what `build` would write.
-
-    Raises:
-        ValueError: the file is not an FMU.
-        OSError: it cannot be read.
-    """
-    return digest(opened(path)[0])
-
-
 def is_present_build(path: Path | str, unit: str, **options: Any) -> bool:
-    """Whether an FMU file is what `build` would write from the present sources, either backend.
+    """Whether an FMU file is what `build` writes from the present sources, either backend.
 
-    Start values and description may be those of any scene.
+    Start values and description may be those of any scene, and other platforms' libraries any.
 
     Raises:
         ValueError: the file is not an FMU.
         OSError: it cannot be read.
     """
     files, root = opened(path)
-    present, text = digest(files), files.get(COMPOSITION, b"").decode()
+    text = files.get(COMPOSITION, b"").decode()
     if any(name.startswith("resources/") for name in files) and not text:
-        return present == identity(unit, backend="python", **options)
-    platforms = platforms_of(files)
-    if not text:
-        return bool(platforms) and present == identity(unit, platforms=platforms, **options)
-    sized = sized_unit(unit, **options)
-    if not text.startswith(f"{token(sized, stamp())};"):
+        return digest(files) == digest(contents(unit, backend="python", **options))
+    library = libraries([platform_tuple])[platform_tuple].read_bytes()
+    places = tuple(f"binaries/{folder}/" for folder in (platform, platform_tuple))
+    found = [data for name, data in files.items() if name.startswith(places)]
+    if library not in found and not any(holds_universal(data, library) for data in found):
         return False
-    start = start_values(sized.layout, text)
-    form: dict[str, Any] = {"platforms": platforms, "start": start, "about": about_in(root)}
-    return bool(platforms) and present == digest(contents(unit, **form, **options))
+    if text:
+        own = f"{token(sized_unit(unit, **options), stamp())};"
+        return text.startswith(own) and root.get("guid") == identity_of(text)
+    return files[_DESCRIPTION] == contents(unit, **options)[_DESCRIPTION]
 
 
 def options_of(path: Path | str) -> dict[str, Any]:

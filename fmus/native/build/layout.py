@@ -151,18 +151,6 @@ def start_entries(layout: Layout, start: Mapping[str, float | bool], end: int) -
     return [f"{key}={','.join(v)}" for key, v in (("start", values), ("flags", flags)) if v]
 
 
-def start_values(layout: Layout, text: str) -> dict[str, float | bool]:
-    """What a token's text says by `start_entries`."""
-    entries = dict(entry.split("=", 1) for entry in text.split(";")[1:])
-    start: dict[str, float | bool] = {}
-    for pair in filter(None, entries.get("start", "").split(",")):
-        reference, value = pair.split(":")
-        start[layout.reals[int(reference)].name] = struct.unpack(">d", bytes.fromhex(value))[0]
-    for flag in filter(None, entries.get("flags", "").split(",")):
-        start[layout.booleans[int(flag)].name] = True
-    return start
-
-
 def identity_of(text: str) -> str:
     """GUID or instantiation token of an FMU that has the text among its resources."""
     return f"{re.split('[/;]', text, maxsplit=1)[0]}/{hashed(text)}"
