@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 import zipfile
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
@@ -14,7 +14,7 @@ from xml.etree import ElementTree
 from fmpy import platform, platform_tuple
 
 from .catalogue import equations, sized_unit
-from .native.build.compile import libraries, stamp
+from .native.build.compile import SOURCE, libraries, stamp
 from .native.build.layout import identity_of, start_entries, token
 from .native.build.package import holds_universal, native_files
 from .unit import SizedUnit, Unit, alternatives
@@ -109,17 +109,13 @@ def contents(
             early_return=sized.returns_early,
         )
 
-        def whole(stamp: str) -> str:
-            end = sized.layout.inputs.stop
-            return ";".join([token(sized, stamp), *start_entries(sized.layout, start or {}, end)])
-
+        entries = start_entries(sized.layout, start or {}, sized.layout.inputs.stop)
+        text = ";".join([token(sized, stamp()), *entries])
         if not start:
-            return native_contents(sized, identifier, whole, can, fmi, platforms)
+            return native_contents(sized, identifier, text, can, fmi, platforms)
         shown = sized.started(start, about or {})
-        files = native_contents(
-            shown, identifier, lambda stamp: identity_of(whole(stamp)), can, fmi, platforms
-        )
-        return {**files, COMPOSITION: whole(stamp()).encode()}
+        files = native_contents(shown, identifier, identity_of(text), can, fmi, platforms)
+        return {**files, COMPOSITION: text.encode()}
     if start:
         raise ValueError("start: only native units have start values of a scene")
     if fmi != 2:
@@ -163,7 +159,7 @@ def _python(unit: SizedUnit, identifier: str) -> dict[str, bytes]:
 def native_contents(
     unit: SizedUnit,
     identifier: str,
-    identify: Callable[[str], str],
+    identity: str,
     can: Capabilities,
     fmi: int,
     platforms: Iterable[str] | None,
@@ -175,7 +171,7 @@ def native_contents(
     Args:
         unit: what descriptions and documentation say of it.
         identifier: model and file name.
-        identify: its token, from the stamp of the sources.
+        identity: GUID or instantiation token.
         can: what it offers.
         fmi, platforms: as of `build`.
         machine: what the documentation says first, HTML.
@@ -183,11 +179,10 @@ def native_contents(
     """
     _refuse_wrong(identifier, fmi)
 
-    def describe(guid: str, sources: Sequence[str]) -> bytes:
-        return _described(unit, identifier, fmi, guid, replace(can, sources=tuple(sources)))
-
     chosen = {} if platforms is None else {"platforms": platforms}
-    files = native_files(identify, identifier, describe, fmi=fmi, **chosen)
+    files = native_files(identifier, fmi=fmi, **chosen)
+    can = replace(can, sources=(SOURCE,))
+    files[_DESCRIPTION] = _described(unit, identifier, fmi, identity, can)
     return {**_documented(unit, identifier, machine, parts), **icon(unit, fmi), **files}
 
 

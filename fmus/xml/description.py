@@ -21,6 +21,7 @@ _INITIAL = {
     "input": {},
     "output": {"initial": "calculated"},
     "local": {"initial": "calculated"},
+    "independent": {},
 }
 _PER_SECOND = {"m": "m/s", "m/s": "m/s2", "rad": "rad/s", "rad/s": "rad/s2"}
 

@@ -1,12 +1,12 @@
-"""Native part of an FMU: libraries for all platforms, the C sources, and the token they ask for."""
+"""Native part of an FMU: libraries for all platforms, and the C sources."""
 
 from __future__ import annotations
 
 import struct
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from xml.etree.ElementTree import Element, SubElement, indent, tostring
 
-from .compile import PLATFORMS, SOURCE, libraries, one_source, stamp
+from .compile import PLATFORMS, SOURCE, libraries, one_source
 
 # FMI 2.0.5, 2.3: names of its own for x86, else those of FMI 3.0
 _FMI2 = {"x86_64-linux": "linux64", "x86_64-windows": "win64", "x86_64-darwin": "darwin64"}
@@ -16,20 +16,12 @@ _UNIVERSAL = 0xCAFEBABE
 
 
 def native_files(
-    identify: Callable[[str], str],
-    identifier: str,
-    describe: Callable[[str, Sequence[str]], bytes],
-    *,
-    platforms: Iterable[str] = PLATFORMS,
-    fmi: int = 2,
+    identifier: str, *, platforms: Iterable[str] = PLATFORMS, fmi: int = 2
 ) -> dict[str, bytes]:
-    """Files of a native FMU by their names in it, all but the documentation.
+    """Libraries and C sources of a native FMU by their names in it.
 
     Args:
-        identify: the token, from the stamp of the sources.
         identifier: model identifier.
-        describe: writes modelDescription.xml; called with the token (GUID or instantiation token)
-            and the names of the C files in sources/.
         platforms: names out of PLATFORMS.
         fmi: version, 2 | 3.
 
@@ -44,7 +36,6 @@ def native_files(
     files[f"sources/{SOURCE}"] = one_source().encode()
     if fmi == 3:
         files["sources/buildDescription.xml"] = _build_description(identifier)
-    files["modelDescription.xml"] = describe(identify(stamp()), [SOURCE])
     return files
 
 
