@@ -4,22 +4,23 @@ from __future__ import annotations
 
 import re
 import zipfile
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
-from functools import cache
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
 
+from fmpy import platform, platform_tuple
+
 from .catalogue import equations, sized_unit
-from .native.build.compile import stamp
-from .native.build.layout import identity_of, start_entries, start_values, token
-from .native.build.package import native_files, platforms_of
+from .native.build.compile import SOURCE, libraries, stamp
+from .native.build.layout import identity_of, start_entries, token
+from .native.build.package import holds_universal, native_files
 from .unit import SizedUnit, Unit, alternatives
 from .xml import fmi2, fmi3
 from .xml.archive import digest, unzipped, write, zipped
-from .xml.description import Capabilities, about_in, options_in
+from .xml.description import Capabilities, options_in
 from .xml.documentation import LICENCE, html
 from .xml.terminals import icon
 
@@ -108,17 +109,13 @@ def contents(
             early_return=sized.returns_early,
         )
 
-        def whole(stamp: str) -> str:
-            end = sized.layout.inputs.stop
-            return ";".join([token(sized, stamp), *start_entries(sized.layout, start or {}, end)])
-
+        entries = start_entries(sized.layout, start or {}, sized.layout.inputs.stop)
+        text = ";".join([token(sized, stamp()), *entries])
         if not start:
-            return native_contents(sized, identifier, whole, can, fmi, platforms)
+            return native_contents(sized, identifier, text, can, fmi, platforms)
         shown = sized.started(start, about or {})
-        files = native_contents(
-            shown, identifier, lambda stamp: identity_of(whole(stamp)), can, fmi, platforms
-        )
-        return {**files, COMPOSITION: whole(stamp()).encode()}
+        files = native_contents(shown, identifier, identity_of(text), can, fmi, platforms)
+        return {**files, COMPOSITION: text.encode()}
     if start:
         raise ValueError("start: only native units have start values of a scene")
     if fmi != 2:
@@ -162,7 +159,7 @@ def _python(unit: SizedUnit, identifier: str) -> dict[str, bytes]:
 def native_contents(
     unit: SizedUnit,
     identifier: str,
-    identify: Callable[[str], str],
+    identity: str,
     can: Capabilities,
     fmi: int,
     platforms: Iterable[str] | None,
@@ -174,7 +171,7 @@ def native_contents(
     Args:
         unit: what descriptions and documentation say of it.
         identifier: model and file name.
-        identify: its token, from the stamp of the sources.
+        identity: GUID or instantiation token.
         can: what it offers.
         fmi, platforms: as of `build`.
         machine: what the documentation says first, HTML.
@@ -182,11 +179,10 @@ def native_contents(
     """
     _refuse_wrong(identifier, fmi)
 
-    def describe(guid: str, sources: Sequence[str]) -> bytes:
-        return _described(unit, identifier, fmi, guid, replace(can, sources=tuple(sources)))
-
     chosen = {} if platforms is None else {"platforms": platforms}
-    files = native_files(identify, identifier, describe, fmi=fmi, **chosen)
+    files = native_files(identifier, fmi=fmi, **chosen)
+    can = replace(can, sources=(SOURCE,))
+    files[_DESCRIPTION] = _described(unit, identifier, fmi, identity, can)
     return {**_documented(unit, identifier, machine, parts), **icon(unit, fmi), **files}
 
 
@@ -201,52 +197,28 @@ def _release() -> str:
         return "0"
 
 
-def identity(unit: str, **arguments: Any) -> str:
-    """Hash of the content of the FMU that `build` would write from the present sources.
-
-    Computed once for the same arguments, which are those of `build`.
-    """
-    given = {k: tuple(v) if isinstance(v, list) else v for k, v in arguments.items()}
-    return _identity(unit, tuple(sorted(given.items())))
-
-
-@cache
-def _identity(unit: str, arguments: tuple[tuple[str, Any], ...]) -> str:
-    return digest(contents(unit, **dict(arguments)))
-
-
-def content_id(path: Path | str) -> str:
-    """Hash of the content of an FMU file: equal to `identity` when it is what `build` would write.
-
-    Raises:
-        ValueError: the file is not an FMU.
-        OSError: it cannot be read.
-    """
-    return digest(opened(path)[0])
-
-
 def is_present_build(path: Path | str, unit: str, **options: Any) -> bool:
-    """Whether an FMU file is what `build` would write from the present sources, either backend.
+    """Whether an FMU file is what `build` writes from the present sources, either backend.
 
-    Start values and description may be those of any scene.
+    Start values and description may be those of any scene, and other platforms' libraries any.
 
     Raises:
         ValueError: the file is not an FMU.
         OSError: it cannot be read.
     """
     files, root = opened(path)
-    present, text = digest(files), files.get(COMPOSITION, b"").decode()
+    text = files.get(COMPOSITION, b"").decode()
     if any(name.startswith("resources/") for name in files) and not text:
-        return present == identity(unit, backend="python", **options)
-    platforms = platforms_of(files)
-    if not text:
-        return bool(platforms) and present == identity(unit, platforms=platforms, **options)
-    sized = sized_unit(unit, **options)
-    if not text.startswith(f"{token(sized, stamp())};"):
+        return digest(files) == digest(contents(unit, backend="python", **options))
+    library = libraries([platform_tuple])[platform_tuple].read_bytes()
+    places = tuple(f"binaries/{folder}/" for folder in (platform, platform_tuple))
+    found = [data for name, data in files.items() if name.startswith(places)]
+    if library not in found and not any(holds_universal(data, library) for data in found):
         return False
-    start = start_values(sized.layout, text)
-    form: dict[str, Any] = {"platforms": platforms, "start": start, "about": about_in(root)}
-    return bool(platforms) and present == digest(contents(unit, **form, **options))
+    if text:
+        own = f"{token(sized_unit(unit, **options), stamp())};"
+        return text.startswith(own) and root.get("guid") == identity_of(text)
+    return files[_DESCRIPTION] == contents(unit, **options)[_DESCRIPTION]
 
 
 def options_of(path: Path | str) -> dict[str, Any]:

@@ -26,7 +26,7 @@ class Variable:
 
     Attributes:
         name: structured FMI name.
-        causality: parameter | input | output.
+        causality: parameter | input | output; of descriptions also local | independent.
         unit: name of an SI unit, empty for a Boolean.
         start: start value; None for outputs, which are calculated.
         description: one line.

@@ -7,6 +7,7 @@ from pathlib import Path
 
 from ..build import COMPOSITION, native_contents, written
 from ..native.build.compile import stamp
+from ..native.build.layout import identity_of
 from ..xml.description import Capabilities
 from .composition import Composition
 from .machine import page
@@ -39,20 +40,15 @@ def build_composite(
         NotCompiled: a native library is not of the present sources, and there is no compiler.
         OSError: the file cannot be written; nothing is left behind.
     """
-    files = {**_contents(composition, name, fmi, platforms), **(extra or {})}
-    return written(files, destination, name)
-
-
-def _contents(
-    composition: Composition, name: str, fmi: int, platforms: Iterable[str] | None
-) -> dict[str, bytes]:
-    unit = composition.described(name)
-    identify, can, models = (
-        composition.identity,
-        Capabilities(),
-        dict.fromkeys(part.unit.unit for part in composition.parts),
-    )
+    text = composition.token(stamp())
     files = native_contents(
-        unit, name, identify, can, fmi, platforms, page(composition, name), tuple(models)
+        composition.described(name),
+        name,
+        identity_of(text),
+        Capabilities(),
+        fmi,
+        platforms,
+        page(composition, name),
+        tuple(dict.fromkeys(part.unit.unit for part in composition.parts)),
     )
-    return {**files, COMPOSITION: composition.token(stamp()).encode()}
+    return written({**files, COMPOSITION: text.encode(), **(extra or {})}, destination, name)

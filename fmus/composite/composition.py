@@ -8,7 +8,7 @@ from functools import cached_property
 from typing import Any
 
 from ..catalogue import sized_unit
-from ..native.build.layout import bits, digest, identity_of, start_entries, token
+from ..native.build.layout import bits, signed, start_entries, token
 from ..unit import SizedUnit, Unit, alternatives
 from ..variables import Layout, Variable, started
 from .variables import CompositeSizes, variables
@@ -121,6 +121,8 @@ class Composition:
             mounted = part is not self.parts[0] and part.model != "Motor"
             if mounted and not 1 <= part.plane <= planes:
                 raise ValueError(f"{part.name}: plane = {part.plane}: must be 1 to {planes}")
+            if not mounted and (part.plane or part.exchanges_force):
+                raise ValueError(f"{part.name}: rotor and motor have plane 0 and exchange no force")
 
     @property
     def sizes(self) -> CompositeSizes:
@@ -181,9 +183,4 @@ class Composition:
         own = self.layout
         first = own.index["coupling.tolerance"]
         given = [f"{own.index[k] - first}:{bits(v)}" for k, v in self.start.items()]
-        text = ";".join(["Composite", *entries, f"own={','.join(given)}", "id="])
-        return f"{text}{digest(own, text)}-{stamp}"
-
-    def identity(self, stamp: str) -> str:
-        """GUID or instantiation token of the FMU, which has the text among its resources."""
-        return identity_of(self.token(stamp))
+        return signed(";".join(["Composite", *entries, f"own={','.join(given)}", "id="]), stamp)

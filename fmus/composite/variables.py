@@ -55,14 +55,6 @@ def own_variables(sizes: CompositeSizes) -> list[Variable]:
             minimum=0.0,
         ),
         parameter(
-            "coupling.fewest_steps_per_rev",
-            8.0,
-            "1",
-            "Fewest steps of the coupling in the fastest revolution, with a tolerance",
-            minimum=0.0,
-            above=True,
-        ),
-        parameter(
             "coupling.top_speed",
             0.0,
             "rad/s",

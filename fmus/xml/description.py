@@ -21,6 +21,7 @@ _INITIAL = {
     "input": {},
     "output": {"initial": "calculated"},
     "local": {"initial": "calculated"},
+    "independent": {},
 }
 _PER_SECOND = {"m": "m/s", "m/s": "m/s2", "rad": "rad/s", "rad/s": "rad/s2"}
 
@@ -144,14 +145,6 @@ def options_in(root: Element) -> dict[str, Any]:
     if built is None:
         return {}
     return {key: int(v) if v.isdecimal() else v for key, v in built.attrib.items()}
-
-
-def about_in(root: Element) -> dict[str, Any]:
-    """What `SizedUnit.started` has been told, as a model description of either version says it."""
-    run = root.find("DefaultExperiment")
-    assert run is not None  # every description of `build` has it
-    times = {"stop": "stopTime", "step": "stepSize"}.items()
-    return {"summary": root.get("description", "")} | {k: float(run.attrib[n]) for k, n in times}
 
 
 def text_of(root: Element) -> bytes:

@@ -9,12 +9,12 @@ from __future__ import annotations
 from xml.etree.ElementTree import Element, SubElement
 
 from ..unit import SizedUnit
-from ..variables import Layout
+from ..variables import Layout, Variable
 from . import description as common
 from .description import Capabilities, flag
 from .types import type_attributes, type_names, unit_definitions
 
-TIME = "time"
+_TIME = Variable("time", "independent", "s", None, "Simulation time", quantity="Time")
 _UNKNOWN = {
     "Output": ("output",),
     "ContinuousStateDerivative": ("local",),
@@ -27,7 +27,7 @@ def value_references(layout: Layout) -> dict[str, int]:
     reals = len(layout.reals)
     references = dict(layout.index)
     references.update((name, reals + k) for name, k in layout.boolean_index.items())
-    references[TIME] = len(references)
+    references[_TIME.name] = len(references)
     return references
 
 
@@ -64,7 +64,7 @@ def model_description(
             "hasEventMode": "false",
         },
     )
-    types = sorted({*type_names((*unit.layout.reals, *rates.values())), "Time"})
+    types = type_names((_TIME, *unit.layout.reals, *rates.values()))
     unit_definitions(root, types)
     definitions = SubElement(root, "TypeDefinitions")
     for kind in types:
@@ -75,9 +75,8 @@ def model_description(
         k: str(v) for k, v in value_references(unit.layout).items() if k not in unit.hidden
     }
     references |= {v.name: k for k, v in rates.items()}
-    shown = (*unit.shown, *rates.values())
+    shown = (_TIME, *unit.shown, *rates.values())
     variables = SubElement(root, "ModelVariables")
-    _time(variables, references[TIME])
     for v in shown:
         about = common.scalar(v, unit.label(v.name), references[v.name])
         about |= common.value(v, references)
@@ -91,19 +90,3 @@ def model_description(
     annotation = SubElement(SubElement(root, "Annotations"), "Annotation", {"type": "autobalancer"})
     common.built(annotation, unit)
     return common.text_of(root)
-
-
-def _time(parent: Element, reference: str) -> None:
-    SubElement(
-        parent,
-        "Float64",
-        {
-            "name": TIME,
-            "valueReference": reference,
-            "description": "Simulation time",
-            "causality": "independent",
-            "variability": "continuous",
-            "declaredType": "Time",
-            "unit": "s",
-        },
-    )

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ...models.constants import (
+    FEWEST_CHOSEN,
     FIRST_CHANGE,
     FORCE_ROUNDING,
     KINK_STEP,
@@ -31,7 +32,7 @@ from .recorder import REPORTED, Recorder
 from .resolution import Resolution
 from .runtime import runtime
 from .scales import largest_force
-from .schedule import FEWEST_CHOSEN, brief_step, end_time, milestones, schedule, step_size
+from .schedule import brief_step, end_time, milestones, schedule, step_size
 from .schemes import Scheme, choose
 from .simulation import Repeated, refuse_loose_tolerance
 from .system import System

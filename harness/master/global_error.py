@@ -23,14 +23,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ...models.constants import BEYOND_LONGEST_STEP
+from ...models.constants import BEYOND_LONGEST_STEP, FEWEST_CHOSEN
 from ..errors import SimulationError
 from ..scene import Scene
 from .names import kin, stations
 from .plan import MOTOR
 from .recorder import Recorder, Signal
 from .scales import least_motion
-from .schedule import FEWEST_CHOSEN, SLIVER, step_size
+from .schedule import SLIVER, step_size
 from .simulation import Repeated, Simulation
 
 if TYPE_CHECKING:

@@ -14,7 +14,7 @@ from ..errors import SceneError
 from ..scene import Scene
 from .plan import ROTOR, plan
 from .runtime import runtime
-from .schedule import FEWEST_CHOSEN, as_run, end_time, step_size
+from .schedule import as_run, end_time, step_size
 from .summary import BALANCED, vibration_alone
 
 
@@ -41,7 +41,6 @@ def composition(scene: Scene, order: int | None = None) -> Composition:
     start = {
         "coupling.tolerance": coupling.tolerance or 0.0,
         "coupling.steps_per_rev": float(coupling.steps_per_rev or 0),
-        "coupling.fewest_steps_per_rev": float(FEWEST_CHOSEN),
         **drive(scene),
     }
     parts = [

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from ...fmus.composite.run import Run, RunFailed, Stretch
 from ...fmus.variables import Variable
-from ...models.constants import RESIDUAL_SHARE
+from ...models.constants import FEWEST_CHOSEN, RESIDUAL_SHARE
 from ..errors import LoopError, SimulationError
 from ..scene import Scene
 from .facts import Facts, advice, exchanging
@@ -26,7 +26,6 @@ from .names import readable
 from .one_file import composition_in_c, model_name
 from .recorder import Recorder, Signal
 from .schedule import (
-    FEWEST_CHOSEN,
     as_run,
     end_time,
     meets_events,

@@ -15,9 +15,6 @@ from ..scene import Scene
 from ..scene.run import UNCORRECTED
 from .runtime import runtime
 
-# steps a revolution with a tolerance, until all rests in the rotor: fewer would not show one in a
-# record
-FEWEST_CHOSEN = 8
 SLIVER = 1e-12  # of a time: rounding, not a step
 # tolerance from which on quintic signals cost less than cubic ones, at a constant speed; and in a
 # run-up, where the rotor's own step is the larger part

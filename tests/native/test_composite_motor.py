@@ -28,43 +28,11 @@ DOCUMENT = {
     "run": {"revolutions": 6.0},
 }  # fmt: skip
 RECORD = ["rotor.x", "rotor.y", "rotor.angle", "motor.speed", "motor.angle", "motor.power"]
-LINE = [[0.0, 1.0], [200.0, 0.0]]
 CORNERS = {
     "operation.motor.table": [[0.0, 1.0], [30.0, 4.0], [160.0, 0.0], [200.0, -2.0]],
     "operation.motor.stall_torque": None,
     "operation.motor.no_load_speed": None,
 }
-
-
-CASES = {
-    "points": {},
-    "of finite size": {"balls.weight_radius": 0.005},
-    "rollers": {"balls.kind": "rollers"},
-    "gravity": {"operation.gravity": 9.81},
-    "friction": {"rotor.friction": [{"limit": 2.0}], "operation.gravity": 9.81},
-    "table": {"operation.motor.table": LINE, "operation.motor.stall_torque": None,
-              "operation.motor.no_load_speed": None},
-    "rolling resistance": {"balls.rolling_resistance": 0.05},
-    "from standstill": {"operation.motor.from": None},
-    "faster than without load": {"operation.motor.from": 300.0},
-    "heavy drag": {"balls.drag": 200.0, "balls.speeds": [30.0, -20.0]},
-    "a strong loop": {"balls.mass": 2.0, "operation.motor.inertia": 0.05},
-}  # fmt: skip
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("case", CASES)
-def test_it_moves_as_the_harness_couples_the_units(hosted, case):
-    scene = Scene.from_document(DOCUMENT).replace(CASES[case])
-    expected = cosimulate(scene, record=[*RECORD, "balls.weight[1].angle", "balls.torque"])
-    host = hosted(scene)
-    names = list(expected.signals)
-    found = host.driven(expected.time, names)
-    for k, signal in enumerate(names):
-        size = max(np.ptp(expected[signal]), 1e-3 * np.abs(expected[signal]).max())
-        assert np.abs(found[:, k] - expected[signal]).max() <= RANGE * size, signal
-    assert host.get("coupling.steps") == [expected.steps]
-    assert host.get("rotor.speed") == host.get("motor.speed")
 
 
 def test_a_step_ends_at_a_corner_of_the_characteristic(hosted):

@@ -19,6 +19,7 @@ from pathlib import Path
 import pytest
 
 from autobalancer.fmus.native.build.compile import SOURCES, libraries, stamp
+from autobalancer.fmus.native.build.layout import bits
 from autobalancer.harness import load_scene
 from autobalancer.harness.master.one_file import composition
 
@@ -169,7 +170,7 @@ def outcome(hosts, request):
             library = "Z:" + library.replace("/", "\\")
         done = subprocess.run(
             [*machine.command, str(hosts(machine.platform))],
-            input="\n".join([f"open {library}", *orders, ""]).encode(),
+            input="\n".join([library, *orders, ""]).encode(),
             stdout=subprocess.PIPE,
             env=environment,
             timeout=300,
@@ -184,15 +185,13 @@ def outcome(hosts, request):
 # --- orders -----------------------------------------------------------------------------------
 
 
-def _bits(value: float) -> str:
-    return struct.pack(">d", value).hex()
-
-
-SCENES = ["two_balls", "goncharov_balls", "three_mass_shaft", "drum", "balls_and_liquid", "run_up"]
-
-
-@pytest.mark.parametrize("changes", [{}, {"tolerance": 1e-6}], ids=["fixed steps", "tolerance"])
-@pytest.mark.parametrize("scene", SCENES)
+@pytest.mark.parametrize(
+    ("scene", "changes"),
+    [
+        *((scene, {}) for scene in ("goncharov_balls", "drum", "run_up")),
+        *((scene, {"tolerance": 1e-6}) for scene in ("three_mass_shaft", "balls_and_liquid")),
+    ],
+)
 @pytest.mark.parametrize("machine", [name for name in MACHINES if name != "glibc"])
 def test_a_composite_has_the_bits_it_has_on_glibc(machine, scene, changes, outcome):
     """Read between the ends of its steps; everything moves, nothing is lost."""
@@ -217,9 +216,6 @@ def composite(scene: str, changes: dict[str, float]) -> list[str]:
     made = composition(loaded)
     reals = made.described("Composite").layout.reals
     outputs = [i for i, v in enumerate(reals) if v.causality == "output"]
-    lines = [f"new 0 {made.token(stamp())}", "init 0"]
     length = 2.0 * math.pi / (7.3 * max(loaded.profile().start, loaded.profile().end))
-    for k in range(STEPS):
-        lines.append(f"to 0 {_bits(k * length)} {_bits(length)}")
-        lines.append(f"show 0 {outputs[0]} {len(outputs)}")
-    return [*lines, "free 0"]
+    steps = [f"{bits(k * length)} {bits(length)}" for k in range(STEPS)]
+    return [made.token(stamp()), f"{outputs[0]} {len(outputs)}", *steps]

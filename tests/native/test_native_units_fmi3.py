@@ -139,7 +139,7 @@ def test_other_interfaces_and_types_are_refused(fmus, host):
         values = (ctypes.c_double * 1)()
         before = len(rotor.messages)
         assert function(component, array, 1, values, 1) == 3
-        assert "the unit has variables of Float64 and Boolean only" in rotor.messages[before]
+        assert "the unit has Reals and Booleans only" in rotor.messages[before]
     one = Host3(fmus, ROTOR)
     with pytest.raises(Exception, match="nstantiat"):
         one.instantiate(eventModeUsed=True)

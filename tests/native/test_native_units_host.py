@@ -29,7 +29,16 @@ COMPOSITES = ["two_balls", "balls_and_liquid", "goncharov_balls", "finite_weight
 def compiled(folder: Path, *flags: str, counting: str = "counting.c") -> Path:
     host = folder / "host"
     sources = [str(HOST / "host.c"), str(HOST / counting)]
-    base = ["cc", "-D_GNU_SOURCE", "-std=c99", "-O1", "-g", "-Wall", "-Wextra"]
+    base = [
+        "cc",
+        "-D_GNU_SOURCE",
+        "-std=c99",
+        "-O1",
+        "-g",
+        "-Wall",
+        "-Wextra",
+        "-Wno-unused-parameter",
+    ]
     libraries = ["-o", str(host), "-ldl", "-lpthread", "-lm"]
     subprocess.run([*base, f"-I{SOURCES}", "-rdynamic", *flags, *sources, *libraries], check=True)
     return host

@@ -9,7 +9,6 @@ from __future__ import annotations
 import sys
 from pathlib import Path
 from types import ModuleType
-from zipfile import ZIP_DEFLATED, ZipFile
 
 from setuptools import build_meta
 from setuptools.build_meta import *  # noqa: F403
@@ -40,24 +39,13 @@ def get_requires_for_build_editable(config_settings=None) -> list[str]:
 def build_wheel(wheel_directory, config_settings=None, metadata_directory=None) -> str:
     native.libraries()
     native.page_library()
-    name = build_meta.build_wheel(wheel_directory, config_settings, metadata_directory)
-    _pack(Path(wheel_directory, name))
-    return name
+    return build_meta.build_wheel(wheel_directory, config_settings, metadata_directory)
 
 
 def build_editable(wheel_directory, config_settings=None, metadata_directory=None) -> str:
     native.libraries()
     native.page_library()
     return build_meta.build_editable(wheel_directory, config_settings, metadata_directory)
-
-
-def _pack(wheel: Path) -> None:
-    """Compress what setuptools has written as well as a zip can."""
-    with ZipFile(wheel) as archive:
-        files = [(entry, archive.read(entry)) for entry in archive.infolist()]
-    with ZipFile(wheel, "w", ZIP_DEFLATED) as archive:
-        for entry, data in files:
-            archive.writestr(entry, data, compresslevel=9)
 
 
 def _needed() -> list[str]:

@@ -1,17 +1,16 @@
-"""The units' declarations for the C units: `layout.h`, and the token that names a unit's layout.
+"""The units' declarations for the C units: `layout.h`, and the token of a unit and its sizes.
 
 The variables of a unit of any size follow from those of a few sizes: names that differ in their
-index alone make a block, which C repeats.  The sizes that are looked at are different primes, so
-that how often a block stands there says what repeats it.  What a start value depends on is left to
-C (`starts` of each unit); the digest in the token compares the outcome with the declarations here.
+index alone make a block, which C repeats.  What a start value depends on is left to C (`starts` of
+each unit).
 """
 
 from __future__ import annotations
 
 import re
 import struct
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -23,18 +22,22 @@ from ...unit import SizedUnit
 from ...variables import Layout, Variable
 from ...xml.archive import source
 
-_STATIONS, _PLANES, _UNBALANCES, _WEIGHTS, _SLIDERS, _POINTS = 5, 3, 7, 11, 13, 17
+# what a variable stands once for each of, by the word before its index
 _REPEATS = {
-    _STATIONS: "SIZE_STATIONS",
-    _PLANES: "SIZE_PLANES",
-    _UNBALANCES: "SIZE_UNBALANCES",
-    _WEIGHTS: "SIZE_WEIGHTS",
-    _SLIDERS: "SIZE_SLIDERS",
-    _POINTS: "SIZE_POINTS",
-    2: "SIZE_TWO",
+    "station": "SIZE_STATIONS",
+    "support": "SIZE_TWO",
+    "plane": "SIZE_PLANES",
+    "unbalance": "SIZE_UNBALANCES",
+    "unbalance_change": "SIZE_UNBALANCES",
+    "weight": "SIZE_WEIGHTS",
+    "slider": "SIZE_SLIDERS",
+    "point": "SIZE_POINTS",
+    "corner": "SIZE_POINTS",
+    "compliance": "SIZE_TRIANGLE",
 }
-_PLANAR = {"planes": _PLANES, "sliders": _SLIDERS, "stations": 1}
-_ROTOR = {**_PLANAR, "stations": _STATIONS, "unbalances": _UNBALANCES}
+_SEVERAL = 3  # of everything, so that a block is seen to repeat
+_PLANAR = {"planes": _SEVERAL, "sliders": _SEVERAL, "stations": 1}
+_ROTOR = {**_PLANAR, "stations": 5, "unbalances": _SEVERAL}
 
 _CUBIC: tuple[tuple[str, dict[str, Any]], ...] = (
     ("RotorOnSupports", {**_PLANAR, "kind": "planar"}),
@@ -42,20 +45,18 @@ _CUBIC: tuple[tuple[str, dict[str, Any]], ...] = (
     ("RotorOnSupports", {**_ROTOR, "kind": "flexible", "shaft": "uniform"}),
     ("RotorOnSupports", {**_ROTOR, "kind": "flexible", "shaft": "compliance"}),
     ("LiquidBalancer", {}),
-    ("BallBalancer", {"weights": _WEIGHTS, "unequal": 1}),
+    ("BallBalancer", {"weights": _SEVERAL, "unequal": 1}),
 )
 # what the C library holds: unit, and options of the sizes looked at
 TABLES = (
     *_CUBIC,
     *((unit, {**options, "order": 5, "sliders": 0}) for unit, options in _CUBIC),
-    ("Motor", {"points": _POINTS}),
-    ("Composite", {"planes": _PLANES, "corners": _POINTS, "unbalances": _UNBALANCES}),
-    ("Composite", {"planes": _PLANES, "kind": "motor"}),
+    ("Motor", {"points": _SEVERAL}),
+    ("Composite", {"planes": _SEVERAL, "corners": _SEVERAL, "unbalances": _SEVERAL}),
+    ("Composite", {"planes": _SEVERAL, "kind": "motor"}),
 )
 
 _INDEX = re.compile(r"(?<=[\[,])\d+(?=[\],])")
-# starts computed from others, whose last digit depends on the machine's linear algebra
-_COMPUTED = "compliance["
 # starts that depend on index or size: C computes them
 _STARTS_IN_C = (
     "station[#].z",
@@ -74,11 +75,10 @@ _FNV_START, _FNV_PRIME = 0xCBF29CE484222325, 0x100000001B3
 
 @dataclass
 class _Block:
-    """Variables that stand once for each of what repeats them."""
+    """A group of variables that C repeats: once for each station, for example."""
 
     repeat: str
-    patterns: list[str]
-    variables: list[list[Any]]  # of each pattern, those that show it
+    variables: dict[str, list[Variable]] = field(default_factory=dict)  # that have a pattern
 
 
 @cache
@@ -98,9 +98,9 @@ def header() -> str:
         order = options.get("order", 3)
         title = "_".join(filter(None, (unit.lower(), kind, shaft, "quintic" * (order == 5))))
         blocks = _blocks(unit, options)
-        rows = [_row(*row) for b in blocks for row in zip(b.patterns, b.variables, strict=True)]
+        rows = [_row(*row) for b in blocks for row in b.variables.items()]
         parts.append(f"static const Declared {title}[] = {{\n    " + ",\n    ".join(rows) + "};")
-        counts = ", ".join(f"{{{b.repeat}, {len(b.patterns)}}}" for b in blocks)
+        counts = ", ".join(f"{{{b.repeat}, {len(b.variables)}}}" for b in blocks)
         parts.append(f"static const Block {title}_blocks[] = {{{counts}}};")
         flags = _layout(unit, frame="rotor", **options).booleans
         booleans = [f'{{"{v.name}", {int(bool(v.start))}}}' for v in flags]
@@ -133,8 +133,13 @@ def token(unit: SizedUnit, stamp: str) -> str:
         unit: with its sizes.
         stamp: of the C sources.
     """
-    words = [unit.name, *(f"{key}={value}" for key, value in unit.options.items())]
-    return "/".join([*words, f"{digest(unit.layout)}-{stamp}"])
+    words = [unit.name, *(f"{key}={value}" for key, value in unit.options.items()), ""]
+    return signed("/".join(words), stamp)
+
+
+def signed(text: str, stamp: str) -> str:
+    """A text with its digest and the stamp of the C sources behind, which the library compares."""
+    return f"{text}{hashed(text)}-{stamp}"
 
 
 def start_entries(layout: Layout, start: Mapping[str, float | bool], end: int) -> list[str]:
@@ -148,26 +153,9 @@ def start_entries(layout: Layout, start: Mapping[str, float | bool], end: int) -
     return [f"{key}={','.join(v)}" for key, v in (("start", values), ("flags", flags)) if v]
 
 
-def start_values(layout: Layout, text: str) -> dict[str, float | bool]:
-    """What a token's text says by `start_entries`."""
-    entries = dict(entry.split("=", 1) for entry in text.split(";")[1:])
-    start: dict[str, float | bool] = {}
-    for pair in filter(None, entries.get("start", "").split(",")):
-        reference, value = pair.split(":")
-        start[layout.reals[int(reference)].name] = struct.unpack(">d", bytes.fromhex(value))[0]
-    for flag in filter(None, entries.get("flags", "").split(",")):
-        start[layout.booleans[int(flag)].name] = True
-    return start
-
-
 def identity_of(text: str) -> str:
     """GUID or instantiation token of an FMU that has the text among its resources."""
     return f"{re.split('[/;]', text, maxsplit=1)[0]}/{hashed(text)}"
-
-
-def digest(layout: Layout, text: str = "") -> str:
-    """FNV-1a of all names, units, start values and limits, and of a text: 16 hexadecimal digits."""
-    return hashed("".join([*_described(layout), text]))
 
 
 def hashed(text: str) -> str:
@@ -176,16 +164,6 @@ def hashed(text: str) -> str:
     for byte in text.encode("ascii"):
         total = (total ^ byte) * _FNV_PRIME & 0xFFFFFFFFFFFFFFFF
     return f"{total:016x}"
-
-
-def _described(layout: Layout) -> Iterator[str]:
-    """A line a variable, as variables.c writes it."""
-    for v in layout.reals:
-        start = "~" if _COMPUTED in v.name else bits(0.0 if v.start is None else v.start)
-        low = "-" if v.minimum is None else bits(v.minimum) + "+" * v.above
-        yield f"{_group(v)} {v.name} {v.unit} {start} {low}\n"
-    for v in layout.booleans:
-        yield f"b {v.name} {int(bool(v.start))}\n"
 
 
 def bits(value: float) -> str:
@@ -208,66 +186,28 @@ def _layout(unit: str, **options: Any) -> Layout:
 def _blocks(unit: str, options: dict[str, Any]) -> list[_Block]:
     """Variables of a unit in order, those that repeat together in one block."""
     turning, fixed = (_layout(unit, frame=frame, **options).reals for frame in ("rotor", "fixed"))
-    patterns = [_without_axis(a.name, b.name) for a, b in zip(turning, fixed, strict=True)]
     left_out = ("sliders", "unequal")
     smooth = _layout(unit, frame="rotor", **{k: v for k, v in options.items() if k not in left_out})
     blocks: list[_Block] = []
-    i = 0
-    while i < len(patterns):
-        length, repeats = _repetition(patterns, i)
-        size = length * repeats
-        found = turning[i : i + size]
-        if len(_INDEX.findall(patterns[i])) == 2:
-            block = _Block("SIZE_TRIANGLE", [_shared(patterns[i])], [list(found)])
-        elif repeats > 1:
-            shown = [_shared(pattern) for pattern in patterns[i : i + length]]
-            repeat = _REPEATS[repeats]
-            if repeat == "SIZE_WEIGHTS" and found[0].name not in smooth.index:
-                repeat = "SIZE_UNEQUAL"
-            block = _Block(repeat, shown, [list(found[k::length]) for k in range(length)])
-        else:
-            repeat = "SIZE_ONE" if found[0].name in smooth.index else "SIZE_SLIDING"
-            block = _Block(repeat, patterns[i : i + size], [[v] for v in found])
-            if blocks and blocks[-1].repeat == repeat:
-                blocks[-1].patterns += block.patterns
-                blocks[-1].variables += block.variables
-                block = blocks.pop()
-        blocks.append(block)
-        i += size
+    index = 1  # of the variable before
+    for v, other in zip(turning, fixed, strict=True):
+        pattern = _INDEX.sub("#", _without_axis(v.name, other.name))
+        if not blocks or pattern not in blocks[-1].variables:
+            repeat = _repeat(pattern, v.name in smooth.index)
+            if not blocks or blocks[-1].repeat != repeat or index > 1:
+                blocks.append(_Block(repeat))
+        blocks[-1].variables.setdefault(pattern, []).append(v)
+        index = max(map(int, _INDEX.findall(v.name)), default=1)
     return blocks
 
 
-def _repetition(patterns: Sequence[str], i: int) -> tuple[int, int]:
-    """Length of the block that begins at i, and how often it stands there."""
-    first = _INDEX.findall(patterns[i])
-    if not first:
-        return 1, 1
-    shape = _shared(patterns[i])
-    if len(first) == 2:
-        run = i
-        while run < len(patterns) and _shared(patterns[run]) == shape:
-            run += 1
-        return 1, run - i
-    length = 1
-    while i + length < len(patterns) and _shared(patterns[i + length]) != shape:
-        length += 1
-    block = [_shared(pattern) for pattern in patterns[i : i + length]]
-    repeats = 0
-    while True:
-        at = i + repeats * length
-        numbers = {n for p in patterns[at : at + length] for n in _INDEX.findall(p)}
-        same = [_shared(pattern) for pattern in patterns[at : at + length]] == block
-        if not same or numbers != {str(repeats + 1)}:
-            break
-        repeats += 1
-    if repeats != 1 and repeats not in _REPEATS:
-        raise ValueError(f"{patterns[i]}: C cannot repeat a block of {repeats}")
-    return length, repeats
-
-
-def _shared(pattern: str) -> str:
-    """A name with # for its indices."""
-    return _INDEX.sub("#", pattern)
+def _repeat(pattern: str, always: bool) -> str:
+    """What a variable is repeated by; `always`: it also stands there without options."""
+    word = re.search(r"(\w+)\[#", pattern)
+    if not word:
+        return "SIZE_ONE" if always else "SIZE_SLIDING"
+    repeat = _REPEATS[word[1]]
+    return "SIZE_UNEQUAL" if repeat == "SIZE_WEIGHTS" and not always else repeat
 
 
 def _without_axis(turning: str, fixed: str) -> str:
@@ -280,7 +220,7 @@ def _without_axis(turning: str, fixed: str) -> str:
     raise ValueError(f"{turning} and {fixed}: C knows the axes xi, eta and x, y")
 
 
-def _row(pattern: str, variables: Sequence[Any]) -> str:
+def _row(pattern: str, variables: Sequence[Variable]) -> str:
     """Initialiser of a `Declared`."""
     one = variables[0]
     if any((v.unit, v.minimum, v.above) != (one.unit, one.minimum, one.above) for v in variables):

@@ -1,34 +1,27 @@
-"""Native part of an FMU: libraries for all platforms, the C sources, and the token they ask for."""
+"""Native part of an FMU: libraries for all platforms, and the C sources."""
 
 from __future__ import annotations
 
 import struct
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from xml.etree.ElementTree import Element, SubElement, indent, tostring
 
-from .compile import PLATFORMS, SOURCE, libraries, one_source, stamp
+from .compile import PLATFORMS, SOURCE, libraries, one_source
 
 # FMI 2.0.5, 2.3: names of its own for x86, else those of FMI 3.0
 _FMI2 = {"x86_64-linux": "linux64", "x86_64-windows": "win64", "x86_64-darwin": "darwin64"}
 _SUFFIXES = (("linux", ".so"), ("darwin", ".dylib"), ("win", ".dll"))  # "darwin" ends in "win"
 _PAGE = 14  # of arm64, as a power of two
+_UNIVERSAL = 0xCAFEBABE
 
 
 def native_files(
-    identify: Callable[[str], str],
-    identifier: str,
-    describe: Callable[[str, Sequence[str]], bytes],
-    *,
-    platforms: Iterable[str] = PLATFORMS,
-    fmi: int = 2,
+    identifier: str, *, platforms: Iterable[str] = PLATFORMS, fmi: int = 2
 ) -> dict[str, bytes]:
-    """Files of a native FMU by their names in it, all but the documentation.
+    """Libraries and C sources of a native FMU by their names in it.
 
     Args:
-        identify: the token, from the stamp of the sources.
         identifier: model identifier.
-        describe: writes modelDescription.xml; called with the token (GUID or instantiation token)
-            and the names of the C files in sources/.
         platforms: names out of PLATFORMS.
         fmi: version, 2 | 3.
 
@@ -43,7 +36,6 @@ def native_files(
     files[f"sources/{SOURCE}"] = one_source().encode()
     if fmi == 3:
         files["sources/buildDescription.xml"] = _build_description(identifier)
-    files["modelDescription.xml"] = describe(identify(stamp()), [SOURCE])
     return files
 
 
@@ -63,24 +55,9 @@ def _fmi2_folders(made: dict[str, bytes]) -> dict[str, bytes]:
     return folders
 
 
-def platforms_of(files: Mapping[str, bytes]) -> tuple[str, ...]:
-    """Platforms that an FMU of FMI 2.0 was written for, by its files."""
-    made = {n.split("/")[1]: data for n, data in files.items() if n.startswith("binaries/")}
-    return tuple(name for name in PLATFORMS if _is_there(name, made))
-
-
-def _is_there(platform: str, made: Mapping[str, bytes]) -> bool:
-    """Whether a folder holds a platform's library, and not that of arm64 standing in for it."""
-    folder = _FMI2.get(platform, platform)
-    arm = platform.replace("x86_64", "aarch64")
-    if folder == platform or folder not in made or arm not in made:
-        return folder in made
-    return made[folder] != _fmi2_folders({arm: made[arm]})[folder]
-
-
 def universal(libraries: Sequence[bytes]) -> bytes:
     """One macOS library of several, each for another processor: header, then each on its page."""
-    header = struct.pack(">II", 0xCAFEBABE, len(libraries))
+    header = struct.pack(">II", _UNIVERSAL, len(libraries))
     body = b""
     start = 1 << _PAGE
     for library in libraries:
@@ -89,6 +66,11 @@ def universal(libraries: Sequence[bytes]) -> bytes:
         header += struct.pack(">IIIII", *processor, start + len(body), len(library), _PAGE)
         body += library
     return header.ljust(start, b"\0") + body
+
+
+def holds_universal(data: bytes, library: bytes) -> bool:
+    """Whether this is a universal library with that one in it."""
+    return data.startswith(struct.pack(">I", _UNIVERSAL)) and library in data
 
 
 def _build_description(identifier: str) -> bytes:

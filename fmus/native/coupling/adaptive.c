@@ -23,7 +23,6 @@
 #include "base/elementary.h"
 #include "constants.h"
 #include "coupling/composite.h"
-#include "units/rotor.h"
 
 static const double LOCAL_SHARE = 0.2, AIM = 0.5, SLOWEST = 1e3;
 enum { RUNGS = 4, FIRST_RUNG = 24, MINUTE = 80, LOWEST = 160, HOPELESS = 40, RESTED = 4 };
@@ -150,21 +149,16 @@ static double length_of(int rung, double longest)
 static int refuse_step(Unit *unit, double step, double error, double residual)
 {
     Composite *c = unit->own;
-    Text *reason = unit_reason(unit);
     c->loop_failed = 1;
-    text_put_rounded(reason, "tolerance ", c->course->adaptive.allowed, 6);
-    text_put(reason, " cannot be met");
-    composite_put_time(reason, c->course->clock.time);
-    text_put_rounded(reason, ": steps of ", step, 3);
-    text_put_rounded(reason, " s still err by ", error, 3);
-    text_put_rounded(reason, ", loop residual ", residual, 3);
-    return 1;
+    return unit_fail(unit, "tolerance %6 cannot be met at t = %6 s: steps of %3 s still err by %3, "
+                     "loop residual %3", c->course->adaptive.allowed, c->course->clock.time, step,
+                     error, residual);
 }
 
 int adaptive_step(Unit *unit, double longest)
 {
     Composite *c = unit->own;
-    const int jumps = ((const Rotor *)c->parts->unit->own)->slider_count > 0;
+    const int jumps = composite_rotor(c)->slider_count > 0;
     Course *course = c->course;
     const Pacing *pacing = &c->pacing;
     const double allowed = (pacing->share > 0.0 ? pacing->share : LOCAL_SHARE) * course->adaptive.allowed;

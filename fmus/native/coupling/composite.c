@@ -5,7 +5,6 @@
 
 #include "base/elementary.h"
 #include "constants.h"
-#include "units/rotor.h"
 
 /* Parts of a step and of a time: within them a point of the host is the end of a step; and of the
    speed: what differs less is no jump. */
@@ -87,7 +86,7 @@ static int composite_allocate(Unit *unit)
     c->square = unit_allocate(unit, square, sizeof(double));
     c->wide = unit_allocate(unit, o * o * e * p, sizeof(double));
     c->work = unit_allocate(unit, 2 * square, sizeof(double));
-    c->masses = unit_allocate(unit, 2 * (size_t)c->parts->unit->layout.sizes.planes, sizeof(double));
+    c->masses = unit_allocate(unit, (size_t)c->parts->unit->layout.sizes.planes, sizeof(double));
     c->decay = unit_allocate(unit, 32 * stations * stations, sizeof(double));
     for (k = 0; k < (size_t)c->part_count; k++) {
         c->real_count += c->parts[k].unit->layout.real_count;
@@ -98,12 +97,6 @@ static int composite_allocate(Unit *unit)
 }
 
 /* -- the start ------------------------------------------------------------------------------- */
-
-static int refuse_coupling(Unit *unit, const char *why)
-{
-    text_put(unit_reason(unit), why);
-    return 1;
-}
 
 /* Let the one of tolerance and steps count that a host has set; the other is 0 then, which is what a
    host reads. */
@@ -152,18 +145,18 @@ static int composite_parameters(Unit *unit)
     choose_given(unit);
     steps = unit->real[c->steps_per_rev];
     if ((unit->real[c->tolerance] > 0.0) == (steps > 0.0)) {
-        return refuse_coupling(unit, "coupling.tolerance, coupling.steps_per_rev: one must be above 0; set "
-                            "only that one");
+        return unit_fail(unit, "coupling.tolerance, coupling.steps_per_rev: one must be above 0; "
+                         "set only that one");
     }
     if (steps > 0.0 && !(steps >= FEWEST_STEPS)) {
-        return refuse_coupling(unit, "coupling.steps_per_rev: must be 0 (not used) or at least 4");
+        return unit_fail(unit, "coupling.steps_per_rev: must be 0 (not used) or at least 4");
     }
     if (unit->real[c->tolerance] > LOOSEST) {
-        return refuse_coupling(unit, "coupling.tolerance: must be at most 0.1");
+        return unit_fail(unit, "coupling.tolerance: must be at most 0.1");
     }
     if (unit->real[c->tolerance] > 0.0 && c->scheme == SCHEME_COMPENSATED) {
-        return refuse_coupling(unit, "coupling.tolerance: the file was built with scheme = \"compensated\", "
-                            "which keeps none; set coupling.steps_per_rev");
+        return unit_fail(unit, "coupling.tolerance: the file was built with scheme = "
+                         "\"compensated\", which keeps none; set coupling.steps_per_rev");
     }
     for (k = 0; k < c->part_count; k++) {
         Part *part = c->parts + k;
@@ -268,7 +261,7 @@ static int await_change(Unit *unit)
     DriveSignal *drive = &c->course->drive;
     const size_t behind = (size_t)drive->changed;
     const double *change = unit->real + c->changes + OF_CHANGE * behind;
-    const int most = ((const Rotor *)c->parts->unit->own)->unbalances;
+    const int most = composite_rotor(c)->unbalances;
     const double before = drive->next_change;
     drive->next_change = 0.0;
     if (behind == c->change_count || !(change[0] > 0.0)) {
@@ -276,10 +269,12 @@ static int await_change(Unit *unit)
     }
     drive->next_change = drive->began + change[0];
     if (drive->next_change < before) {
-        return refuse_coupling(unit, "unbalance_change[k].time: must not fall; 0 s: not used, nor those behind");
+        return unit_fail(unit, "unbalance_change[k].time: must not fall; 0 s: not used, nor those "
+                         "behind");
     }
     if (!(change[NUMBER] >= 1.0 && change[NUMBER] <= most && change[NUMBER] == nearest(change[NUMBER]))) {
-        return refuse_coupling(unit, "unbalance_change[k].number: must be that of an unbalance of the rotor, from 1");
+        return unit_fail(unit, "unbalance_change[k].number: must be that of an unbalance of the "
+                         "rotor, from 1");
     }
     return 0;
 }
@@ -307,7 +302,8 @@ static int begin_drive(Unit *unit)
     drive->fastest = larger(drive->fastest, absolute(speed));
     for (k = 0; k < c->corner_count && corner[0] > 0.0; k++, corner += 2) {
         if (!(corner[0] > time)) {
-            return refuse_coupling(unit, "corner[k].time: must ascend, from above rise_time on; 0 s: not used, nor those behind");
+            return unit_fail(unit, "corner[k].time: must ascend, from above rise_time on; 0 s: not "
+                             "used, nor those behind");
         }
         drive->steepest = larger(drive->steepest, absolute((corner[1] - speed) / (corner[0] - time)));
         drive->fastest = larger(drive->fastest, corner[1]);
@@ -332,7 +328,8 @@ static int start(Unit *unit)
     }
     take_inputs(unit);
     if (!(course->drive.fastest > 0.0)) {
-        return refuse_coupling(unit, "coupling.top_speed: must be above 0 rad/s for a rotor that starts at rest");
+        return unit_fail(unit, "coupling.top_speed: must be above 0 rad/s for a rotor that starts "
+                         "at rest");
     }
     step = communication_length(unit);
     if (begin_parts(unit)) {
@@ -402,8 +399,8 @@ static int meet_inputs(Unit *unit)
                                absolute(drive[0] - extrapolated_speed) <= SAME_SPEED * course->drive.fastest);
     const int jumps = !same || pushed_anew(unit);
     if (rises && (drive[0] != course->drive.first_speed || drive[1] != course->drive.first_acceleration)) {
-        return refuse_coupling(unit, "speed, acceleration: the rotor speeds up by itself, as rise_time is "
-                            "above 0 s");
+        return unit_fail(unit, "speed, acceleration: the rotor speeds up by itself, as rise_time "
+                         "is above 0 s");
     }
     if (jumps || unit->exchanges || (!rises && drive[1] != 0.0)) {
         take_inputs(unit);
@@ -492,7 +489,7 @@ static int adapt(Unit *unit)
     const double longest = c->pacing.longest;
     if (!c->pacing.points) {
         return adaptive_step(unit, longest > 0.0 ? longest
-                                                 : step_of_revolution(unit, unit->real[c->fewest]));
+                                                 : step_of_revolution(unit, FEWEST_CHOSEN));
     }
     return prescribed_step(unit) || (c->course->event.striking == 0.0 && iterated_judge(unit));
 }
@@ -550,7 +547,7 @@ static int show_time(Unit *unit, double time, int end)
 {
     Composite *c = unit->own;
     Course *course = c->course;
-    Rotor *rotor = c->parts->unit->own;
+    Rotor *rotor = composite_rotor(c);
     const size_t size = c->state_count * sizeof(double);
     /* under signals that do not change they can go on from where they stand */
     const int goes_on = course->clock.within > 0.0 && course->adaptive.constant_signals > 0.0 && !end &&
@@ -574,24 +571,6 @@ static int show_time(Unit *unit, double time, int end)
     wrong = composite_move(unit, end ? course->clock.length : time - from);
     rotor->whole = 0.0;
     return wrong;
-}
-
-static int refuse_length(Unit *unit, double own)
-{
-    Text *reason = unit_reason(unit);
-    text_put_rounded(reason, "the coupling's steps of ", own, 3);
-    text_put(reason, " s are too short for it: speed, coupling.top_speed and coupling.steps_per_rev "
-                     "must leave at most 1e8 of them");
-    return 1;
-}
-
-static int refuse_work(Unit *unit, double step)
-{
-    Text *reason = unit_reason(unit);
-    text_put_rounded(reason, "a step of ", step, 6);
-    text_put(reason, " s takes too many steps of the coupling: one call may move all parts together "
-                     "1e7 times; use shorter communication steps");
-    return 1;
 }
 
 double composite_next_jump(const Composite *c)
@@ -651,7 +630,9 @@ static int reach_time(Unit *unit, double end)
             return show_time(unit, course->clock.time, 1);
         }
         if (course->total.passes > most) {
-            return refuse_work(unit, end - begin);
+            return unit_fail(unit, "a step of %6 s takes too many steps of the coupling: one call "
+                             "may move all parts together 1e7 times; use shorter communication "
+                             "steps", end - begin);
         }
         if (composite_go_on(unit)) {
             composite_put_gain(unit, &unit->reason);
@@ -668,7 +649,9 @@ static int composite_step_unit(Unit *unit, double length)
         return 1;
     }
     if (!(length < MOST_STEPS * communication_length(unit))) {
-        return refuse_length(unit, communication_length(unit));
+        return unit_fail(unit, "the coupling's steps of %3 s are too short for it: speed, "
+                         "coupling.top_speed and coupling.steps_per_rev must leave at most 1e8 of "
+                         "them", communication_length(unit));
     }
     while (composite_next_jump(c) > unit->time && composite_next_jump(c) <= end) {
         const double jump = composite_next_jump(c);
@@ -751,27 +734,10 @@ static int composite_is_torque(const Unit *unit, size_t reference)
     return 0;
 }
 
-/* -- what a composite does not offer ---------------------------------------------------------- */
-
-static size_t composite_signals(const Layout *layout, size_t *first)
-{
-    (void)layout;
-    *first = 0;
-    return 0;
-}
-
 static int composite_verdict(const Unit *unit)
 {
     const Composite *c = unit->own;
     return c->course->vibration.last > 0.0 && unit->real[c->results + VIBRATION] <= unit->real[c->limit];
-}
-
-static int composite_slope(Unit *unit, size_t reference, double *value)
-{
-    (void)unit;
-    (void)reference;
-    (void)value;
-    return 1;
 }
 
 const Equations COMPOSITE_EQUATIONS = {
@@ -779,4 +745,4 @@ const Equations COMPOSITE_EQUATIONS = {
     .parameters = composite_parameters, .begin = composite_begin, .step = composite_step_unit,
     .outputs = composite_outputs, .observe = composite_observe,
     .observe_torques = composite_observe_torques, .is_torque = composite_is_torque,
-    .signals = composite_signals, .slope = composite_slope, .verdict = composite_verdict};
+    .verdict = composite_verdict};

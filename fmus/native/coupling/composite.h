@@ -11,6 +11,8 @@
 #include "base/complex_number.h"
 #include "base/signals.h"
 #include "fmi/unit.h"
+#include "units/rotor.h"
+#include "units/weights.h"
 
 typedef enum { SCHEME_AUTO, SCHEME_ITERATED, SCHEME_COMPENSATED } Scheme;
 
@@ -183,7 +185,8 @@ typedef struct {
     int *rotor_planes;     /* (planes,) which they are of the rotor's */
     Scheme scheme;
     int corrections; /* as given */
-    size_t tolerance, steps_per_rev, fewest, top_speed, limit, rise; /* value references of the coupling's parameters, */
+    /* value references of the coupling's parameters, */
+    size_t tolerance, steps_per_rev, top_speed, limit, rise;
     size_t corner_count;                        /* of time and speed behind the last, */
     size_t changes, change_count;               /* of changes of the unbalance, */
     size_t drive, outer;                        /* of speed (no motor) and forces from outside, */
@@ -242,14 +245,15 @@ int composite_run_step(Unit *unit, double step);
 
 /* -- parts.c ----------------------------------------------------------------------------------- */
 
-/* Say in the reason when it went wrong, and the loop gain. */
-void composite_put_time(Text *reason, double time);
+/* The equations of a part: of the rotor, and of weights, NULL where it is none. */
+Rotor *composite_rotor(const Composite *c);
+Balls *part_balls(const Part *part);
+/* Add the loop gain to a reason. */
 void composite_put_gain(const Unit *unit, Text *reason);
 /* 1, with a part's reason under its name. */
 int composite_part_failed(Unit *unit, const Part *part);
-/* Names of one, and of all, that a step assumes. */
-void composite_name_force(const Composite *c, int k, Text *text);
-void composite_name_forces(const Composite *c, Text *text);
+/* Name of a signal: what a step assumes, and behind it the accelerations of the planes. */
+void composite_name_signal(const Composite *c, int k, Text *text);
 /* The reason, and 1, where a part has events, which model exchange leaves out. */
 int composite_eventful(Unit *unit);
 /* One step of a part. */

@@ -147,9 +147,8 @@ int contacts_step(Unit *unit)
     if (course->event.striking == 0.0) {
         end_event(c);
     } else if (course->event.strikes > MOST) {
-        text_put(unit_reason(unit), "weights collide or stick without end");
-        composite_put_time(&unit->reason, course->event.met);
-        return 1;
+        return unit_fail(unit, "weights collide or stick without end at t = %6 s",
+                         course->event.met);
     }
     return 0;
 }

@@ -11,7 +11,8 @@ static const char FAILED[] = "model exchange failed";
 Status exchange_begin(Unit *unit)
 {
     if (unit->equations != &COMPOSITE_EQUATIONS) {
-        return unit_refuse(unit, "instantiation failed", "the unit is for co-simulation, not for model exchange");
+        return unit_refuse(unit, "instantiation failed",
+                           "the unit is for co-simulation, not for model exchange");
     }
     unit->exchanges = 1;
     ((Composite *)unit->own)->parts->unit->exchanges = 1;
@@ -151,8 +152,8 @@ Status exchange_call(Unit *unit, const char *function, ExchangeCall call, double
         return unit_refuse(unit, function, "the instance is for co-simulation");
     }
     if (count != expected) {
-        return unit_refuse(unit, function, "there must be as many values as continuous states, and none of event "
-                                           "indicators");
+        return unit_refuse(unit, function, "there must be as many values as continuous states, and "
+                           "none of event indicators");
     }
     for (k = 0; k < count && (call == SET_STATES || call == SET_TIME); k++) {
         if (!is_finite(values[k])) {

@@ -19,7 +19,7 @@ typedef enum {
     SET_TIME,
     PASS_EVENTS, /* that are due; the time of the next, infinite where there is none */
     COMPLETE_STEP,
-    ENTER_MODE
+    ENTER_MODE /* or get event indicators, of which there are none */
 } ExchangeCall;
 
 /* Make a new instance one for model exchange; an error for a unit that has none. */

@@ -5,8 +5,6 @@
 #include "base/matrix.h"
 #include "contact/impacts.h"
 #include "coupling/composite.h"
-#include "units/rotor.h"
-#include "units/weights.h"
 
 struct Impacts {
     int count;         /* weights of all tracks */
@@ -18,28 +16,18 @@ struct Impacts {
     Failure failure;
 };
 
-static int is_weights(const Part *part)
-{
-    return part->unit->equations == &WEIGHTS_EQUATIONS;
-}
-
-static const Rotor *rotor_of(const Composite *c)
-{
-    return c->parts->unit->own;
-}
-
 int impacts_allocate(Unit *unit)
 {
     Composite *c = unit->own;
     struct Impacts *own = unit_allocate(unit, 1, sizeof *own);
-    const size_t n = (size_t)rotor_of(c)->stations, p = (size_t)rotor_of(c)->planes;
+    const size_t n = (size_t)composite_rotor(c)->stations, p = (size_t)composite_rotor(c)->planes;
     int k;
     c->impacts = own;
     if (!own) {
         return 1;
     }
     for (k = 1; k < c->mounted; k++) {
-        own->count += is_weights(c->parts + k) ? c->parts[k].unit->layout.sizes.weights : 0;
+        own->count += part_balls(c->parts + k) ? c->parts[k].unit->layout.sizes.weights : 0;
     }
     own->mass = unit_allocate(unit, n * n, sizeof(double));
     own->give = unit_allocate(unit, n * p, sizeof(double));
@@ -52,7 +40,7 @@ int impacts_allocate(Unit *unit)
 int impacts_prepare(Unit *unit)
 {
     Composite *c = unit->own;
-    const LinearRotor *rotor = &rotor_of(c)->rotor;
+    const LinearRotor *rotor = &composite_rotor(c)->rotor;
     const int n = rotor->stations, p = rotor->plane_count;
     struct Impacts *own = c->impacts;
     int k;
@@ -60,14 +48,13 @@ int impacts_prepare(Unit *unit)
     linear_rotor_with_added_mass(rotor, c->masses, own->mass);
     matrix_transposed(1, p, n, rotor->planes, own->give);
     if (matrix_solve(1, n, p, own->mass, own->give)) {
-        text_put(unit_reason(unit), "the rotor's mass matrix is singular");
-        return 1;
+        return unit_fail(unit, "the rotor's mass matrix is singular");
     }
     matrix_product(1, p, n, p, rotor->planes, own->give, own->mobility);
     /* where steps do not end at impacts, a track knows the mobility of its own plane alone */
     for (k = 1; k < c->mounted; k++) {
-        if (is_weights(c->parts + k)) {
-            Balls *balls = c->parts[k].unit->own;
+        Balls *balls = part_balls(c->parts + k);
+        if (balls) {
             balls->track.mobility = own->mobility[c->parts[k].plane * (p + 1)];
         }
     }
@@ -108,7 +95,7 @@ static Instant drive_of(const Composite *c, const Part *part)
 /* Let the rotor's stations jump by the impulses on its planes. */
 static void push_rotor(Composite *c, const Impact *impact)
 {
-    Rotor *rotor = c->parts->unit->own;
+    Rotor *rotor = composite_rotor(c);
     double *memory = c->parts->unit->memory, *velocity = memory + MOTION + 2 * rotor->stations;
     const Complex turn = rect(1.0, memory[REST]);
     int i, plane;
@@ -132,7 +119,7 @@ static int apply_impact(Composite *c, Impact *impact)
     int k, first = 0, low = 0;
     for (k = 1; k < c->mounted; k++) {
         const Part *part = c->parts + k;
-        if (is_weights(part)) {
+        if (part_balls(part)) {
             const Instant now = drive_of(c, part);
             WeightsInOrder *weights = c->impacts->tracks + k;
             low += impact_take(impact, first, weights, &now, c->course->drive.acceleration);
@@ -150,7 +137,7 @@ static int write_tracks(Unit *unit)
     for (k = 1; k < c->mounted; k++) {
         Unit *part = c->parts[k].unit;
         WeightsInOrder *weights = c->impacts->tracks + k;
-        if (is_weights(c->parts + k)) {
+        if (part_balls(c->parts + k)) {
             double *angles = part->memory, *speeds = angles + weights->count;
             if (weights->track->solid && align(weights)) {
                 unit_failed(part, weights->failure, angles, (size_t)weights->count);
@@ -166,8 +153,8 @@ static int can_meet(const Composite *c)
 {
     int k, found = 0;
     for (k = 1; k < c->mounted && !found; k++) {
-        const Balls *balls = c->parts[k].unit->own;
-        found = is_weights(c->parts + k) && balls->track.solid && !balls->track.full;
+        const Balls *balls = part_balls(c->parts + k);
+        found = balls && balls->track.solid && !balls->track.full;
     }
     return found;
 }
@@ -175,8 +162,9 @@ static int can_meet(const Composite *c)
 int impacts_strike(Unit *unit, double soon, int *struck)
 {
     Composite *c = unit->own;
-    Impact impact = impact_begin(c->impacts->mobility, rotor_of(c)->planes, c->impacts->count,
-                                 c->impacts->memory);
+    const int planes = composite_rotor(c)->planes;
+    Impact impact =
+        impact_begin(c->impacts->mobility, planes, c->impacts->count, c->impacts->memory);
     int k;
     *struck = 0;
     if (!can_meet(c)) {
@@ -184,7 +172,7 @@ int impacts_strike(Unit *unit, double soon, int *struck)
     }
     for (k = 1; k < c->mounted; k++) {
         WeightsInOrder *weights = c->impacts->tracks + k;
-        if (is_weights(c->parts + k)) {
+        if (part_balls(c->parts + k)) {
             if (read_track(unit, c->parts + k, weights)) {
                 return 1;
             }

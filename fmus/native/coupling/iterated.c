@@ -149,7 +149,9 @@ int iterated_judge(Unit *unit)
     Course *course = c->course;
     const double residual = course->loop.residual;
     const int converges = course->loop.corrections < 0.0;
-    Text *reason;
+    char words[REASON_SIZE];
+    Text forces = text_in(words, sizeof words);
+    int k;
     if (!(residual > (converges ? course->loop.tolerance : LOOSE_RESIDUAL))) {
         return 0;
     }
@@ -161,15 +163,14 @@ int iterated_judge(Unit *unit)
                        "corrections");
         return 0;
     }
-    reason = unit_reason(unit);
     ((Composite *)unit->own)->loop_failed = 1;
-    text_put(reason, "the loop did not converge");
-    composite_put_time(reason, course->clock.time);
-    text_put(reason, ": ");
-    composite_name_forces(c, reason);
-    text_put_rounded(reason, " still changes by ", residual, 2);
-    text_put(reason, " of the largest force; use smaller steps or more corrections");
-    return 1;
+    for (k = 0; k < c->unknowns; k++) {
+        text_put(&forces, k ? ", " : "");
+        composite_name_signal(c, k, &forces);
+    }
+    return unit_fail(unit, "the loop did not converge at t = %6 s: %s still changes by %2 of the "
+                     "largest force; use smaller steps or more corrections", course->clock.time,
+                     words, residual);
 }
 
 int iterated_accept(Unit *unit, double step)

@@ -144,8 +144,8 @@ int loop_invert(Unit *unit, const double *jacobian, double step)
         singular = !(spectral_radius(values, c->work, c->work + values * values) < 1.0 / LOOP_SINGULAR);
     }
     if (singular) {
-        text_put(unit_reason(unit), "the loop between force and acceleration has gain 1: every "
-                                    "force answers itself, and there is no unique solution");
+        unit_fail(unit, "the loop between force and acceleration has gain 1: every force answers "
+                  "itself, and there is no unique solution");
     }
     return singular;
 }
@@ -267,17 +267,6 @@ int loop_rotor_response(Unit *unit, double step)
                          c->wide);
 }
 
-static int refuse_start(Unit *unit, double residual, double size, double gain)
-{
-    Text *reason = unit_reason(unit);
-    text_put(reason, "consistent start values were not found in ");
-    text_integer(reason, START_ITERATIONS);
-    text_put_rounded(reason, " iterations: forces still change by ", residual, 3);
-    text_put_rounded(reason, " N of ", size, 3);
-    text_put_rounded(reason, " N; loop gain ", gain, 3);
-    return 1;
-}
-
 /* Solve u = G(u) from the Jacobian in c->square. */
 static int solve_start(Unit *unit, double step)
 {
@@ -313,7 +302,9 @@ static int solve_start(Unit *unit, double step)
             return 1;
         }
     }
-    return refuse_start(unit, left, size, course->loop.gain);
+    return unit_fail(unit, "consistent start values were not found in %u iterations: forces still "
+                     "change by %3 N of %3 N; loop gain %3", (unsigned long)START_ITERATIONS, left,
+                     size, course->loop.gain);
 }
 
 int loop_consistent_start(Unit *unit, double step)
@@ -333,8 +324,7 @@ int loop_consistent_start(Unit *unit, double step)
     }
     for (i = 0; i < count * count; i++) {
         if (!is_finite(c->square[i])) {
-            text_put(unit_reason(unit), "start values: the forces of the balancers are not finite");
-            return 1;
+            return unit_fail(unit, "start values: the forces of the balancers are not finite");
         }
     }
     c->course->loop.gain = loop_gain(c, c->square);

@@ -2,10 +2,14 @@
 #include "coupling/composite.h"
 #include "units/weights.h"
 
-void composite_put_time(Text *reason, double time)
+Rotor *composite_rotor(const Composite *c)
 {
-    text_put_rounded(reason, " at t = ", time, 6);
-    text_put(reason, " s");
+    return c->parts->unit->own;
+}
+
+Balls *part_balls(const Part *part)
+{
+    return part->unit->equations == &WEIGHTS_EQUATIONS ? part->unit->own : NULL;
 }
 
 void composite_put_gain(const Unit *unit, Text *reason)
@@ -13,45 +17,27 @@ void composite_put_gain(const Unit *unit, Text *reason)
     text_put_rounded(reason, "; loop gain ", ((const Composite *)unit->own)->course->loop.gain, 3);
 }
 
-static int part_failed(Unit *unit, const Part *part, double step)
-{
-    Text *reason = unit_reason(unit);
-    text_put(reason, part->unit->name);
-    if (step > 0.0) {
-        composite_put_time(reason, part->unit->time);
-        text_put_rounded(reason, ": a step of ", step, 6);
-        text_put(reason, " s failed");
-    }
-    text_put(reason, ": ");
-    text_put(reason, part->unit->reason.at);
-    return 1;
-}
-
 int composite_part_failed(Unit *unit, const Part *part)
 {
-    return part_failed(unit, part, 0.0);
+    return unit_fail(unit, "%s: %s", part->unit->name, part->unit->reason.at);
 }
 
-void composite_name_force(const Composite *c, int k, Text *text)
+void composite_name_signal(const Composite *c, int k, Text *text)
 {
     const Part *part = k < c->exchanges ? c->parts + c->members[k] : c->motor;
-    text_put(text, part->unit->name);
-    text_put(text, k < c->exchanges ? ".F" : ".acceleration");
-}
-
-void composite_name_forces(const Composite *c, Text *text)
-{
-    int k;
-    for (k = 0; k < c->unknowns; k++) {
-        text_put(text, k ? ", " : "");
-        composite_name_force(c, k, text);
+    if (k < c->unknowns) {
+        text_format(text, "%s%s", part->unit->name, k < c->exchanges ? ".F" : ".acceleration");
+    } else {
+        text_format(text, "rotor.plane[%u].a", (unsigned long)c->rotor_planes[k - c->unknowns] + 1);
     }
 }
 
 int composite_advance(Unit *unit, Part *part, double step)
 {
-    part->unit->time = ((Composite *)unit->own)->course->clock.begin;
-    return unit_advance(part->unit, step) ? part_failed(unit, part, step) : 0;
+    Unit *own = part->unit;
+    own->time = ((Composite *)unit->own)->course->clock.begin;
+    return unit_advance(own, step) && unit_fail(unit, "%s at t = %6 s: a step of %6 s failed: %s",
+                                                own->name, own->time, step, own->reason.at);
 }
 
 int composite_eventful(Unit *unit)
@@ -60,13 +46,11 @@ int composite_eventful(Unit *unit)
     int k;
     for (k = 0; k < c->part_count; k++) {
         const Unit *part = c->parts[k].unit;
-        if (part->layout.sizes.sliders ||
-            (part->equations == &WEIGHTS_EQUATIONS && ((const Balls *)part->own)->track.eventful)) {
-            Text *reason = unit_reason(unit);
-            text_put(reason, part->name);
-            text_put(reason, ": model exchange is for machines without dry friction, contact of weights and "
-                             "rolling resistance; use co-simulation");
-            return 1;
+        const Balls *balls = part_balls(c->parts + k);
+        if (part->layout.sizes.sliders || (balls && balls->track.eventful)) {
+            return unit_fail(unit, "%s: model exchange is for machines without dry friction, "
+                             "contact of weights and rolling resistance; use co-simulation",
+                             part->name);
         }
     }
     return 0;

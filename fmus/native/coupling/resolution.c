@@ -5,8 +5,6 @@
 #include "base/matrix.h"
 #include "constants.h"
 #include "coupling/composite.h"
-#include "units/rotor.h"
-#include "units/weights.h"
 
 static const double EXPLICIT_MISS_PER_ERROR = 4.0, QUINTIC_EXPLICIT_MISS_PER_ERROR = 5.06;
 enum { TOO_LONG = 2 };
@@ -26,21 +24,31 @@ static double slowest(Composite *c, const LinearRotor *rotor, const double *stif
     return radius > 0.0 ? 1.0 / square_root(radius) : 0.0;
 }
 
+/* Exchange the masses of all balancers and those on the rotor's planes. */
+static void swap_masses(Composite *c)
+{
+    Unit *rotor = c->parts->unit;
+    double *carried = rotor->real + rotor->layout.inputs.first;
+    int k;
+    for (k = 0; k < rotor->layout.sizes.planes; k++) {
+        const double mass = carried[k];
+        carried[k] = c->masses[k];
+        c->masses[k] = mass;
+    }
+}
+
 /* What is left after `step` [s] of the rotor's longest-lived vibration, at most 1. */
 static double left_of_vibration(Composite *c, double step)
 {
     Unit *unit = c->parts->unit;
     const Rotor *own = unit->own;
     const int n = 4 * own->stations;
-    const size_t planes = (size_t)own->planes;
-    double *carried = unit->real + unit->layout.inputs.first, *saved_motion = c->masses + planes;
     const double *matrix;
     int i, j;
     composite_added_masses(c, c->masses);
-    memcpy(saved_motion, carried, planes * sizeof(double));
-    memcpy(carried, c->masses, planes * sizeof(double));
+    swap_masses(c);
     matrix = rotor_matrix(unit, c->course->resolution.top, step);
-    memcpy(carried, saved_motion, planes * sizeof(double));
+    swap_masses(c);
     for (i = 0; i < n && matrix; i++) {
         for (j = 0; j < n; j++) {
             /* a complex element is [re, -im; im, re] */
@@ -61,14 +69,11 @@ static double slowest_rate(Composite *c)
     const Rotor *own = unit->own;
     const Rates *rates = &own->rates;
     const int n = 4 * own->stations;
-    double *carried = unit->real + unit->layout.inputs.first, *inverse = c->decay + n * n;
-    const size_t size = (size_t)own->planes * sizeof(double);
-    double *saved_motion = c->masses + own->planes, radius;
+    double *inverse = c->decay + n * n, radius;
     int i, k, wrong;
-    memcpy(saved_motion, carried, size);
-    memcpy(carried, c->masses, size);
+    swap_masses(c);
     wrong = rotor_rates(unit);
-    memcpy(carried, saved_motion, size);
+    swap_masses(c);
     if (wrong) {
         return 0.0;
     }
@@ -88,15 +93,11 @@ static double slowest_rate(Composite *c)
     return radius > 0.0 ? 1.0 / radius : 0.0;
 }
 
-/* Angle [rad] by which a push of 1 m/s turns a weight of a part until it is forgotten. */
-static double turned(const Unit *unit, double speed)
+/* Angle [rad] by which a push of 1 m/s turns a weight until it is forgotten. */
+static double turn_of(const Weights *weights, double speed)
 {
-    if (unit->equations == &WEIGHTS_EQUATIONS) {
-        const Weights *weights = &((const Balls *)unit->own)->track.weights;
-        const double slowing = weights_damping_rate(weights);
-        return 1.0 / (weights->kappa * weights->track_radius * larger(speed, slowing));
-    }
-    return 0.0;
+    const double slowing = weights_damping_rate(weights);
+    return 1.0 / (weights->kappa * weights->track_radius * larger(speed, slowing));
 }
 
 /* Unbalance that the weights can balance [kg m]. */
@@ -105,9 +106,9 @@ static double capacity(const Composite *c)
     double sum = 0.0;
     int k;
     for (k = 1; k < c->mounted; k++) {
-        const Unit *unit = c->parts[k].unit;
-        if (unit->equations == &WEIGHTS_EQUATIONS) {
-            const Weights *weights = &((const Balls *)unit->own)->track.weights;
+        const Balls *balls = part_balls(c->parts + k);
+        if (balls) {
+            const Weights *weights = &balls->track.weights;
             sum += weights->count * weights->mass * weights->track_radius;
         }
     }
@@ -162,7 +163,8 @@ void resolution_begin(Unit *unit)
     }
     for (k = 0; k < c->exchanges; k++) {
         Swung *plane = c->swung + c->member_planes[k];
-        plane->turned = larger(plane->turned, turned(c->parts[c->members[k]].unit, top));
+        const Balls *balls = part_balls(c->parts + c->members[k]);
+        plane->turned = larger(plane->turned, balls ? turn_of(&balls->track.weights, top) : 0.0);
     }
     course->resolution.slowest = slowest_rate(c);
     course->resolution.judged_step = course->resolution.summed_error = 0.0;
@@ -187,34 +189,17 @@ static void change_step(Composite *c, double step)
                     (course->resolution.mass * course->resolution.pace);
 }
 
-static Text *too_long(Unit *unit)
+/* Steps too long for a signal: what that makes of it, with a number that `what` has room for. */
+static int refuse_steps(Unit *unit, int signal, const char *before, const char *what, double number)
 {
     const Composite *c = unit->own;
     Text *reason = unit_reason(unit);
-    text_put_rounded(reason, "coupling steps of ", c->course->resolution.judged_step, 3);
-    text_put(reason, " s are too long");
-    composite_put_time(reason, c->course->clock.time);
-    text_put(reason, ": ");
-    return reason;
-}
-
-static int advise_shorter(Text *reason)
-{
+    text_format(reason, "coupling steps of %3 s are too long at t = %6 s: %s",
+                c->course->resolution.judged_step, c->course->clock.time, before);
+    composite_name_signal(c, signal, reason);
+    text_format(reason, what, number);
     text_put(reason, "; use more coupling.steps_per_rev, or a tolerance");
     return 1;
-}
-
-/* What is `number`-th of forces and then accelerations. */
-static void put_name(const Composite *c, int number, Text *text)
-{
-    if (number < c->exchanges) {
-        text_put(text, c->parts[c->members[number]].unit->name);
-        text_put(text, ".F");
-    } else {
-        text_put(text, "rotor.plane[");
-        text_integer(text, (unsigned long)c->rotor_planes[number - c->exchanges] + 1);
-        text_put(text, "].a");
-    }
 }
 
 static int runs_away(Unit *unit)
@@ -232,11 +217,8 @@ static int runs_away(Unit *unit)
     }
     course->resolution.grown = grows ? course->resolution.grown + 1.0 : 0.0;
     if (course->resolution.grown >= RUNAWAY_STEPS) {
-        Text *reason = too_long(unit);
-        put_name(c, 0, reason);
-        text_put(reason, " is beyond all that the scene can make of it and has grown 2-fold or more "
-                         "in each of the last 4 steps");
-        return advise_shorter(reason);
+        return refuse_steps(unit, 0, "", " is beyond all that the scene can make of it and has "
+                            "grown 2-fold or more in each of the last 4 steps", 0.0);
     }
     return 0;
 }
@@ -247,12 +229,9 @@ static int count_lost(Unit *unit, int number, const Signal *signal)
     Course *course = ((Composite *)unit->own)->course;
     course->resolution.unresolved += 1.0;
     if (course->resolution.unresolved >= PERSISTENT_STEPS) {
-        Text *reason = too_long(unit);
-        put_name(unit->own, number, reason);
-        text_put_rounded(reason, " has ended 20 steps far from where the one before led, now by ",
-                         signal->prediction_error / signal->largest, 2);
-        text_put(reason, " of its largest value");
-        return advise_shorter(reason);
+        return refuse_steps(unit, number, "", " has ended 20 steps far from where the one before "
+                            "led, now by %2 of its largest value",
+                            signal->prediction_error / signal->largest);
     }
     return 0;
 }
@@ -278,7 +257,7 @@ static double estimate(Composite *c, double step, double times, double signal_er
         plane->swung = course->resolution.turn_decay * plane->swung + times * signal->prediction_error;
         if (plane->swung * plane->turned * step > worst) {
             worst = plane->swung * plane->turned * step;
-            *cause = c->exchanges + k;
+            *cause = c->unknowns + k;
         }
     }
     if (course->resolution.summed_error * course->resolution.moved > worst * course->resolution.reach) {
@@ -297,7 +276,8 @@ int resolution_check(Unit *unit, double step)
                                                            : QUINTIC_MISS_PER_ERROR;
     const double share = c->orders == QUINTIC_ORDERS ? quintic : cubic;
     double signal_error = 0.0, times, worst;
-    int k, cause = 0, lost = -1;
+    const Signal *lost = NULL;
+    int k, cause = 0, lost_number = 0;
     if (step != course->resolution.judged_step) {
         change_step(c, step);
     }
@@ -306,7 +286,8 @@ int resolution_check(Unit *unit, double step)
             k < c->exchanges ? c->forces + k : c->accelerations + (k - c->exchanges);
         signal_error += k < c->exchanges ? signal->prediction_error : 0.0;
         if (signal->prediction_error > MISS_PER_ERROR * UNRESOLVED_ERROR * signal->largest) {
-            lost = k;
+            lost = signal;
+            lost_number = k < c->exchanges ? k : c->unknowns + k - c->exchanges;
         }
     }
     /* a first step has no past to be judged by: the second one's miss is its miss too */
@@ -316,12 +297,8 @@ int resolution_check(Unit *unit, double step)
     if (worst > course->total.error) {
         course->total.error = worst;
         if (worst >= REFUSED_ERROR) {
-            Text *reason = too_long(unit);
-            text_put(reason, "what the cubics miss of ");
-            put_name(c, cause, reason);
-            text_put_rounded(reason, " moves the units ", worst, 2);
-            text_put(reason, " times as far as they move at all");
-            return advise_shorter(reason);
+            return refuse_steps(unit, cause, "what the cubics miss of ",
+                                " moves the units %2 times as far as they move at all", worst);
         }
         if (worst >= STATED_ERROR) {
             unit_warn_once(unit, TOO_LONG, course->clock.time,
@@ -330,8 +307,5 @@ int resolution_check(Unit *unit, double step)
                            "tolerance");
         }
     }
-    return (lost >= 0 && count_lost(unit, lost, lost < c->exchanges
-                                                    ? c->forces + lost
-                                                    : c->accelerations + (lost - c->exchanges))) ||
-           runs_away(unit);
+    return (lost && count_lost(unit, lost_number, lost)) || runs_away(unit);
 }

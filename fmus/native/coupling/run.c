@@ -20,13 +20,11 @@ typedef struct {
 static void keep_message(void *host, const char *name, Status status, const char *message)
 {
     KeptRun *run = host;
-    (void)name;
     if (!run->unit) {
         Text text = text_in(run->refusal, sizeof run->refusal);
         text_put(&text, message);
     } else if (status == STATUS_WARNING && !strncmp(message, OF_PART, sizeof OF_PART - 1)) {
-        text_put(&run->warnings, message + sizeof OF_PART - 1);
-        text_put(&run->warnings, "\n");
+        text_format(&run->warnings, "%s\n", message + sizeof OF_PART - 1);
     }
 }
 

@@ -1,7 +1,5 @@
 #include "base/elementary.h"
 #include "coupling/composite.h"
-#include "units/rotor.h"
-#include "units/weights.h"
 #include "weights/liquid.h"
 
 static double largest_row(int n, const double *matrix)
@@ -38,15 +36,12 @@ static double largest_rotor_force(const Unit *unit, double speed, double spin_up
 }
 
 /* Mass that a balancer has the rotor carry, by the port or in its force [kg]. */
-static double added_mass(const Unit *unit)
+static double added_mass(const Part *part)
 {
-    if (unit->equations == &WEIGHTS_EQUATIONS) {
-        return weights_added_mass(&((const Balls *)unit->own)->track.weights);
-    } else {
-        const double *real = unit->real;
-        const Liquid liquid = {real[0], real[1], real[2], real[3]};
-        return liquid_added_mass(&liquid);
-    }
+    const Balls *balls = part_balls(part);
+    const double *real = part->unit->real;
+    const Liquid liquid = {real[0], real[1], real[2], real[3]};
+    return balls ? weights_added_mass(&balls->track.weights) : liquid_added_mass(&liquid);
 }
 
 void composite_added_masses(const Composite *c, double *masses)
@@ -56,31 +51,27 @@ void composite_added_masses(const Composite *c, double *masses)
         masses[k] = 0.0;
     }
     for (k = 1; k < c->mounted; k++) {
-        masses[c->parts[k].plane] += added_mass(c->parts[k].unit);
+        masses[c->parts[k].plane] += added_mass(c->parts + k);
     }
 }
 
 double composite_largest_force(const Composite *c)
 {
-    const Rotor *rotor = c->parts->unit->own;
-    const int n = rotor->stations;
+    const LinearRotor *rotor = &composite_rotor(c)->rotor;
     const double speed = c->course->drive.fastest, spin_up = c->course->drive.steepest;
-    double own = 0.0, carried = 0.0, mass = 0.0, weight;
+    const double mass = sum_of(rotor->mass, rotor->stations * rotor->stations);
+    const double weight = mass * hypotenuse(rotor->gravity[0], rotor->gravity[1]);
+    double own = 0.0, carried = 0.0;
     int k;
     for (k = 1; k < c->mounted; k++) {
-        const Unit *unit = c->parts[k].unit;
-        if (unit->equations == &WEIGHTS_EQUATIONS) {
-            const Balls *balls = unit->own;
+        const Balls *balls = part_balls(c->parts + k);
+        if (balls) {
             const Weights *weights = &balls->track.weights;
-            const double *speeds = unit->real + FIRST_ANGLE + balls->count;
+            const double *speeds = c->parts[k].unit->real + FIRST_ANGLE + balls->count;
             const double rate = speed + largest_of(balls->count, speeds);
             own += balls->count * weights->mass * weights->track_radius * (rate * rate + spin_up);
         }
-        carried += added_mass(unit);
+        carried += added_mass(c->parts + k);
     }
-    for (k = 0; k < n * n; k++) {
-        mass += rotor->rotor.mass[k];
-    }
-    weight = mass * hypotenuse(rotor->rotor.gravity[0], rotor->rotor.gravity[1]);
     return own + carried * (own + (largest_rotor_force(c->parts->unit, speed, spin_up) + weight)) / mass;
 }

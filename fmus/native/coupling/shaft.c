@@ -4,29 +4,24 @@
 #include "base/elementary.h"
 #include "coupling/composite.h"
 #include "rotor/motor.h"
-#include "units/rotor.h"
-#include "units/weights.h"
 
 /* Outputs of the motor's unit from its first on. */
 enum { RATE, RATE_SLOPE, SPEED_REACHED };
 
 /* Whether weights can touch or stick, which take no change of w' within a step. */
-static int meets(const Unit *unit)
+static int can_meet_or_stick(const Part *part)
 {
-    return unit->equations == &WEIGHTS_EQUATIONS &&
-           (unit->real[WEIGHT_RADIUS] > 0.0 || unit->real[ROLLING] > 0.0);
+    const double *real = part->unit->real;
+    return part_balls(part) && (real[WEIGHT_RADIUS] > 0.0 || real[ROLLING] > 0.0);
 }
 
 /* sqrt(I M), inertia that turns and mass of the loaded rotor: a force of an angular acceleration. */
 static double scale_of(const Composite *c)
 {
-    const Rotor *rotor = c->parts->unit->own;
-    double mass = 0.0;
+    const Rotor *rotor = composite_rotor(c);
+    double mass = sum_of(rotor->rotor.mass, rotor->stations * rotor->stations);
     int k;
     composite_added_masses(c, c->masses);
-    for (k = 0; k < rotor->stations * rotor->stations; k++) {
-        mass += rotor->rotor.mass[k];
-    }
     for (k = 0; k < rotor->planes; k++) {
         mass += c->masses[k];
     }
@@ -91,7 +86,7 @@ void shaft_tell(Unit *unit, const Complex *spin, double step)
         }
         drive[0] = c->course->drive.speed;
         memcpy(drive + SPIN_UP, rates, sizeof rates);
-        if (meets(c->parts[k].unit)) {
+        if (can_meet_or_stick(c->parts + k)) {
             memset(drive + SPIN_UP, 0, sizeof rates);
             drive[SPIN_UP] = mean; /* of order 1, as contacts are */
         }

@@ -4,7 +4,6 @@
 #include "base/matrix.h"
 #include "base/spin.h"
 #include "coupling/composite.h"
-#include "units/rotor.h"
 
 /* -- forces and accelerations ---------------------------------------------------------------- */
 
@@ -241,10 +240,10 @@ int composite_accept(Unit *unit, const Knot *accelerations, const Knot *forces, 
         const Complex value = forces[k].value;
         if (!is_finite(value.re) || !is_finite(value.im)) {
             Text *reason = unit_reason(unit);
-            composite_name_force(c, k, reason);
-            text_put(reason, " is not finite");
-            composite_put_time(reason, c->course->clock.time + step);
-            text_put(reason, ": the coupling diverged; use smaller steps");
+            composite_name_signal(c, k, reason);
+            text_format(reason,
+                        " is not finite at t = %6 s: the coupling diverged; use smaller steps",
+                        c->course->clock.time + step);
             return 1;
         }
         signal_move(c->forces + k, forces + k, c->orders, step);

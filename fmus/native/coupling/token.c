@@ -8,23 +8,15 @@
    A part: name, plane of the rotor from 1, s where it exchanges force and v where it is told its plane's
    place, token.  The rotor is the first part and a motor the last; both have plane 0 and no letters.
    `start` and `flags` are of the part before them: value references and the bits of what they start
-   from; Booleans that are true.  `own` are the start values of the composite's own variables; the digest is of the layout and all before it. */
+   from; Booleans that are true.  `own` are the start values of the composite's own variables; the
+   digest is of all before it. */
 #include <string.h>
 
 #include "coupling/composite.h"
-#include "stamp.h"
 
 enum { NAME_SIZE = 128, MOST_UNITS = 1000 };
 
 static const char STOP[] = "stop_at_contact"; /* flag of a unit */
-
-static int has(const char *word, char letter)
-{
-    while (*word && *word != letter) {
-        word++;
-    }
-    return *word == letter;
-}
 
 int composite_named(const char *token)
 {
@@ -33,24 +25,7 @@ int composite_named(const char *token)
 
 static int refuse_composition(Unit *unit, const char *why)
 {
-    text_put(unit_reason(unit), "identity of a composite: ");
-    text_put(&unit->reason, why);
-    return 1;
-}
-
-/* Copy up to one of two ends; where the text goes on behind it, NULL when it is too long. */
-static const char *word(const char *at, char end, char other, char *copy, size_t size)
-{
-    size_t length = 0;
-    while (at[length] && at[length] != end && at[length] != other) {
-        if (length + 1 == size) {
-            return NULL;
-        }
-        copy[length] = at[length];
-        length++;
-    }
-    copy[length] = 0;
-    return at + length + (at[length] == end);
+    return unit_fail(unit, "identity of a composite: %s", why);
 }
 
 /* A part's own message under the composite's name. */
@@ -58,10 +33,7 @@ static void forward(void *host, const char *name, Status status, const char *mes
 {
     Unit *unit = host;
     Text text = text_in(unit->message_buffer, sizeof unit->message_buffer);
-    (void)name;
-    text_put(&text, unit->name);
-    text_put(&text, ": ");
-    text_put(&text, message);
+    text_format(&text, "%s: %s", unit->name, message);
     unit->log(unit->host, unit->name, status, text.at);
 }
 
@@ -72,6 +44,14 @@ static int reference(const Unit *part, const char *name)
     return found < part->layout.real_count ? (int)found : -1;
 }
 
+static int has_letter(const char *word, char letter)
+{
+    while (*word && *word != letter) {
+        word++;
+    }
+    return *word == letter;
+}
+
 /* Make the unit of a part; 1 with the reason. */
 static int make_part(Unit *unit, Part *part, const char *name, const char *token)
 {
@@ -79,9 +59,6 @@ static int make_part(Unit *unit, Part *part, const char *name, const char *token
     int wrong;
     if (!made) {
         return refuse_composition(unit, "there is not enough memory");
-    }
-    if (composite_named(token)) {
-        return refuse_composition(unit, "a part must not be a composite");
     }
     part->unit = made;
     made->log = forward;
@@ -96,53 +73,42 @@ static int make_part(Unit *unit, Part *part, const char *name, const char *token
     return 0;
 }
 
-/* "name,plane,connections,token" */
+/* "name,plane,connections,token"; composition.py has checked what is where. */
 static int read_part(Unit *unit, Part *part, const char *at)
 {
     Composite *c = unit->own;
     char name[NAME_SIZE], connections[4], token[TOKEN_SIZE];
     const int first = part == c->parts;
-    uint64_t plane;
-    at = word(at, ',', ';', name, sizeof name);
-    at = at ? text_whole(at, 10, &plane) : NULL;
-    at = at && *at == ',' ? word(at + 1, ',', ';', connections, sizeof connections) : NULL;
-    at = at ? word(at, ';', ';', token, sizeof token) : NULL;
+    int is_motor, is_mounted;
+    uint64_t plane = 0;
+    at = token_word(at, ',', name, sizeof name);
+    at = at ? text_whole(at, 10, &plane) + 1 : NULL;
+    at = at ? token_word(at, ',', connections, sizeof connections) : NULL;
+    at = at ? token_word(at, ';', token, sizeof token) : NULL;
     if (!at) {
         return refuse_composition(unit, "a part must be name, plane, connections, token");
     }
     if (make_part(unit, part, name, token)) {
         return 1;
     }
-    if (first != (part->unit->equations == &ROTOR_EQUATIONS) ||
-        part->unit->layout.sizes.fixed_frame) {
-        return refuse_composition(unit, "the rotor must be its first part, and the only one, and signals must "
-                            "turn with it");
-    }
     c->orders = c->parts->unit->layout.sizes.order + 1;
-    if (part->unit->layout.sizes.order + 1 != c->orders) {
-        return refuse_composition(unit, "the signals of its parts must be of one order");
+    is_motor = part->unit->equations == &MOTOR_EQUATIONS;
+    is_mounted = !first && !is_motor;
+    if (first != (part->unit->equations == &ROTOR_EQUATIONS) || c->motor ||
+        part->unit->layout.sizes.order + 1 != c->orders || part->unit->layout.sizes.fixed_frame ||
+        (is_mounted && plane - 1 >= (uint64_t)c->parts->unit->layout.sizes.planes)) {
+        return refuse_composition(unit, "its parts must be a rotor, balancers on its planes and at "
+                                  "most one motor, with signals of one order that turn with the "
+                                  "rotor");
     }
-    if (c->motor) {
-        return refuse_composition(unit, "the motor must be its last part, and the only one");
-    }
-    if (part->unit->equations == &MOTOR_EQUATIONS) {
-        c->motor = part;
-    } else {
-        c->mounted++;
-    }
-    if (first || c->motor) {
-        if (plane || !text_equal(connections, "-")) {
-            return refuse_composition(unit, "the rotor and the motor must have plane 0 and connections -");
-        }
-    } else if (plane - 1 >= (uint64_t)c->parts->unit->layout.sizes.planes) {
-        return refuse_composition(unit, "a part must be on a plane of the rotor");
-    }
+    c->motor = is_motor ? part : NULL;
+    c->mounted += !is_motor;
     part->plane = (int)plane - 1;
-    part->drive = c->motor ? -1 : reference(part->unit, "speed");
+    part->drive = is_motor ? -1 : reference(part->unit, "speed");
     part->brief = reference(part->unit, "shortest_stopped_step");
-    part->place = has(connections, 'v') ? reference(part->unit, "x") : -1;
-    part->torque = c->motor ? -1 : reference(part->unit, "torque");
-    part->exchange = has(connections, 's') ? c->exchanges++ : -1;
+    part->place = is_mounted && has_letter(connections, 'v') ? reference(part->unit, "x") : -1;
+    part->torque = is_motor ? -1 : reference(part->unit, "torque");
+    part->exchange = is_mounted && has_letter(connections, 's') ? c->exchanges++ : -1;
     c->state_count += part->unit->memory_count;
     return 0;
 }
@@ -168,8 +134,8 @@ static int read_count(const char *at, size_t *count)
     return wrong;
 }
 
-/* Read coupling and parts; 1 with the reason.  `own` and `id` begin what is left. */
-static int read_parts(Unit *unit, const char *at, const char **own, const char **id)
+/* Read coupling and parts; 1 with the reason.  `own`: start values of the coupling's variables. */
+static int read_parts(Unit *unit, const char *at, const char **own)
 {
     Composite *c = unit->own;
     uint64_t passes;
@@ -199,16 +165,14 @@ static int read_parts(Unit *unit, const char *at, const char **own, const char *
             wrong = token_flags(value, part->unit->boolean, part->unit->layout.boolean_count);
         } else if ((value = text_after(at, "own="))) {
             *own = value;
-        } else if ((value = text_after(at, "id="))) {
-            *id = value;
         } else {
-            wrong = 1;
+            wrong = !text_after(at, "id=");
         }
         if (wrong) {
             return refuse_composition(unit, "it has an entry this library does not know");
         }
     }
-    return c->part_count && *own && *id ? 0 : refuse_composition(unit, "it ends too early");
+    return c->part_count && *own ? 0 : refuse_composition(unit, "it ends too early");
 }
 
 /* Have steps end at events, where there are any to be taken back and no motor drives: weights are told
@@ -261,11 +225,10 @@ static void lay_out_variables(Unit *unit, const Layout *own, const double *start
     }
     c->tolerance = at;
     c->steps_per_rev = at + 1;
-    c->fewest = at + 2;
-    c->top_speed = at + 3;
-    c->limit = at + 4;
-    c->rise = c->motor ? 0 : at + 5;
-    c->changes = at + 6 + 2 * c->corner_count;
+    c->top_speed = at + 2;
+    c->limit = at + 3;
+    c->rise = c->motor ? 0 : at + 4;
+    c->changes = at + 5 + 2 * c->corner_count;
     at = copy_variables(unit, at, NULL, own, starts, 0, own->parameters.count);
     layout->parameters.count = layout->inputs.first = c->drive = at;
     c->outer = at + (c->motor ? 0 : 2);
@@ -354,10 +317,8 @@ static int describe(Unit *unit, const char *own_starts)
 
 int composite_build(Unit *unit, const char *token)
 {
-    const char *at, *own = NULL, *id = NULL;
-    char expected[TOKEN_SIZE];
-    Text text = text_in(expected, sizeof expected);
-    uint64_t hash;
+    const char *at, *own = NULL;
+    Text identity = text_in(unit->token, sizeof unit->token);
     Composite *c;
     size_t count = 0;
     for (at = token; at; at = token_next(at)) {
@@ -368,28 +329,16 @@ int composite_build(Unit *unit, const char *token)
     if (!c || !count || count > MOST_UNITS || !(c->parts = unit_allocate(unit, count, sizeof *c->parts))) {
         return refuse_composition(unit, "it has no parts, or too many for the memory");
     }
-    if (read_parts(unit, text_after(token, "Composite;"), &own, &id)) {
+    refuse_composition(unit, "");
+    if (token_check(token, &unit->reason) ||
+        read_parts(unit, text_after(token, "Composite;"), &own)) {
         return 1;
-    }
-    if (c->scheme == SCHEME_COMPENSATED && c->motor) {
-        return refuse_composition(unit, "the scheme must not be compensated under a motor");
     }
     stop_at_contacts(c);
     if (connect(unit) || describe(unit, own)) {
         return 1;
     }
-    hash = layout_digest(&unit->layout, unit->starts);
-    text_hexadecimal(&text, hash_bytes(hash, token, (size_t)(id - token)));
-    text_put(&text, "-");
-    text_put(&text, STAMP);
-    if (!text_equal(id, expected)) {
-        refuse_composition(unit, "its variables, or the sources it was built from, are not those of this "
-                     "library; expected ");
-        text_put(&unit->reason, expected);
-        return 1;
-    }
-    text = text_in(unit->token, sizeof unit->token);
-    token_identity(token, &text);
+    token_identity(token, &identity);
     unit->memory_count = composite_memory(c, NULL);
     return 0;
 }

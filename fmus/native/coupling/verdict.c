@@ -5,8 +5,6 @@
 #include "constants.h"
 #include "contact/ring.h"
 #include "coupling/composite.h"
-#include "units/rotor.h"
-#include "units/weights.h"
 
 enum { PARTS_OF_STEP = 4 }; /* a step of an eighth of a revolution then misses 0.5 % of a peak */
 
@@ -91,7 +89,7 @@ static double capacity_of(const Balls *balls, const double *angles)
 
 void verdict_unbalance(const Composite *c, double *left, double *used)
 {
-    const Rotor *rotor = c->parts->unit->own;
+    const Rotor *rotor = composite_rotor(c);
     Complex sum = {0.0, 0.0};
     int k;
     *used = 0.0;
@@ -99,13 +97,13 @@ void verdict_unbalance(const Composite *c, double *left, double *used)
         sum = complex_sum(sum, complex_of(rotor->rotor.unbalance[2 * k], rotor->rotor.unbalance[2 * k + 1]));
     }
     for (k = 1; k < c->mounted; k++) {
-        const Unit *part = c->parts[k].unit;
-        const Balls *balls = part->own;
-        if (part->equations == &WEIGHTS_EQUATIONS) {
-            const Complex own = weights_static_moment(&balls->track.weights, part->memory, NULL);
-            sum = complex_sum(sum, track_static_moment(&balls->track, part->memory, NULL));
+        const double *angles = c->parts[k].unit->memory;
+        const Balls *balls = part_balls(c->parts + k);
+        if (balls) {
+            const Complex own = weights_static_moment(&balls->track.weights, angles, NULL);
+            sum = complex_sum(sum, track_static_moment(&balls->track, angles, NULL));
             if (!balls->track.full) { /* those that fill their track supply nothing */
-                *used = larger(*used, magnitude(own) / capacity_of(balls, part->memory));
+                *used = larger(*used, magnitude(own) / capacity_of(balls, angles));
             }
         }
     }

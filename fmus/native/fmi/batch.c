@@ -9,7 +9,6 @@
 static void keep_reason(void *host, const char *name, Status status, const char *message)
 {
     char **reason = host;
-    (void)name;
     if (status >= STATUS_DISCARD) {
         Text text = text_in(*reason, BATCH_REASON);
         text_put(&text, message);

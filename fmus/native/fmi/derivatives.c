@@ -11,8 +11,10 @@ static const double PARAMETER_REACH = 1e-3;
 /* The signal inputs' values, of which the derivatives follow in blocks of the same size. */
 static Range signal_values(const Unit *unit)
 {
-    Range range;
-    range.count = unit->equations->signals(&unit->layout, &range.first);
+    Range range = {0, 0};
+    if (unit->equations->signals) {
+        range.count = unit->equations->signals(&unit->layout, &range.first);
+    }
     return range;
 }
 
@@ -27,6 +29,19 @@ static Range outputs_of(const Layout *layout)
 static int within(size_t reference, Range range)
 {
     return reference - range.first < range.count;
+}
+
+/* An error about a value reference, by the name of its variable if there is one. */
+static Status refuse_reference(Unit *unit, size_t reference, const char *what, const char *why)
+{
+    Text *reason = unit_reason(unit);
+    if (reference < unit->layout.real_count) {
+        layout_name(&unit->layout, reference, reason);
+    } else {
+        text_integer(reason, (unsigned long)reference);
+    }
+    text_put(reason, why);
+    return unit_report(unit, STATUS_ERROR, what);
 }
 
 /* -- of inputs by time ----------------------------------------------------------------------- */
@@ -65,14 +80,8 @@ Status unit_set_derivatives(Unit *unit, const unsigned *references, size_t count
                 ? wrong_derivative(unit, references[k], orders[k], values[k])
                 : ": unknown value reference";
         if (wrong) {
-            Text *reason = unit_reason(unit);
-            if (references[k] < unit->layout.real_count) {
-                layout_name(&unit->layout, references[k], reason);
-            } else {
-                text_integer(reason, references[k]);
-            }
-            text_put(reason, wrong);
-            return unit_report(unit, STATUS_ERROR, "setting an input's derivative failed");
+            return refuse_reference(unit, references[k], "setting an input's derivative failed",
+                                    wrong);
         }
     }
     for (k = 0; k < count; k++) {
@@ -112,22 +121,19 @@ Status unit_get_derivatives(Unit *unit, const unsigned *references, size_t count
     const char *what = "reading an output's derivative failed";
     const Range outputs = outputs_of(&unit->layout);
     size_t k;
+    if (!unit->equations->slope) {
+        return unit_refuse(unit, what, "a composite has none");
+    }
     if (unit_refresh(unit, OBSERVED)) {
         return unit_report(unit, STATUS_ERROR, what);
     }
     for (k = 0; k < count; k++) {
         const int known = references[k] < unit->layout.real_count;
         if (!within(references[k], outputs) || orders[k] != 1) {
-            Text *reason = unit_reason(unit);
-            if (known) {
-                layout_name(&unit->layout, references[k], reason);
-            } else {
-                text_integer(reason, references[k]);
-            }
-            text_put(reason, known && orders[k] != 1
-                                 ? ": the order of an output's derivative must be 1"
-                                 : ": is no output");
-            return unit_report(unit, STATUS_ERROR, what);
+            return refuse_reference(unit, references[k], what,
+                                    known && orders[k] != 1
+                                        ? ": the order of an output's derivative must be 1"
+                                        : ": is no output");
         }
         if (derivative_of(unit, references[k], values + k)) {
             return unit_report(unit, STATUS_ERROR, what);

@@ -6,7 +6,6 @@
 
 #include "base/elementary.h"
 #include "fmi/front.h"
-#include "fmi/state.h"
 #include "fmi/unit.h"
 
 /* An instance: what the host gave, and the unit. */
@@ -18,13 +17,12 @@ typedef struct {
 
 /* -- life cycle ----------------------------------------------------------------------------- */
 
-/* Warnings and errors are told whether or not debug messages are asked for. */
-static void fmi3_tell(void *host, const char *instance, Status status, const char *message)
+/* Warnings and errors are logged even where the host has switched debug messages off. */
+static void fmi3_log(void *host, const char *instance, Status status, const char *message)
 {
     const Front3 *front = host;
-    (void)instance;
     if (front->log) {
-        front->log(front->environment, (fmi3Status)status, front_category(status), message);
+        front->log(front->environment, status, front_category(status), message);
     }
 }
 
@@ -32,7 +30,7 @@ static Front3 *instantiate3(fmi3String name, fmi3String token, fmi3String resour
                             int exchanges)
 {
     Front3 *front =
-        front_instantiate(name, token, resources, fmi3_tell, host, sizeof *host, exchanges);
+        front_instantiate(name, token, resources, fmi3_log, host, sizeof *host, exchanges);
     if (front) {
         front->unit->first_boolean = front->unit->layout.real_count;
     }
@@ -47,21 +45,22 @@ EXPORT const char *fmi3GetVersion(void)
 EXPORT fmi3Status fmi3SetDebugLogging(fmi3Instance instance, fmi3Boolean on, size_t count,
                                       const fmi3String categories[])
 {
-    (void)on, (void)count, (void)categories;
     return instance ? fmi3OK : fmi3Error;
 }
 
-EXPORT fmi3Instance fmi3InstantiateCoSimulation(
-    fmi3String name, fmi3String token, fmi3String resources, fmi3Boolean visible,
-    fmi3Boolean logging, fmi3Boolean event_mode, fmi3Boolean early_return,
-    const fmi3ValueReference intermediate[], size_t intermediates,
-    fmi3InstanceEnvironment environment, fmi3LogMessageCallback log,
-    fmi3IntermediateUpdateCallback update)
+EXPORT fmi3Instance fmi3InstantiateCoSimulation(fmi3String name, fmi3String token,
+                                                fmi3String resources, fmi3Boolean visible,
+                                                fmi3Boolean logging, fmi3Boolean event_mode,
+                                                fmi3Boolean early_return,
+                                                const fmi3ValueReference intermediate[],
+                                                size_t intermediates,
+                                                fmi3InstanceEnvironment environment,
+                                                fmi3LogMessageCallback log,
+                                                fmi3IntermediateUpdateCallback update)
 {
     Front3 host = {NULL, environment, log}, *front;
-    (void)visible, (void)logging, (void)intermediate, (void)update;
     if (event_mode || intermediates) {
-        fmi3_tell(&host, name, STATUS_ERROR,
+        fmi3_log(&host, name, STATUS_ERROR,
              "instantiation failed: the unit has neither event mode nor intermediate variables");
         return NULL;
     }
@@ -79,7 +78,6 @@ EXPORT fmi3Instance fmi3InstantiateModelExchange(fmi3String name, fmi3String tok
                                                  fmi3LogMessageCallback log)
 {
     Front3 host = {NULL, environment, log};
-    (void)visible, (void)logging;
     return instantiate3(name, token, resources, &host, 1);
 }
 
@@ -94,24 +92,23 @@ EXPORT fmi3Status fmi3EnterInitializationMode(fmi3Instance instance, fmi3Boolean
 {
     const char *function = "fmi3EnterInitializationMode";
     Status status = front_allowed(instance, function, INSTANTIATED, 0, NULL, NULL);
-    (void)tolerance_defined, (void)tolerance;
     if (!status) {
         status = unit_setup(front_unit(instance), start, stop_defined ? stop : infinity());
     }
-    return (fmi3Status)(status ? status : unit_enter_initialisation(front_unit(instance)));
+    return status ? status : unit_enter_initialisation(front_unit(instance));
 }
 
 EXPORT fmi3Status fmi3ExitInitializationMode(fmi3Instance instance)
 {
     const char *function = "fmi3ExitInitializationMode";
     const Status status = front_allowed(instance, function, INITIALISING, 0, NULL, NULL);
-    return (fmi3Status)(status ? status : unit_exit_initialisation(front_unit(instance)));
+    return status ? status : unit_exit_initialisation(front_unit(instance));
 }
 
 EXPORT fmi3Status fmi3Terminate(fmi3Instance instance)
 {
     const Status status = front_allowed(instance, "fmi3Terminate", RUNNING, 0, NULL, NULL);
-    return (fmi3Status)(status ? status : unit_terminate(front_unit(instance)));
+    return status ? status : unit_terminate(front_unit(instance));
 }
 
 EXPORT fmi3Status fmi3Reset(fmi3Instance instance)
@@ -120,7 +117,7 @@ EXPORT fmi3Status fmi3Reset(fmi3Instance instance)
     if (!status) {
         unit_reset(front_unit(instance));
     }
-    return (fmi3Status)status;
+    return status;
 }
 
 /* -- values --------------------------------------------------------------------------------- */
@@ -143,15 +140,15 @@ static Status values_allowed(fmi3Instance instance, const char *function, int ph
     return status;
 }
 
-EXPORT fmi3Status fmi3GetFloat64(fmi3Instance instance, const fmi3ValueReference vr[],
-                                 size_t count, fmi3Float64 values[], size_t value_count)
+EXPORT fmi3Status fmi3GetFloat64(fmi3Instance instance, const fmi3ValueReference vr[], size_t count,
+                                 fmi3Float64 values[], size_t value_count)
 {
     Status status =
         values_allowed(instance, "fmi3GetFloat64", ANY_PHASE, vr, count, values, value_count);
     Unit *unit;
     size_t from = 0, k;
     if (status) {
-        return (fmi3Status)status;
+        return status;
     }
     unit = front_unit(instance);
     /* hosts read time together with others: what stands between is read at once */
@@ -164,20 +161,19 @@ EXPORT fmi3Status fmi3GetFloat64(fmi3Instance instance, const fmi3ValueReference
             from = k + 1;
         }
     }
-    return (fmi3Status)status;
+    return status;
 }
 
-EXPORT fmi3Status fmi3SetFloat64(fmi3Instance instance, const fmi3ValueReference vr[],
-                                 size_t count, const fmi3Float64 values[], size_t value_count)
+EXPORT fmi3Status fmi3SetFloat64(fmi3Instance instance, const fmi3ValueReference vr[], size_t count,
+                                 const fmi3Float64 values[], size_t value_count)
 {
     const Status status = values_allowed(instance, "fmi3SetFloat64", SETTABLE_PHASES, vr, count,
                                          values, value_count);
-    return (fmi3Status)(status ? status
-                               : unit_set_reals(front_unit(instance), vr, count, values));
+    return status ? status : unit_set_reals(front_unit(instance), vr, count, values);
 }
 
-EXPORT fmi3Status fmi3GetBoolean(fmi3Instance instance, const fmi3ValueReference vr[],
-                                 size_t count, fmi3Boolean values[], size_t value_count)
+EXPORT fmi3Status fmi3GetBoolean(fmi3Instance instance, const fmi3ValueReference vr[], size_t count,
+                                 fmi3Boolean values[], size_t value_count)
 {
     Status status =
         values_allowed(instance, "fmi3GetBoolean", ANY_PHASE, vr, count, values, value_count);
@@ -187,11 +183,11 @@ EXPORT fmi3Status fmi3GetBoolean(fmi3Instance instance, const fmi3ValueReference
         status = unit_get_boolean(front_unit(instance), vr[k], &value);
         values[k] = value != 0;
     }
-    return (fmi3Status)status;
+    return status;
 }
 
-EXPORT fmi3Status fmi3SetBoolean(fmi3Instance instance, const fmi3ValueReference vr[],
-                                 size_t count, const fmi3Boolean values[], size_t value_count)
+EXPORT fmi3Status fmi3SetBoolean(fmi3Instance instance, const fmi3ValueReference vr[], size_t count,
+                                 const fmi3Boolean values[], size_t value_count)
 {
     Status status = values_allowed(instance, "fmi3SetBoolean", SETTABLE_PHASES, vr, count, values,
                                    value_count);
@@ -199,43 +195,13 @@ EXPORT fmi3Status fmi3SetBoolean(fmi3Instance instance, const fmi3ValueReference
     for (k = 0; k < count && !status; k++) {
         status = unit_set_boolean(front_unit(instance), vr[k], values[k]);
     }
-    return (fmi3Status)status;
+    return status;
 }
 
 /* -- state ---------------------------------------------------------------------------------- */
 
-EXPORT fmi3Status fmi3GetFMUState(fmi3Instance instance, fmi3FMUState *state)
-{
-    return (fmi3Status)front_save(instance, "fmi3GetFMUState", state);
-}
-
-EXPORT fmi3Status fmi3SetFMUState(fmi3Instance instance, fmi3FMUState state)
-{
-    return (fmi3Status)front_restore(instance, "fmi3SetFMUState", state);
-}
-
-EXPORT fmi3Status fmi3FreeFMUState(fmi3Instance instance, fmi3FMUState *state)
-{
-    return (fmi3Status)front_forget(instance, state);
-}
-
-EXPORT fmi3Status fmi3SerializedFMUStateSize(fmi3Instance instance, fmi3FMUState state,
-                                             size_t *size)
-{
-    return (fmi3Status)front_state_size(instance, "fmi3SerializedFMUStateSize", state, size);
-}
-
-EXPORT fmi3Status fmi3SerializeFMUState(fmi3Instance instance, fmi3FMUState state,
-                                        fmi3Byte bytes[], size_t size)
-{
-    return (fmi3Status)front_serialise(instance, "fmi3SerializeFMUState", state, bytes, size);
-}
-
-EXPORT fmi3Status fmi3DeserializeFMUState(fmi3Instance instance, const fmi3Byte bytes[],
-                                          size_t size, fmi3FMUState *state)
-{
-    return (fmi3Status)front_deserialise(instance, "fmi3DeserializeFMUState", bytes, size, state);
-}
+FRONT_STATES(fmi3GetFMUState, fmi3SetFMUState, fmi3FreeFMUState, fmi3SerializedFMUStateSize,
+             fmi3SerializeFMUState, fmi3DeserializeFMUState)
 
 /* -- derivatives and the step --------------------------------------------------------------- */
 
@@ -254,9 +220,9 @@ EXPORT fmi3Status fmi3GetDirectionalDerivative(fmi3Instance instance,
     if (!status) {
         status = values_allowed(instance, function, phases, knowns, known_count, seed, seed_count);
     }
-    return (fmi3Status)(status ? status
-                               : unit_directional(front_unit(instance), unknowns, unknown_count,
-                                                  knowns, known_count, seed, change));
+    return status ? status
+                  : unit_directional(front_unit(instance), unknowns, unknown_count, knowns,
+                                     known_count, seed, change);
 }
 
 EXPORT fmi3Status fmi3GetOutputDerivatives(fmi3Instance instance, const fmi3ValueReference vr[],
@@ -269,9 +235,8 @@ EXPORT fmi3Status fmi3GetOutputDerivatives(fmi3Instance instance, const fmi3Valu
     if (!status) {
         status = front_allowed(instance, function, AFTER_INSTANTIATION, count, vr, orders);
     }
-    return (fmi3Status)(status ? status
-                               : unit_get_derivatives(front_unit(instance), vr, count, orders,
-                                                      values));
+    return status ? status
+                  : unit_get_derivatives(front_unit(instance), vr, count, orders, values);
 }
 
 EXPORT fmi3Status fmi3DoStep(fmi3Instance instance, fmi3Float64 time, fmi3Float64 step,
@@ -281,9 +246,8 @@ EXPORT fmi3Status fmi3DoStep(fmi3Instance instance, fmi3Float64 time, fmi3Float6
 {
     Status status = front_allowed(instance, "fmi3DoStep", RUNNING, 0, NULL, NULL);
     Unit *unit;
-    (void)no_set_state_before;
     if (status) {
-        return (fmi3Status)status;
+        return status;
     }
     unit = front_unit(instance);
     status = unit_step(unit, time, step);
@@ -299,41 +263,23 @@ EXPORT fmi3Status fmi3DoStep(fmi3Instance instance, fmi3Float64 time, fmi3Float6
     if (last_successful_time) {
         *last_successful_time = unit->time;
     }
-    return (fmi3Status)status;
+    return status;
 }
 
 /* -- model exchange -------------------------------------------------------------------------- */
 
-#define ENTER(function)                                                                           \
-    EXPORT fmi3Status function(fmi3Instance instance)                                             \
-    {                                                                                             \
-        return (fmi3Status)front_exchange(instance, #function, ENTER_MODE, NULL, 0);              \
-    }
-
-ENTER(fmi3EnterEventMode)
-ENTER(fmi3EnterContinuousTimeMode)
-ENTER(fmi3EvaluateDiscreteStates)
-
-#define OF_STATES(function, type, call)                                                           \
-    EXPORT fmi3Status function(fmi3Instance instance, type values[], size_t count)                \
-    {                                                                                             \
-        return (fmi3Status)front_exchange(instance, #function, call, (double *)values, count);    \
-    }
-
-OF_STATES(fmi3GetContinuousStates, fmi3Float64, GET_STATES)
-OF_STATES(fmi3GetContinuousStateDerivatives, fmi3Float64, GET_DERIVATIVES)
-OF_STATES(fmi3GetNominalsOfContinuousStates, fmi3Float64, GET_NOMINALS)
-OF_STATES(fmi3SetContinuousStates, const fmi3Float64, SET_STATES)
-
-EXPORT fmi3Status fmi3GetEventIndicators(fmi3Instance instance, fmi3Float64 values[], size_t count)
-{
-    (void)values;
-    return (fmi3Status)front_exchange(instance, "fmi3GetEventIndicators", ENTER_MODE, NULL, count);
-}
+FRONT_EXCHANGE(fmi3EnterEventMode, ENTER_MODE)
+FRONT_EXCHANGE(fmi3EnterContinuousTimeMode, ENTER_MODE)
+FRONT_EXCHANGE(fmi3EvaluateDiscreteStates, ENTER_MODE)
+FRONT_EXCHANGE_VALUES(fmi3SetContinuousStates, SET_STATES)
+FRONT_EXCHANGE_VALUES(fmi3GetContinuousStates, GET_STATES)
+FRONT_EXCHANGE_VALUES(fmi3GetContinuousStateDerivatives, GET_DERIVATIVES)
+FRONT_EXCHANGE_VALUES(fmi3GetNominalsOfContinuousStates, GET_NOMINALS)
+FRONT_EXCHANGE_VALUES(fmi3GetEventIndicators, ENTER_MODE)
 
 EXPORT fmi3Status fmi3SetTime(fmi3Instance instance, fmi3Float64 time)
 {
-    return (fmi3Status)front_exchange(instance, "fmi3SetTime", SET_TIME, &time, 1);
+    return front_exchange(instance, "fmi3SetTime", SET_TIME, &time, 1);
 }
 
 /* Numbers of states, and of event indicators. */
@@ -343,7 +289,7 @@ static fmi3Status count_of(fmi3Instance instance, const char *function, size_t *
     if (!status) {
         *count = states ? exchange_count(front_unit(instance)) : 0;
     }
-    return (fmi3Status)status;
+    return status;
 }
 
 EXPORT fmi3Status fmi3GetNumberOfContinuousStates(fmi3Instance instance, size_t *count)
@@ -356,7 +302,7 @@ EXPORT fmi3Status fmi3GetNumberOfEventIndicators(fmi3Instance instance, size_t *
     return count_of(instance, "fmi3GetNumberOfEventIndicators", count, 0);
 }
 
-static void put_no(fmi3Boolean *value)
+static void set_false(fmi3Boolean *value)
 {
     if (value) {
         *value = 0;
@@ -370,26 +316,24 @@ EXPORT fmi3Status fmi3UpdateDiscreteStates(fmi3Instance instance, fmi3Boolean *u
 {
     double next = infinity();
     const Status status = front_exchange(instance, "fmi3UpdateDiscreteStates", PASS_EVENTS, &next, 1);
-    put_no(update_needed);
-    put_no(terminate);
-    put_no(nominals_changed);
-    put_no(values_changed);
+    set_false(update_needed);
+    set_false(terminate);
+    set_false(nominals_changed);
+    set_false(values_changed);
     if (next_defined) {
         *next_defined = is_finite(next);
     }
     if (next_time) {
         *next_time = is_finite(next) ? next : 0.0;
     }
-    return (fmi3Status)status;
+    return status;
 }
 
 EXPORT fmi3Status fmi3CompletedIntegratorStep(fmi3Instance instance,
                                               fmi3Boolean no_set_state_before,
-                                              fmi3Boolean *enter_event_mode,
-                                              fmi3Boolean *terminate)
+                                              fmi3Boolean *enter_event_mode, fmi3Boolean *terminate)
 {
-    (void)no_set_state_before;
-    put_no(enter_event_mode);
-    put_no(terminate);
-    return (fmi3Status)front_exchange(instance, "fmi3CompletedIntegratorStep", COMPLETE_STEP, NULL, 0);
+    set_false(enter_event_mode);
+    set_false(terminate);
+    return front_exchange(instance, "fmi3CompletedIntegratorStep", COMPLETE_STEP, NULL, 0);
 }

@@ -29,7 +29,8 @@ typedef const fmi3Char *fmi3String;
 typedef uint8_t fmi3Byte;
 typedef const fmi3Byte *fmi3Binary;
 
-typedef enum { fmi3OK, fmi3Warning, fmi3Discard, fmi3Error, fmi3Fatal } fmi3Status;
+typedef int fmi3Status; /* numbered as Status of unit.h */
+enum { fmi3OK, fmi3Warning, fmi3Discard, fmi3Error, fmi3Fatal };
 typedef enum {
     fmi3Independent,
     fmi3Constant,

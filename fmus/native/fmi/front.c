@@ -15,10 +15,9 @@ static char *composition(const char *token, const char *resources, Text *reason)
     if (text) {
         token_identity(text, &identity);
         if (!text_equal(expected, token)) {
-            text_put(reason, "resources: " COMPOSITION ": its identity is ");
-            text_put(reason, expected);
-            text_put(reason, ", and must be that of the model description, ");
-            text_put(reason, token);
+            text_format(reason,
+                        "resources: %s: its identity is %s, and must be that of the model "
+                        "description, %s", COMPOSITION, expected, token);
             free(text);
             return NULL;
         }
@@ -99,8 +98,9 @@ Status front_refuse(void *instance, const char *function, const char *why)
     return instance ? unit_refuse(front_unit(instance), function, why) : STATUS_ERROR;
 }
 
-Status front_wrong_type(void *instance, const char *function, size_t count, const char *why)
+Status front_wrong_type(void *instance, const char *function, size_t count)
 {
+    static const char why[] = "the unit has Reals and Booleans only";
     return instance && !count ? STATUS_OK : front_refuse(instance, function, why);
 }
 
@@ -115,16 +115,7 @@ Status front_exchange(void *instance, const char *function, ExchangeCall call, d
 Status front_save(void *instance, const char *function, void **state)
 {
     const Status status = front_allowed(instance, function, ANY_PHASE, 1, state, state);
-    State *saved;
-    if (status) {
-        return status;
-    }
-    saved = *state;
-    if (unit_save(front_unit(instance), &saved)) {
-        return STATUS_ERROR;
-    }
-    *state = saved;
-    return STATUS_OK;
+    return status ? status : unit_save(front_unit(instance), state);
 }
 
 Status front_restore(void *instance, const char *function, void *state)
@@ -133,18 +124,12 @@ Status front_restore(void *instance, const char *function, void *state)
     return status ? status : unit_restore(front_unit(instance), state);
 }
 
-Status front_forget(void *instance, void **state)
+Status front_free_state(void *instance, void **state)
 {
-    State *saved;
-    if (!instance) {
-        return STATUS_ERROR;
+    if (instance && state) {
+        unit_free_state(state);
     }
-    if (state) {
-        saved = *state;
-        unit_forget(&saved);
-        *state = NULL;
-    }
-    return STATUS_OK;
+    return instance ? STATUS_OK : STATUS_ERROR;
 }
 
 Status front_state_size(void *instance, const char *function, void *state, size_t *size)
@@ -156,8 +141,7 @@ Status front_state_size(void *instance, const char *function, void *state, size_
     return status;
 }
 
-Status front_serialise(void *instance, const char *function, void *state, void *bytes,
-                       size_t size)
+Status front_serialise(void *instance, const char *function, void *state, void *bytes, size_t size)
 {
     const Status status = front_allowed(instance, function, ANY_PHASE, 1, state, bytes);
     return status ? status : unit_serialise(front_unit(instance), state, bytes, size);
@@ -167,14 +151,5 @@ Status front_deserialise(void *instance, const char *function, const void *bytes
                          void **state)
 {
     const Status status = front_allowed(instance, function, ANY_PHASE, 1, bytes, state);
-    State *saved;
-    if (status) {
-        return status;
-    }
-    saved = *state;
-    if (unit_deserialise(front_unit(instance), bytes, size, &saved)) {
-        return STATUS_ERROR;
-    }
-    *state = saved;
-    return STATUS_OK;
+    return status ? status : unit_deserialise(front_unit(instance), bytes, size, state);
 }

@@ -4,6 +4,7 @@
 #define AUTOBALANCER_UNIT_FRONT_H
 
 #include "coupling/exchange.h"
+#include "fmi/export.h"
 #include "fmi/unit.h"
 
 enum {
@@ -30,18 +31,56 @@ Status front_allowed(void *instance, const char *function, int phases, size_t co
 /* The error of a call for what the unit does not have, */
 Status front_refuse(void *instance, const char *function, const char *why);
 /* and of one for so many values of a type that no variable has. */
-Status front_wrong_type(void *instance, const char *function, size_t count, const char *why);
+Status front_wrong_type(void *instance, const char *function, size_t count);
 
 /* A call of model exchange. */
 Status front_exchange(void *instance, const char *function, ExchangeCall call, double *values, size_t count);
 
 Status front_save(void *instance, const char *function, void **state);
 Status front_restore(void *instance, const char *function, void *state);
-Status front_forget(void *instance, void **state);
+Status front_free_state(void *instance, void **state);
 Status front_state_size(void *instance, const char *function, void *state, size_t *size);
 Status front_serialise(void *instance, const char *function, void *state, void *bytes,
                        size_t size);
 Status front_deserialise(void *instance, const char *function, const void *bytes, size_t size,
                          void **state);
+
+/* Functions that both versions of FMI have, under the names of either: of the state, */
+#define FRONT_STATES(get, set, release, size_of, serialise, deserialise)                          \
+    EXPORT int get(void *instance, void **state)                                                  \
+    {                                                                                             \
+        return front_save(instance, #get, state);                                                 \
+    }                                                                                             \
+    EXPORT int set(void *instance, void *state)                                                   \
+    {                                                                                             \
+        return front_restore(instance, #set, state);                                              \
+    }                                                                                             \
+    EXPORT int release(void *instance, void **state)                                              \
+    {                                                                                             \
+        return front_free_state(instance, state);                                                 \
+    }                                                                                             \
+    EXPORT int size_of(void *instance, void *state, size_t *size)                                 \
+    {                                                                                             \
+        return front_state_size(instance, #size_of, state, size);                                 \
+    }                                                                                             \
+    EXPORT int serialise(void *instance, void *state, void *bytes, size_t size)                   \
+    {                                                                                             \
+        return front_serialise(instance, #serialise, state, bytes, size);                         \
+    }                                                                                             \
+    EXPORT int deserialise(void *instance, const void *bytes, size_t size, void **state)          \
+    {                                                                                             \
+        return front_deserialise(instance, #deserialise, bytes, size, state);                     \
+    }
+/* and of model exchange: calls without values, and with one of each continuous state. */
+#define FRONT_EXCHANGE(function, call)                                                            \
+    EXPORT int function(void *instance)                                                           \
+    {                                                                                             \
+        return front_exchange(instance, #function, call, NULL, 0);                                \
+    }
+#define FRONT_EXCHANGE_VALUES(function, call)                                                     \
+    EXPORT int function(void *instance, double *values, size_t count)                             \
+    {                                                                                             \
+        return front_exchange(instance, #function, call, values, count);                          \
+    }
 
 #endif

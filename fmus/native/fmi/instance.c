@@ -24,8 +24,7 @@ static int build_started(Unit *unit, const char *name, const char *text)
             : (value = text_after(at, "flags=")) ? token_flags(value, unit->flags, unit->layout.boolean_count)
                                                  : 1;
         if (wrong) {
-            text_put(unit_reason(unit), "its start values are not those of variables that it has");
-            return 1;
+            return unit_fail(unit, "its start values are not those of variables that it has");
         }
     }
     return 0;
@@ -44,9 +43,7 @@ Unit *unit_instantiate(const char *name, const char *token, Log log, void *host)
     if (composite_named(token) ? composite_build(unit, token) || unit_build_arrays(unit, shown)
                                : build_started(unit, shown, token)) {
         Text text = text_in(unit->message_buffer, sizeof unit->message_buffer);
-        text_put(&text, shown);
-        text_put(&text, ": instantiation failed: ");
-        text_put(&text, unit->reason.at);
+        text_format(&text, "%s: instantiation failed: %s", shown, unit->reason.at);
         log(host, shown, STATUS_ERROR, text.at);
         unit_free(unit);
         return NULL;

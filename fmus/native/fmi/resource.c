@@ -1,5 +1,7 @@
 #include "fmi/resource.h"
 
+#include "fmi/unit.h"
+
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -71,10 +73,7 @@ static FILE *opened(const char *path)
 
 static char *refuse_resource(const char *name, const char *path, const char *why, Text *reason)
 {
-    text_put(reason, "resources: ");
-    text_put(reason, name);
-    text_put(reason, why);
-    text_put(reason, path);
+    text_format(reason, "resources: %s%s%s", name, why, path);
     return NULL;
 }
 
@@ -85,8 +84,8 @@ char *resource_text(const char *folder, const char *name, Text *reason)
     FILE *file;
     size_t length;
     if (!folder || find(folder, name, 1, path)) {
-        return refuse_resource(name, folder ? folder : "none", ": the folder that the host names must be one, "
-                                                       "and its path short; it is ", reason);
+        return refuse_resource(name, folder ? folder : "none",
+                               ": the resource path is missing or too long: ", reason);
     }
     file = opened(path);
     if (!file && !find(folder, name, 0, path)) { /* some hosts write a path as a URI as it is */

@@ -2,189 +2,120 @@
 
 #include <string.h>
 
+#include "fmi/unit.h"
 #include "stamp.h"
 
-enum { WORD_SIZE = 32, MOST_OF_ANYTHING = 100000 };
+enum { WORD_SIZE = 32, MOST_OF_ANYTHING = 100000, DIGITS = 16, SIGNATURE = 2 * DIGITS + 1 };
 
-/* The word up to `end`, and where the text goes on behind it; NULL when there is none. */
-static const char *word_until(const char *at, char end, char *word)
+/* -- a unit and its sizes --------------------------------------------------------------------- */
+
+const char *token_word(const char *at, char end, char *word, size_t size)
 {
     size_t length = 0;
-    while (at[length] && at[length] != end) {
-        if (length == WORD_SIZE - 1) {
+    for (; at[length] && at[length] != end && at[length] != ';'; length++) {
+        if (length + 1 == size) {
+            word[length] = 0;
             return NULL;
         }
         word[length] = at[length];
-        length++;
     }
     word[length] = 0;
-    return at[length] == end ? at + length + 1 : NULL;
+    return at + length + (at[length] == end);
 }
 
-/* A whole number of at least 1; 0 for anything else. */
-static int whole_number(const char *word)
+/* Where the digest at the end of a text begins. */
+static const char *signature_of(const char *text)
 {
-    int value = 0;
-    for (; *word; word++) {
-        if (*word < '0' || *word > '9' || value > MOST_OF_ANYTHING) {
-            return 0;
-        }
-        value = 10 * value + (*word - '0');
+    const size_t length = text_length(text);
+    return text + (length > SIGNATURE ? length - SIGNATURE : 0);
+}
+
+int token_check(const char *text, Text *reason)
+{
+    const char *signature = signature_of(text);
+    char expected[SIGNATURE + 1];
+    Text words = text_in(expected, sizeof expected);
+    text_hexadecimal(&words, hash_bytes(hash_start(), text, (size_t)(signature - text)));
+    text_put(&words, "-");
+    text_put(&words, STAMP);
+    if (text_equal(signature, expected)) {
+        return 0;
     }
-    return value <= MOST_OF_ANYTHING ? value : 0;
-}
-
-static int refuse_token(Text *reason, const char *token, const char *why)
-{
-    text_put(reason, "identity '");
-    text_put(reason, token);
-    text_put(reason, "': ");
-    text_put(reason, why);
+    text_format(reason, "%s; expected at its end '%s'",
+                strncmp(signature, expected, DIGITS)
+                    ? "it is not as this library's model descriptions have it"
+                    : "it was built from other sources than this library",
+                expected);
     return 1;
 }
 
-int token_read(const char *token, const Table **table, Sizes *sizes, Text *reason)
+/* Where the size of this name stands, or NULL. */
+static int *size_named(Sizes *sizes, const char *name)
 {
-    char unit[WORD_SIZE], key[WORD_SIZE], value[WORD_SIZE], kind[WORD_SIZE], shaft[WORD_SIZE];
-    const char *at;
-    const Sizes none = {1, 1, 1, 1, 0, 2, 0, 3, 0};
-    *sizes = none;
-    kind[0] = shaft[0] = 0;
-    at = token ? word_until(token, '/', unit) : NULL;
-    if (!at) {
-        return refuse_token(reason, token ? token : "",
-                      "must be that of the model description this library came with");
-    }
-    for (;;) {
-        const char *next = word_until(at, '=', key);
-        char *kept = text_equal(key, "kind") ? kind : text_equal(key, "shaft") ? shaft : value;
-        if (!next) {
-            break;
-        }
-        at = word_until(next, '/', kept);
-        if (!at) {
-            return refuse_token(reason, token, "ends too early");
-        }
-        if (kept != value) {
-            continue;
-        }
+    return text_equal(name, "stations")     ? &sizes->stations
+           : text_equal(name, "planes")     ? &sizes->planes
+           : text_equal(name, "unbalances") ? &sizes->unbalances
+           : text_equal(name, "weights")    ? &sizes->weights
+           : text_equal(name, "sliders")    ? &sizes->sliders
+           : text_equal(name, "points")     ? &sizes->points
+           : text_equal(name, "order")      ? &sizes->order
+           : text_equal(name, "unequal")    ? &sizes->unequal
+                                            : NULL;
+}
+
+/* The table of a unit's variables and its sizes by its token's options; why not, or NULL. */
+static const char *read_options(const char *token, const Table **table, Sizes *sizes)
+{
+    char unit[WORD_SIZE], key[WORD_SIZE], value[WORD_SIZE];
+    char kind[WORD_SIZE] = "", shaft[WORD_SIZE] = "";
+    const char *end = signature_of(token), *at = token_word(token, '/', unit, sizeof unit);
+    while (at && at < end) {
+        char *word;
+        at = token_word(at, '=', key, sizeof key);
+        word = text_equal(key, "kind") ? kind : text_equal(key, "shaft") ? shaft : value;
+        at = at ? token_word(at, '/', word, WORD_SIZE) : NULL;
         if (text_equal(key, "frame")) {
             sizes->fixed_frame = text_equal(value, "fixed");
-        } else {
-            int *size = text_equal(key, "stations")     ? &sizes->stations
-                        : text_equal(key, "planes")     ? &sizes->planes
-                        : text_equal(key, "unbalances") ? &sizes->unbalances
-                        : text_equal(key, "weights")    ? &sizes->weights
-                        : text_equal(key, "sliders")    ? &sizes->sliders
-                        : text_equal(key, "points")     ? &sizes->points
-                        : text_equal(key, "order")      ? &sizes->order
-                        : text_equal(key, "unequal")    ? &sizes->unequal
-                                                        : NULL;
-            if (!size) {
-                return refuse_token(reason, token, "has an option this library does not know");
+        } else if (word == value) {
+            int *size = size_named(sizes, key);
+            uint64_t number;
+            text_whole(value, 10, &number);
+            if (!size || number < 1 || number > MOST_OF_ANYTHING) {
+                return "has an option or a size that this library does not know";
             }
-            *size = whole_number(value);
-            if (*size < 1) {
-                return refuse_token(reason, token, "has a size that is no whole number of at least 1");
-            }
+            *size = (int)number;
         }
     }
-    *table = table_of(unit, kind, shaft, sizes->order);
+    *table = at ? table_of(unit, kind, shaft, sizes->order) : NULL;
     if (!*table) {
-        return refuse_token(reason, token, "names a unit that this library does not have");
+        return "names a unit that this library does not have";
     }
     if ((text_equal(kind, "planar") && sizes->stations != 1) ||
         (text_equal(kind, "two_support") && sizes->stations != 2) ||
         (text_equal(kind, "flexible") && sizes->stations < 2) || sizes->points < 2 ||
         (sizes->order != 3 && sizes->sliders) ||
         layout_count(*table, sizes, MOST_REALS) > MOST_REALS) {
-        return refuse_token(reason, token, "has a size in which this unit does not exist");
+        return "has a size in which this unit does not exist";
     }
-    return 0;
+    return NULL;
 }
 
-static void put_option(Text *text, const char *key, const char *value)
+int token_read(const char *token, const Table **table, Sizes *sizes, Text *reason)
 {
-    text_put(text, key);
-    text_put(text, value);
-    text_put(text, "/");
-}
-
-static void put_size(Text *text, const char *key, int value)
-{
-    text_put(text, key);
-    text_integer(text, (unsigned long)value);
-    text_put(text, "/");
-}
-
-/* The token up to its digest, as layout.py writes it. */
-static void put_options(Text *text, const Layout *layout)
-{
-    const Table *table = layout->table;
-    const Sizes *sizes = &layout->sizes;
-    put_option(text, table->unit, "");
-    put_option(text, "frame=", sizes->fixed_frame ? "fixed" : "rotor");
-    if (table->kind[0]) {
-        put_option(text, "kind=", table->kind);
+    const Sizes none = {1, 1, 1, 1, 0, 2, 0, 3, 0};
+    const char *wrong;
+    *sizes = none;
+    text_format(reason, "identity '%s': ", token ? token : "");
+    if (!token || text_length(token) >= TOKEN_SIZE) {
+        text_put(reason, "must be that of the model description this library came with");
+        return 1;
     }
-    if (sizes->order != 3) {
-        put_size(text, "order=", sizes->order);
+    if (token_check(token, reason)) {
+        return 1;
     }
-    if (table->kind[0]) {
-        put_size(text, "planes=", sizes->planes);
-        if (table->shaft[0]) {
-            put_option(text, "shaft=", table->shaft);
-        }
-        if (sizes->sliders) {
-            put_size(text, "sliders=", sizes->sliders);
-        }
-        put_size(text, "stations=", sizes->stations);
-        if (!text_equal(table->kind, "planar")) {
-            put_size(text, "unbalances=", sizes->unbalances);
-        }
-    } else if (text_equal(table->unit, "BallBalancer")) {
-        if (sizes->unequal) {
-            put_size(text, "unequal=", sizes->unequal);
-        }
-        put_size(text, "weights=", sizes->weights);
-    } else if (text_equal(table->unit, "Motor")) {
-        put_size(text, "points=", sizes->points);
-    }
-}
-
-/* Length of what two texts begin with alike. */
-static size_t common(const char *a, const char *b)
-{
-    size_t length = 0;
-    while (a[length] && a[length] == b[length]) {
-        length++;
-    }
-    return length;
-}
-
-int token_check(const char *token, const Layout *layout, uint64_t digest, Text *reason)
-{
-    char expected[TOKEN_SIZE];
-    Text text = text_in(expected, sizeof expected);
-    size_t options, stamp, alike;
-    put_options(&text, layout);
-    options = text.length;
-    text_hexadecimal(&text, digest);
-    text_put(&text, "-");
-    stamp = text.length;
-    text_put(&text, STAMP);
-    if (text_equal(token, expected)) {
-        return 0;
-    }
-    alike = common(token, expected);
-    refuse_token(reason, token,
-           alike < options ? "its options are not written as this library writes them"
-           : alike < stamp ? "its variables are not those of this library"
-                           : "it was built from other sources than this library");
-    text_put(reason, "; expected '");
-    text_put(reason, expected);
-    text_put(reason, "'");
-    return 1;
+    wrong = read_options(token, table, sizes);
+    text_put(reason, wrong ? wrong : "");
+    return wrong != NULL;
 }
 
 /* -- start values ----------------------------------------------------------------------------- */

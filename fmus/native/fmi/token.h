@@ -1,8 +1,9 @@
-/* What a GUID (FMI 2.0) or instantiation token (FMI 3.0) says: unit, sizes, layout, sources.
+/* What a GUID (FMI 2.0) or instantiation token (FMI 3.0) says: unit, sizes, sources.
 
-       BallBalancer/frame=rotor/weights=3/<digest of the layout>-<stamp of the sources>
+       BallBalancer/frame=rotor/weights=3/<digest of all before it>-<stamp of the sources>
 
-   One library serves every unit and size, and refuses a model description that is not its own.  A unit
+   One library serves every unit and size, and refuses a model description that is not its own: the
+   stamp is a hash of the declared variables too.  A unit
    with start values of its own has these behind its token in a text among the FMU's resources:
 
        BallBalancer/...;start=0:3f847ae147ae147b,2:3ff0000000000000;flags=1
@@ -16,10 +17,14 @@
 
 enum { TOKEN_SIZE = 192, MOST_REALS = 1000000 };
 
-/* Read a token's unit and sizes; 0, or 1 and what is wrong with it added to `reason`. */
+/* Check a unit's token and read it; 0, or 1 and what is wrong with it added to `reason`. */
 int token_read(const char *token, const Table **table, Sizes *sizes, Text *reason);
-/* Compare a token with what it must be for this layout and library; as token_read. */
-int token_check(const char *token, const Layout *layout, uint64_t digest, Text *reason);
+/* Compare digest and stamp at the end of a token, or of the text of a composite, with what they must
+   be; as token_read. */
+int token_check(const char *text, Text *reason);
+/* Copy the text up to `end`, or to the end of its entry; where it goes on behind, NULL when it is too
+   long. */
+const char *token_word(const char *at, char end, char *word, size_t size);
 /* Whether a token is the identity alone, and the identity that belongs to a text. */
 int token_abbreviated(const char *token);
 void token_identity(const char *text, Text *identity);

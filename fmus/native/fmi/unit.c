@@ -51,13 +51,8 @@ void unit_reset(Unit *unit)
 Status unit_setup(Unit *unit, double start, double stop)
 {
     if (!is_finite(start) || !(stop >= start)) {
-        Text *reason = unit_reason(unit);
-        text_put(reason, "start time = ");
-        text_number(reason, start);
-        text_put(reason, " s, stop time = ");
-        text_number(reason, stop);
-        text_put(reason, " s: must be finite numbers, the stop time not before the start time");
-        return unit_report(unit, STATUS_ERROR, "set-up failed");
+        return unit_refuse(unit, "set-up failed", "start time = %v s, stop time = %v s: must be "
+                           "finite numbers, the stop time not before the start time", start, stop);
     }
     unit->time = start;
     unit->stop = stop;
@@ -90,22 +85,12 @@ static int out_of_place(Unit *unit, double time, double step)
 {
     const double rounding = POINT_OF_STEP * step + POINT_OF_TIME * absolute(unit->time);
     if (!(absolute(time - unit->time) <= rounding)) {
-        Text *reason = unit_reason(unit);
-        text_put(reason, "communication point = ");
-        text_number(reason, time);
-        text_put(reason, " s: must be where the unit is, ");
-        text_number(reason, unit->time);
-        text_put(reason, " s");
-        return 1;
+        return unit_fail(unit, "communication point = %v s: must be where the unit is, %v s", time,
+                         unit->time);
     }
     if (time + step > unit->stop + rounding) {
-        Text *reason = unit_reason(unit);
-        text_put(reason, "end of the step = ");
-        text_number(reason, time + step);
-        text_put(reason, " s: must not be beyond the stop time, ");
-        text_number(reason, unit->stop);
-        text_put(reason, " s");
-        return 1;
+        return unit_fail(unit, "end of the step = %v s: must not be beyond the stop time, %v s",
+                         time + step, unit->stop);
     }
     return 0;
 }
@@ -149,27 +134,20 @@ int unit_advance(Unit *unit, double step)
 
 Status unit_step(Unit *unit, double time, double step)
 {
-    int failed = 0;
+    int failed;
     if (unit->exchanges) {
         return unit_refuse(unit, "step", "the instance is for model exchange");
     }
     if (!(step > 0.0 && is_finite(step))) {
-        Text *reason = unit_reason(unit);
-        text_put(reason, "communication step size = ");
-        text_number(reason, step);
-        text_put(reason, " s: must be above 0 s");
-        failed = 1;
-    } else if (out_of_place(unit, time, step)) {
-        failed = 1;
+        failed = unit_fail(unit, "communication step size = %v s: must be above 0 s", step);
     } else {
-        failed = unit_refresh(unit, COMPUTED) || unit_advance(unit, step);
+        failed = out_of_place(unit, time, step) || unit_refresh(unit, COMPUTED) ||
+                 unit_advance(unit, step);
     }
     if (failed) {
         char words[64];
         Text what = text_in(words, sizeof words);
-        text_put(&what, "step of ");
-        text_number(&what, step);
-        text_put(&what, " s failed");
+        text_format(&what, "step of %v s failed", step);
         return unit_report(unit, STATUS_ERROR, words);
     }
     unit->time = time + unit->made;

@@ -52,11 +52,13 @@ typedef struct {
     /* and these; NULL where there are none; whether an observed output is one. */
     void (*observe_torques)(Unit *unit);
     int (*is_torque)(const Unit *unit, size_t reference);
-    /* Signals come as value and derivatives: their number, and their first value reference. */
+    /* Signals come as value and derivatives: their number, and their first value reference; NULL:
+       there are none. */
     size_t (*signals)(const Layout *layout, size_t *first);
     /* How far beside an input outputs are smooth; NULL: see derivatives.c. */
     double (*reach)(const Unit *unit, size_t input);
-    /* Time derivative of an output that is no signal; `value`, 0, is left where it is not known. */
+    /* Time derivative of an output that is no signal; `value`, 0, is left where it is not known;
+       NULL: there are none. */
     int (*slope)(Unit *unit, size_t reference, double *value);
     /* Continuous states of model exchange, NULL: none.  Their number behind an angle as in angle.h, which
        comes first where there is one (`turns`), the others being doubles of `memory` behind it; nominal
@@ -137,8 +139,8 @@ Status unit_terminate(Unit *unit);
 Status unit_step(Unit *unit, double time, double step);
 /* STATUS_OK when `function` may be called in one of these phases. */
 Status unit_allowed(Unit *unit, const char *function, int phases);
-/* The error of a call that is wrong by itself. */
-Status unit_refuse(Unit *unit, const char *function, const char *why);
+/* The error of a call that is wrong by itself, with the reason as in text_format. */
+Status unit_refuse(Unit *unit, const char *function, const char *format, ...);
 
 /* -- values ---------------------------------------------------------------------------------- */
 
@@ -170,8 +172,13 @@ int unit_ends_with(const Unit *unit, size_t reference);
 int unit_refresh(Unit *unit, int level);
 /* Move the equations by a step [s]; 1 with the reason, and as it was, where they fail. */
 int unit_advance(Unit *unit, double step);
+/* Add words with values: %s a text, %u an unsigned long, %v a number, %3 one with 3 significant
+   digits. */
+void text_format(Text *text, const char *format, ...);
 /* Begin the reason anew and return it. */
 Text *unit_reason(Unit *unit);
+/* A new reason, as in text_format; returns 1. */
+int unit_fail(Unit *unit, const char *format, ...);
 /* The reason for a failure of the core, with the values it names as a list; returns 1. */
 int unit_failed(Unit *unit, const Failure *failure, const double *values, size_t count);
 /* Log a warning the first time it applies in this instance: `bit` says which. */

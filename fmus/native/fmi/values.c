@@ -22,10 +22,8 @@ static int unknown(Unit *unit, const unsigned *references, size_t count, size_t 
         }
     }
     if (reason && known) {
-        text_put(reason, "]: unknown, there are ");
-        text_integer(reason, (unsigned long)first);
-        text_put(reason, " to ");
-        text_integer(reason, (unsigned long)(first + known - 1));
+        text_format(reason, "]: unknown, there are %u to %u", (unsigned long)first,
+                    (unsigned long)(first + known - 1));
     } else if (reason) {
         text_put(reason, "]: unknown, there are none");
     }
@@ -199,9 +197,8 @@ Status unit_set_boolean(Unit *unit, unsigned reference, int value)
     }
     if (unit->phase == RUNNING) {
         const Flag *flags = unit->layout.table->flags;
-        text_put(unit_reason(unit), flags[reference - unit->first_boolean].name);
-        text_put(&unit->reason, ": fixed once initialisation has ended");
-        return unit_report(unit, STATUS_ERROR, "setting failed");
+        return unit_refuse(unit, "setting failed", "%s: fixed once initialisation has ended",
+                           flags[reference - unit->first_boolean].name);
     }
     unit->boolean[reference - unit->first_boolean] = value != 0;
     unit->stale = BEGINNING;

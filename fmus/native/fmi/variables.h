@@ -91,8 +91,6 @@ Layout layout_in(Variable *reals, const Table *table, const Sizes *sizes);
 size_t layout_index(const Layout *layout, const char *pattern, int index);
 /* Start values that are the same for every index and size; the others are left. */
 void layout_starts(const Layout *layout, double *real);
-/* The digest of layout.py, FNV-1a over all names, units, start values and limits. */
-uint64_t layout_digest(const Layout *layout, const double *starts);
 
 void layout_name(const Layout *layout, size_t reference, Text *text);
 /* Name, value and unit in words. */

@@ -47,10 +47,6 @@ static int build_single(Unit *unit, const char *token)
     if (unit->equations->starts) {
         unit->equations->starts(&unit->layout, unit->starts);
     }
-    if (token_check(token, &unit->layout, layout_digest(&unit->layout, unit->starts),
-                    &unit->reason)) {
-        return 1;
-    }
     memcpy(unit->token, token, text_length(token) + 1);
     unit->memory_count =
         unit->equations->memory_size ? unit->equations->memory_size(&unit->layout) : 0;

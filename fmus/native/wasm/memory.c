@@ -26,7 +26,6 @@ void *calloc(size_t count, size_t size)
 
 void free(void *block)
 {
-    (void)block;
 }
 
 size_t strlen(const char *text)

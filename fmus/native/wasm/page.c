@@ -12,9 +12,6 @@ static char message[MESSAGE_SIZE];
 static void keep_words(void *host, const char *name, Status status, const char *words)
 {
     Text text = text_in(message, sizeof message);
-    (void)host;
-    (void)name;
-    (void)status;
     text_put(&text, words);
 }
 

@@ -8,7 +8,7 @@ import zipfile
 
 import pytest
 
-from autobalancer.fmus.build import content_id
+from autobalancer.fmus.build import options_of
 from autobalancer.harness import SimulationError, UnitError, build, cosimulate, load_scene
 from autobalancer.harness.master import cosimulation
 from autobalancer.harness.master.cosimulation import CoSimulation
@@ -305,6 +305,6 @@ def test_an_archive_that_unpacks_to_more_than_any_fmu_is_refused_unread(tmp_path
     assert path.stat().st_size < 5_000_000
     refused = r"large\.fmu: not .*unpacks to 257000000 bytes; at most 256000000"
     with pytest.raises(ValueError, match=refused):
-        content_id(path)
+        options_of(path)
     with pytest.raises(UnitError, match=refused):
         Fmu(path, "large")

@@ -1,20 +1,18 @@
-/* A host in plain C that carries out orders from its standard input and writes numbers as their bits.
+/* A host in plain C that runs one unit and writes its outputs as their bits.
 
    It leaves out the C run-time library, so that it is made for any platform in a second: the few
-   functions it needs come from system_*.c beside it.  Orders, one a line, words apart by a blank:
+   functions it needs come from system_*.c beside it.  Lines of its standard input:
 
-       open FILE                load a library
-       new K TOKEN              instance number K
-       init K                   initialise from time 0
-       to K TIME STEP           step, both as bits in hexadecimal
-       show K REFERENCE COUNT   write Reals, 16 hexadecimal digits each
-       free K */
+       LIBRARY
+       TOKEN
+       FIRST COUNT    value references of the Reals that are written
+       TIME STEP      a step from a time, both as bits in hexadecimal; as often as wanted */
 #include <stddef.h>
 #include <stdint.h>
 
 #include "system.h"
 
-enum { INSTANCES = 8, REALS = 4096, LINE = 8192 };
+enum { REALS = 4096, LINE = 8192 };
 
 typedef struct {
     void (*logger)(void *, const char *, int, const char *, const char *, ...);
@@ -31,11 +29,10 @@ typedef struct {
     int (*leave)(void *);
     int (*get_real)(void *, const unsigned *, size_t, double *);
     int (*step)(void *, double, double, int);
-    void (*release)(void *);
 } Library;
 
 static Library library;
-static void *instances[INSTANCES];
+static void *unit;
 static double reals[REALS];
 static unsigned references[REALS];
 static char line[LINE];
@@ -142,25 +139,6 @@ static void write_real(double value)
     system_write(digits, 17);
 }
 
-static void **instance(void)
-{
-    unsigned k = number();
-    if (k >= INSTANCES)
-        fail("no such instance", "");
-    return &instances[k];
-}
-
-/* So many references from the first on, as two words of the line say, or the count given. */
-static size_t range(unsigned first, size_t count)
-{
-    size_t k;
-    if (count > REALS)
-        fail("too many values", "");
-    for (k = 0; k < count; k++)
-        references[k] = first + (unsigned)k;
-    return count;
-}
-
 static void expect_ok(int status, const char *order)
 {
     if (status != 0)
@@ -179,64 +157,42 @@ static void open_library(const char *path)
     FIND(leave, "fmi2ExitInitializationMode");
     FIND(get_real, "fmi2GetReal");
     FIND(step, "fmi2DoStep");
-    FIND(release, "fmi2FreeInstance");
 #undef FIND
 }
 
-static void begin(void *unit)
+static void begin(const char *token)
 {
+    static const Callbacks callbacks = {logger, NULL, NULL, NULL, NULL};
+    unit = library.instantiate("unit", 1, token, "file:///none", &callbacks, 0, 1);
+    if (unit == NULL)
+        fail("refused", token);
     expect_ok(library.setup(unit, 0, 0.0, 0.0, 0, 0.0), "fmi2SetupExperiment");
     expect_ok(library.enter(unit), "fmi2EnterInitializationMode");
     expect_ok(library.leave(unit), "fmi2ExitInitializationMode");
 }
 
-static void show(void *unit)
-{
-    unsigned first = number();
-    size_t count = range(first, number()), k;
-    expect_ok(library.get_real(unit, references, count, reals), "fmi2GetReal");
-    for (k = 0; k < count; k++)
-        write_real(reals[k]);
-    write_text("\n");
-}
-
-static void carry_out(char order)
-{
-    static const Callbacks callbacks = {logger, NULL, NULL, NULL, NULL};
-    void **place;
-    double time;
-    if (order == 'o') {
-        open_library(rest);
-        return;
-    }
-    place = instance();
-    switch (order) {
-    case 'n':
-        *place = library.instantiate("unit", 1, rest, "file:///none", &callbacks, 0, 1);
-        if (*place == NULL)
-            fail("refused", rest);
-        break;
-    case 'i':
-        begin(*place);
-        break;
-    case 't':
-        time = real();
-        expect_ok(library.step(*place, time, real(), 1), "fmi2DoStep");
-        break;
-    case 's':
-        show(*place);
-        break;
-    case 'f':
-        library.release(*place);
-        break;
-    default:
-        fail("no such order", line);
-    }
-}
-
 void run(void)
 {
-    while (read_line())
-        carry_out(*word());
+    size_t count, k;
+    unsigned first;
+    read_line();
+    open_library(line);
+    read_line();
+    begin(line);
+    read_line();
+    first = number();
+    count = number();
+    if (count > REALS)
+        fail("too many values", "");
+    for (k = 0; k < count; k++)
+        references[k] = first + (unsigned)k;
+    while (read_line()) {
+        const double time = real();
+        expect_ok(library.step(unit, time, real(), 1), "fmi2DoStep");
+        expect_ok(library.get_real(unit, references, count, reals), "fmi2GetReal");
+        for (k = 0; k < count; k++)
+            write_real(reals[k]);
+        write_text("\n");
+    }
     system_exit(0);
 }
