@@ -45,22 +45,14 @@ def command(
     weights: Annotated[
         Path | None, options.picture("Displacement and angles of all weights against time.")
     ] = None,
-    weights_over_speed: Annotated[
-        Path | None, options.picture("Angles of all weights against speed.")
-    ] = None,
     waterfall: Annotated[
         Path | None, options.picture("Spectra over the speed of a run-up.")
     ] = None,
-    orders: Annotated[Path | None, options.picture("Amplitudes of orders over the speed.")] = None,
     polar: Annotated[
         Path | None, options.picture("Synchronous amplitude and phase (Nyquist).")
     ] = None,
     orbits: Annotated[
         Path | None, options.picture("Last orbits along the shaft, in space.")
-    ] = None,
-    settling: Annotated[
-        Path | None,
-        options.picture("Settling time over the start angles of two weights."),
     ] = None,
     movie: Annotated[
         Path | None,
@@ -70,9 +62,6 @@ def command(
             callback=drawings.check_movie,
         ),
     ] = None,
-    movie_axes: Annotated[
-        drawings.MovieAxes, typer.Option(help="That the movie is seen from.")
-    ] = drawings.MovieAxes.ROTOR,
     movie_seconds: Annotated[
         float, options.quantity("s", "Length of the movie, s.", "--movie-seconds")
     ] = 8.0,
@@ -84,10 +73,7 @@ def command(
     from ..output.report import Report
     from .run import refuse_separate
 
-    wanted = {
-        "weights": weights, "weights_over_speed": weights_over_speed, "waterfall": waterfall,
-        "orders": orders, "polar": polar, "orbits": orbits, "settling": settling,
-    }  # fmt: skip
+    wanted = {"weights": weights, "waterfall": waterfall, "polar": polar, "orbits": orbits}
     pictures = {kind: path for kind, path in wanted.items() if path is not None}
     loaded = changed_scene(scene, changes)
     if fmus is not None and not fmus.is_dir():
@@ -96,7 +82,7 @@ def command(
         refuse_separate(loaded, fmus)
         say("NOTE: --one-file is the default now, and deprecated", style="bold yellow", error=True)
     if movie is not None:
-        drawings.refuse_movie(loaded, movie_axes, movie_seconds)
+        drawings.refuse_movie(loaded, movie_seconds)
     drawings.refuse_pictures(loaded, pictures)
     record = drawings.record(loaded) if pictures or movie else loaded.run.record
     if plot is not None and record == ():
@@ -137,4 +123,4 @@ def command(
     page.write()
     drawings.draw(result, pictures, at_most)
     if movie is not None:
-        drawings.film(result, movie, movie_axes, movie_seconds)
+        drawings.film(result, movie, movie_seconds)

@@ -37,7 +37,7 @@ def test_a_loaded_result_is_the_one_that_was_saved(result, tmp_path):
         path = one.save(tmp_path / f"{number}.nc")
         again = Result.load(path)
         assert_equal(one, again)
-    assert Result.load(tmp_path / "0.nc").plot_orders().panels  # it knows its scene
+    assert Result.load(tmp_path / "0.nc").plot_polar().panels  # it knows its scene
 
 
 def test_a_scene_that_was_loaded_runs_to_the_same_signals(result, tmp_path):
