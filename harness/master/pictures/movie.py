@@ -96,7 +96,11 @@ def write_movie(
     figure, move = _stage(motion, times, *views(motion, times))
     movie = FuncAnimation(figure, move, frames=count)
     kind = FFMpegWriter if movie_format(path) == "mp4" else PillowWriter
-    report = progress and (lambda frame, _count: progress((frame + 1) / count))
+
+    def report(frame: int, _count: int) -> None:
+        if progress:
+            progress((frame + 1) / count)
+
     with tempfile.TemporaryDirectory() as folder:
         made = Path(folder) / f"movie{path.suffix.lower()}"
         writer = kind(fps=FRAMES_PER_SECOND)
