@@ -88,7 +88,7 @@ class System:
         # in the order in which the rotor declares them they are one slice
         planes = sorted(
             acceleration_of,
-            key=lambda name: self.rotor.reference(components(name, plan.axes)[0]),
+            key=lambda name: self.rotor.group(components(name, plan.axes)).references[0],
         )
         self._forces = self.rotor.group(signals(planes, order, plan.axes))
         # the values of all planes, then the slopes of all planes: of each plane a column
@@ -158,9 +158,8 @@ class System:
         """What `forces` are of units in initialisation mode under accelerations of the planes."""
         knots = []
         for exchange in self.exchanges:
-            exchange.unit.set_vectors(
-                exchange.inputs, accelerations[exchange.plane][: self.order + 1]
-            )
+            exchange.inputs.vectors[:] = accelerations[exchange.plane][: self.order + 1]
+            exchange.unit.send(exchange.inputs)
             exchange.unit.fetch(exchange.outputs)
             knots.append(self._knots(exchange.outputs))
         return np.concatenate([*knots, self.shaft.begin()] if self.shaft else knots)
