@@ -13,7 +13,7 @@ from ..output.files import write_json
 from ..output.terminal import progress_bar, say, say_facts, show
 from ..scene.changes import changed_scene
 from . import run_pictures as drawings
-from .result_tables import as_json, statistics, summary
+from .result_tables import as_json, summary
 
 
 def command(
@@ -89,8 +89,6 @@ def command(
     page = Report(report, loaded.heading, [loaded])
     with page.keeping():
         show(summary(result))
-        if result.verification is not None and result.verification.parting is not None:
-            show(statistics(result.verification))
         say(str(result.summary()))
     if verbose:
         ran_as = "FMUs loaded" if result.calls else "Coupled in C, as one file"

@@ -157,7 +157,9 @@ def _stage(
 ) -> tuple[Figure, Callable[[int], None]]:
     """The figure, and what moves it to a frame."""
     figure = Figure(figsize=(3.6 * len(seen) + 4.2, 4.0), layout="constrained")
-    figure.suptitle(f"{motion.title}\ndisplacement magnified {factor:g} times", fontsize="medium")
+    figure.suptitle(
+        f"{motion.scene.heading}\ndisplacement magnified {factor:g} times", fontsize="medium"
+    )
     grid = figure.add_gridspec(2, len(seen) + 1, width_ratios=[*([3.6] * len(seen)), 4.2])
     moves = [_actor(figure.add_subplot(grid[:, k]), view) for k, view in enumerate(seen)]
     moves.append(_curves(motion, times, *(figure.add_subplot(grid[k, -1]) for k in range(2))))

@@ -123,4 +123,4 @@ def motion_with_weights(motion: Motion, judged: Summary | None = None) -> Pictur
             line = time, unbroken(np.degrees(light))
             lines.append(Line(line, "opposite the unbalance", GREY, "dashed"))
         panels.append(Panel((axis, ONE_TURN), lines, title=balancer.label))
-    return Picture(f"{motion.title}\nmotion and weights", panels, height=2.6)
+    return Picture(f"{motion.scene.heading}\nmotion and weights", panels, height=2.6)
