@@ -75,7 +75,9 @@ def command(
     if fmus is not None and not fmus.is_dir():
         raise UserError(f"{fmus}: is not a directory with FMUs")
     if movie is not None:
-        drawings.refuse_movie(loaded, movie_seconds)
+        from .pictures.movie import refuse_unseen
+
+        refuse_unseen(loaded, movie_seconds)
     drawings.refuse_pictures(loaded, pictures)
     record = drawings.record(loaded) if pictures or movie else loaded.run.record
     if plot is not None and record == ():
@@ -114,4 +116,6 @@ def command(
     page.write()
     drawings.draw(result, pictures, at_most)
     if movie is not None:
-        drawings.film(result, movie, movie_seconds)
+        with progress_bar(f"drawing {movie.name}") as progress:
+            result.movie(movie, movie_seconds, progress)
+        say(f"Movie: {movie}")

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from ..errors import UserError
 from ..output import costs
-from ..output.terminal import progress_bar, progress_bars, ready_to_write, say
+from ..output.terminal import progress_bars, ready_to_write, say
 from .schedule import end_time
 
 if TYPE_CHECKING:
@@ -28,17 +28,6 @@ def check_movie(path: Path | None) -> Path | None:
         refuse_unwritable(path)
         ready_to_write(path)
     return path
-
-
-def refuse_movie(scene: Scene, seconds: float) -> None:
-    """Refuse a movie that would not show the run, before it.
-
-    Raises:
-        UserError: so it is.
-    """
-    from .pictures.movie import refuse_unseen
-
-    refuse_unseen(scene, seconds)
 
 
 def refuse_pictures(scene: Scene, kinds: Collection[str]) -> None:
@@ -86,14 +75,3 @@ def draw(result: Result, pictures: Mapping[str, Path], at_most: str) -> None:
                 getattr(result, f"plot_{kind}")().save(path)
             bars.remove_task(task)
             say(f"Picture: {path}")
-
-
-def film(result: Result, path: Path, seconds: float) -> None:
-    """The movie, under a bar.
-
-    Raises:
-        UserError: it cannot be written.
-    """
-    with progress_bar(f"drawing {path.name}") as progress:
-        result.movie(path, seconds, progress)
-    say(f"Movie: {path}")

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import pytest
@@ -116,17 +115,6 @@ def test_any_variable_but_inputs_is_recorded_with_the_unit_it_has():
     assert found.signal_units == expected.signal_units
     for name in names:
         assert found[name] == pytest.approx(expected[name], abs=1e-11 * np.ptp(expected[name]))
-
-
-def test_eight_threads_have_the_bits_of_one_after_another():
-    scene = load_scene("two_balls").replace({"run.revolutions": 50})
-    scenes = [scene.replace({"weights.drag": 0.01 + 0.002 * k}) for k in range(16)]
-
-    def run(one):
-        return [v.tobytes() for v in cosimulate(one).signals.values()]
-
-    with ThreadPoolExecutor(8) as executor:
-        assert list(executor.map(run, scenes)) == [run(one) for one in scenes]
 
 
 def test_the_fixture_runs_it(cosim):
