@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING
 from ..errors import UserError
 from ..output import costs
 from ..output.terminal import progress_bars, ready_to_write, say
-from .schedule import end_time
 
 if TYPE_CHECKING:
     from ..scene import Scene
@@ -40,6 +39,7 @@ def refuse_pictures(scene: Scene, kinds: Collection[str]) -> None:
         return  # to load what pictures are made from takes longer than a run
     from .pictures.motion import with_weights
     from .pictures.orders import SHORTEST, SYNCHRONOUS, refuse_few
+    from .schedule import end_time
 
     windows = {"waterfall": SHORTEST, "polar": SYNCHRONOUS}  # revolutions
     profile, end = scene.profile(), end_time(scene)
