@@ -1,38 +1,24 @@
-"""Scenes that differ in numbers alone, run together by the coupling in C."""
+"""Scenes that differ in numbers alone, which the coupling in C can run together."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from typing import Any
 
-from numpy.typing import NDArray
-
 from ..errors import UserError
 from ..scene import Scene
-from .many import cosimulate_many
 from .one_file import drive
 from .plan import Plan, plan
 
 _DRIVE = ("speed", "acceleration")  # of the composite, which tells its units
 
 
-def cosimulate_alike(
-    scenes: Sequence[Scene], results: Sequence[str], threads: int | None = None
-) -> dict[str, NDArray]:
-    """`cosimulate_many` for scenes instead of rows of the composite's variables.
+def table_of(scenes: Sequence[Scene]) -> dict[str, list[float]]:
+    """By the composite's names, the values in which scenes differ; where they do not, one of them.
 
     Args:
         scenes: at least one; the same units, connections, coupling and revolutions, and the same
             run-up where there is one.
-
-    Raises:
-        UserError: they differ in more than numbers; or as `cosimulate_many`.
-    """
-    return cosimulate_many(scenes[0], table_of(scenes), results=results, threads=threads)
-
-
-def table_of(scenes: Sequence[Scene]) -> dict[str, list[float]]:
-    """By the composite's names, the values in which scenes differ; where they do not, one of them.
 
     Raises:
         UserError: they differ in more than numbers.
@@ -44,13 +30,13 @@ def table_of(scenes: Sequence[Scene]) -> dict[str, list[float]]:
             f"{first.name}: only numbers of the rotor, the balancers and the motor, run.initial, "
             "gravity and a constant speed may differ between runs in C"
         )
-    starts = [_start(*pair) for pair in zip(scenes, plans, strict=True)]
+    starts = [values_of(*pair) for pair in zip(scenes, plans, strict=True)]
     changed = [name for name in starts[0] if any(s[name] != starts[0][name] for s in starts)]
     return {name: [s[name] for s in starts] for name in changed or list(starts[0])[:1]}
 
 
 def refuse_unvaried(scene: Scene, path: str) -> None:
-    """Refuse a path in whose values the runs of `cosimulate_alike` cannot differ.
+    """Refuse a path in whose values runs of one table cannot differ.
 
     Raises:
         UserError: it is one.
@@ -74,13 +60,8 @@ def _common(scene: Scene, found: Plan) -> Any:
     return units, found.connections, scene.coupling, scene.run.revolutions, changing, many
 
 
-def values_of(scene: Scene) -> dict[str, float]:
-    """Start values of a scene by the composite's names."""
-    return _start(scene, plan(scene))
-
-
-def _start(scene: Scene, found: Plan) -> dict[str, float]:
-    """Start values by the composite's names."""
+def values_of(scene: Scene, found: Plan) -> dict[str, float]:
+    """Start values of a scene with its plan, by the composite's names."""
     values = {
         f"{unit.name}.{name}": float(value)
         for unit in found.units

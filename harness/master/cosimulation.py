@@ -58,6 +58,8 @@ class CoSimulation(Closing):
 
     Attributes:
         coupled: whether there is a loop.
+        chooses_steps: whether a tolerance chooses each step of a first run.
+        meets_events: whether steps end where weights collide or stick, or supports stick.
         ends_steps_at_corners: of a motor's characteristic.
         time: reached so far [s]; may be set to where a step was to end.
 
@@ -145,10 +147,10 @@ class CoSimulation(Closing):
     def _prepare(self, step: float) -> Scheme:
         """Bring the units to a consistent start, and make the scheme for this loop."""
         system, rounding = self.system, self._rounding
-        jacobian = consistent_start(system, step, rounding)
-        eigenvalues = value_eigenvalues(jacobian)
+        slopes = consistent_start(system, step, rounding)
+        eigenvalues = value_eigenvalues(slopes[: slopes.shape[1]])
         self.gain = max(map(abs, eigenvalues), default=0.0)
-        scheme = choose(self.scene, system, jacobian, step, self.gain, rounding)
+        scheme = choose(self.scene, system, slopes, step, self.gain, rounding)
         self.amplification = scheme.amplification(eigenvalues, system.order)
         return scheme
 
@@ -218,11 +220,10 @@ class CoSimulation(Closing):
     def _refuse_runaway(self, step: float) -> None:
         """Refuse steps that repeat their own error: forces grow with all they are compared with."""
         forces = self.system.forces.largest[: len(self.system.exchanges)]
-        largest = max(forces, default=0.0)
-        if largest > self._most:
+        if forces.max(initial=0.0) > self._most:
             raise SimulationError(
                 f"coupling steps of {step:.3g} s are too long at t = {self.time:g} s: "
-                f"{self.system.force_names[forces.index(largest)]} is beyond all that the scene "
+                f"{self.system.force_names[forces.argmax()]} is beyond all that the scene "
                 'can make of it: the coupling diverges; use scheme = "iterated" or "auto", '
                 "more coupling.steps_per_rev, or a tolerance"
             )
@@ -235,8 +236,8 @@ class CoSimulation(Closing):
         """
         if self.amplification > 1.0:
             raise SimulationError(
-                f"{self.scheme.name} coupling of order {self.system.order} is unstable from "
-                f"t = 0 s, at any step: every step repeats an error of "
+                f"{self.scene.coupling.scheme} coupling of order {self.system.order} is unstable "
+                f"from t = 0 s, at any step: every step repeats an error of "
                 f"{', '.join(self.system.force_names)} {self.amplification:.3g}-fold; loop gain "
                 f'{self.gain:.3g}; use scheme = "iterated" or "auto"'
             )

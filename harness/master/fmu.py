@@ -1,8 +1,8 @@
 """One FMU instance behind arrays of its own, so that a call costs a C call and nothing else.
 
-`Library` loads the library and declares its functions.  fmpy's wrappers build ctypes arrays at
-every call, and declared types are converted at every call: half of what a call costs.  So the
-functions of a step are taken undeclared, and called with C values made once.
+`Library` loads the library.  fmpy's wrappers build ctypes arrays at every call, and declared types
+are converted at every call: half of what a call costs.  So functions are taken undeclared, and
+those of a step are called with C values made once.
 """
 
 from __future__ import annotations
@@ -133,10 +133,7 @@ class Fmu(Closing):
         self._alive = True
         dll = self.fmu.dll
         self._component = self.fmu.component
-        # by index: functions of their own, without the types that are declared
-        self._get, self._set, self._step = (
-            dll[f"fmi2{name}"] for name in ("GetReal", "SetReal", "DoStep")
-        )
+        self._get, self._set, self._step = dll.fmi2GetReal, dll.fmi2SetReal, dll.fmi2DoStep
         self._begin, self._length, self._final = c_double(), c_double(), c_int(1)
         self._save, self._restore = dll.fmi2GetFMUstate, dll.fmi2SetFMUstate
         self._free = dll.fmi2FreeFMUstate
@@ -186,14 +183,6 @@ class Fmu(Closing):
         references = [self.variables[name].valueReference for name in names]
         return Variables(self._component, names, references, memory)
 
-    def reference(self, name: str) -> int:
-        """Value reference of a variable.
-
-        Raises:
-            UnitError: as `group`.
-        """
-        return self.group([name]).references[0]
-
     def get(self, group: Variables) -> list[float]:
         """Values of the group's variables."""
         self.fetch(group)
@@ -209,11 +198,6 @@ class Fmu(Closing):
     def set(self, group: Variables, values: Sequence[float]) -> None:
         """Write the group's variables."""
         group.buffer[:] = values  # type: ignore[call-overload]  # any sequence will do
-        self.send(group)
-
-    def set_vectors(self, group: Variables, vectors: Sequence[complex]) -> None:
-        """Write a group of pairs, x + i y each."""
-        group.vectors[:] = vectors
         self.send(group)
 
     def send(self, group: Variables) -> None:
@@ -234,21 +218,10 @@ class Fmu(Closing):
 
     def exchange(self, inputs: Variables, outputs: Variables, time: float, step: float) -> None:
         """`send`, `step` and `fetch` in one."""
-        calls = self.calls
-        calls["set"] += 1
-        calls["step"] += 1
-        calls["get"] += 1
-        self.time = self._begin.value = time
-        self._length.value = step
-        status = self._set(*inputs.call)
-        if status > _WARNING:
-            self._check(status, f"setting {', '.join(inputs.names[:4])}")
-        status = self._step(self._component, self._begin, self._length, self._final)
-        if status > _WARNING:
-            self._check(status, f"a step of {step:g} s")
-        status = self._get(*outputs.call)
-        if status > _WARNING:
-            self._check(status, f"reading {', '.join(outputs.names[:4])}")
+        self.time = time
+        self.send(inputs)
+        self.step(time, step)
+        self.fetch(outputs)
 
     def save(self, state: c_void_p | None = None) -> c_void_p:
         """A copy of the complete state; give it back with `free`.
@@ -288,14 +261,15 @@ class Fmu(Closing):
         self.calls["reset"] += 1
         dll, component = self.fmu.dll, self._component
         self._check(dll.fmi2Reset(component), "reset")
-        self._check(dll.fmi2SetupExperiment(component, 0, 0.0, 0.0, 0, 0.0), "set-up")
+        zero = c_double()
+        self._check(dll.fmi2SetupExperiment(component, 0, zero, zero, 0, zero), "set-up")
         reals = {k: v for k, v in parameters.items() if not isinstance(v, bool)}
         self.set(self.group(list(reals)), [float(v) for v in reals.values()])
         for name, value in parameters.items():
             if isinstance(value, bool):
                 reference = self.group([name]).references
                 self._check(
-                    dll.fmi2SetBoolean(component, reference, 1, (c_int * 1)(value)),
+                    dll.fmi2SetBoolean(component, reference, c_size_t(1), byref(c_int(value))),
                     f"setting {name}",
                 )
         self._check(dll.fmi2EnterInitializationMode(component), "initialisation")

@@ -10,35 +10,19 @@ from __future__ import annotations
 import ctypes
 import sys
 import threading
-from ctypes import POINTER, byref, c_char, c_char_p, c_double, c_int, c_size_t, c_uint, c_void_p
+from ctypes import byref, c_char_p, c_int, c_void_p
 from pathlib import Path
-from typing import Any
 
 import fmpy
 from fmpy import fmi2
 
 _TURN = threading.RLock()
 _RESOURCES_OF_PYTHONFMU = "slavemodule.txt"  # it is pythonfmu's loader that reads this one
-_REALS = (c_void_p, POINTER(c_uint), c_size_t, POINTER(c_double))
-_BOOLEANS = (c_void_p, POINTER(c_uint), c_size_t, POINTER(c_int))
-_STATE = (c_void_p, POINTER(c_void_p))
-_BYTES = (c_void_p, c_void_p, POINTER(c_char), c_size_t)
-_FUNCTIONS: dict[str, tuple[Any, ...]] = {
-    "fmi2SetupExperiment": (c_void_p, c_int, c_double, c_double, c_int, c_double),
-    "fmi2EnterInitializationMode": (c_void_p,),
-    "fmi2ExitInitializationMode": (c_void_p,),
-    "fmi2Reset": (c_void_p,),
-    "fmi2GetReal": _REALS,
-    "fmi2SetReal": _REALS,
-    "fmi2SetBoolean": _BOOLEANS,
-    "fmi2DoStep": (c_void_p, c_double, c_double, c_int),
-    "fmi2GetRealStatus": (c_void_p, c_int, POINTER(c_double)),
-    "fmi2GetFMUstate": _STATE,
-    "fmi2SetFMUstate": (c_void_p, c_void_p),
-    "fmi2FreeFMUstate": _STATE,
-    "fmi2SerializedFMUstateSize": (c_void_p, c_void_p, POINTER(c_size_t)),
-    "fmi2SerializeFMUstate": _BYTES,
-}
+_NEEDED = (
+    *("SetupExperiment", "EnterInitializationMode", "ExitInitializationMode", "Reset"),
+    *("GetReal", "SetReal", "SetBoolean", "DoStep"),
+    *("GetFMUstate", "SetFMUstate", "FreeFMUstate"),
+)
 
 
 class Library:
@@ -49,7 +33,7 @@ class Library:
         identifier: its model identifier.
 
     Attributes:
-        dll: the library, the functions that a master calls declared.
+        dll: the library; its functions take C values.
         component: the instance, once it is made.
         runs_python: whether pythonfmu made the FMU.
 
@@ -71,9 +55,8 @@ class Library:
         with _TURN:
             self.dll = load(str(path))
             try:
-                for name, types in _FUNCTIONS.items():
-                    function = getattr(self.dll, name)
-                    function.argtypes, function.restype = types, c_int
+                for name in _NEEDED:
+                    getattr(self.dll, f"fmi2{name}")
             except AttributeError:
                 fmpy.freeLibrary(self.dll._handle)
                 raise
@@ -115,8 +98,6 @@ class Library:
 
     def free(self) -> None:
         """Free the instance and unload the library."""
-        free = self.dll.fmi2FreeInstance
-        free.argtypes, free.restype = (c_void_p,), None
         with _TURN:
-            free(self.component)
+            self.dll.fmi2FreeInstance(self.component)
             fmpy.freeLibrary(self.dll._handle)

@@ -112,22 +112,6 @@ def rescaled(matrix: np.ndarray, ratio: float) -> np.ndarray:
     return np.asarray(matrix * ratio ** np.subtract.outer(rows, columns))
 
 
-def rotor_response(system: System, step: float) -> NDArray[np.float64]:
-    """d(acceleration)/d(force) of a rotor in initialisation mode, (4 p, 4 c).
-
-    For p planes and c connections; leaves the rotor with the forces that it has.
-    """
-
-    def respond(u: Vector) -> Vector:
-        system.set_forces(cubics_from_start(unpack(u, step)))
-        return pack(system.read_accelerations(), step)
-
-    now = pack(system.forces.now, step)
-    found = jacobian(respond, now, respond(now), max(1.0, size(now)))
-    respond(now)
-    return found
-
-
 def consistent_start(system: System, step: float, rounding: float = 0.0) -> NDArray[np.float64]:
     """Bring forces and accelerations of units in initialisation mode into agreement.
 
@@ -136,7 +120,8 @@ def consistent_start(system: System, step: float, rounding: float = 0.0) -> NDAr
         rounding: of the forces [N]: where they cancel, nothing larger can be made of them.
 
     Returns:
-        dG/du at the start, (4 c, 4 c) for c connections; its spectral radius is the loop gain.
+        dG/du at the start, (4 c, 4 c) for c connections, whose spectral radius is the loop gain;
+        and d(acceleration)/du below it, (4 p, 4 c) for p planes.
 
     Raises:
         SimulationError: the iteration did not converge, or the loop has gain 1.
@@ -146,13 +131,15 @@ def consistent_start(system: System, step: float, rounding: float = 0.0) -> NDAr
 
     def respond(u: Vector) -> Vector:
         system.set_forces(cubics_from_start(unpack(u, step)))
-        system.accelerations.now = system.read_accelerations()
-        return pack(system.answer(cubics_from_start(system.accelerations.now)), step)
+        system.accelerations.now = motion = system.read_accelerations()
+        return pack(np.concatenate((system.answer(cubics_from_start(motion)), motion)), step)
 
     # slopes take squares of the values, but these converge before them
-    u = np.zeros(2 * len(system.forces.now), complex)
+    count = 2 * len(system.forces.now)
+    u = np.zeros(count, complex)
     g_u = respond(u)
-    slope_of_g = jacobian(respond, u, g_u, size(g_u) or 1.0)
+    slopes = jacobian(respond, u, g_u, size(g_u[:count]) or 1.0)
+    g_u, slope_of_g = g_u[:count], slopes[: 2 * count]
     if not np.isfinite(slope_of_g).all():
         raise SimulationError("start values: the forces of the balancers are not finite at t = 0 s")
     newton = QuasiNewton(slope_of_g, step)
@@ -161,7 +148,7 @@ def consistent_start(system: System, step: float, rounding: float = 0.0) -> NDAr
     for _ in range(START_ITERATIONS):
         du, before = newton.correction(residual), residual
         u = u + du
-        g_u = respond(u)
+        g_u = respond(u)[:count]
         residual = g_u - u
         slow = SLOW_CONVERGENCE * size(before)  # a weight sticks where the one before has slid
         if size(residual) > slow:
@@ -176,7 +163,7 @@ def consistent_start(system: System, step: float, rounding: float = 0.0) -> NDAr
         )
     system.forces.now = unpack(g_u, step)
     system.drop_past()
-    return slope_of_g
+    return slopes
 
 
 def of_values(jacobian: NDArray[np.float64]) -> NDArray[np.bool_]:

@@ -15,9 +15,11 @@ from numpy.typing import NDArray
 from ..errors import UserError
 from ..output.costs import free_memory, refuse_beyond
 from ..scene import Scene
+from .alike import table_of, values_of
 from .merged import merged_runs, names_of_states
 from .names import station_residuals, stations
 from .one_file import composition
+from .plan import plan
 from .schedule import end_time
 
 POINTS_PER_REV = 20  # at which the amplitude is looked at, where a tolerance chooses the steps
@@ -124,12 +126,11 @@ def cosimulate_many(
 
 def _variables(scene: Scene, columns: dict[str, NDArray]) -> dict[str, NDArray]:
     """Columns by the composite's variables, of columns by the scene's paths."""
-    from .alike import table_of, values_of
-
     found: dict[str, NDArray] = {}
     for path, column in columns.items():
         ends = column[[0, -1]] if column[0] != column[-1] else column[0] * np.array([1.0, 1.5])
-        pair = [values_of(scene.replace({path: float(value)})) for value in ends]
+        varied = [scene.replace({path: float(value)}) for value in ends]
+        pair = [values_of(one, plan(one)) for one in varied]
         names = [name for name in pair[0] if pair[0][name] != pair[1][name]]
         if not names or any([one[name] for one in pair] != ends.tolist() for name in names):
             break  # a variable is made from it

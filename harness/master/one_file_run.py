@@ -80,7 +80,7 @@ class OneFileRun(Closing):
         self.time, self._passes = 0.0, 0.0
 
     def start(self, *, attempt: int | None = None, again: Repeated | None = None) -> None:
-        """As `Simulation.start`; without an attempt steps may err by less, for one run alone."""
+        """As `CoSimulation.start`; without an attempt steps may err by less, for one run alone."""
         if self.time:
             self._passes += self._run.facts.passes
         self.time = 0.0
@@ -94,7 +94,7 @@ class OneFileRun(Closing):
             raise SimulationError(f"{self.scene.name}: {failure}") from None
 
     def step(self, step: float, longest: float | None = None) -> float:
-        """As `Simulation.step`."""
+        """As `CoSimulation.step`."""
         begin = self.time
         stretch = Stretch(
             begin, begin + step, 0.0 if self.chooses_steps else step, longest or step, 1
@@ -104,7 +104,7 @@ class OneFileRun(Closing):
         return self.time - begin
 
     def record(self, recorder: Recorder, progress: Progress | None) -> None:
-        """As `Simulation.record`."""
+        """As `CoSimulation.record`."""
         outputs = np.concatenate([np.zeros(0, np.uintc), *(g[0] for _, g in recorder.groups)])
         end, most = end_time(self.scene), FIRST_ROWS
         recorder.record(self.time)

@@ -1,12 +1,10 @@
-"""Runs of one scene that lose each other, and what can still be compared of them.
+"""Runs of one scene that lose each other: where neighbouring motions part exponentially.
 
-Where neighbouring motions part exponentially no method knows the end, and each run is one sample of
-it: the rate is said, and mean, rms and extreme are what two runs have in common.
+No method knows the end of such a motion, and each run is one sample of it: the rate is stated.
 """
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -15,22 +13,6 @@ from ...models.arrays import Array
 
 FEWEST_POINTS = 8  # to fit a rate to
 POWER_LAW = 3.0  # errors that gather grow with time to this power at most: 2 for a phase's drift
-
-
-@dataclass(frozen=True)
-class Statistics:
-    """Of a signal over the run, in its unit, each point counted for the time it stands for."""
-
-    mean: float
-    rms: float
-    extreme: float
-
-    @classmethod
-    def of(cls, time: Array, values: Array) -> Statistics:
-        """Of values (T,) at times (T,)."""
-        weights = np.gradient(time) / np.gradient(time).sum() if len(time) > 1 else np.ones(1)
-        rms = math.sqrt(float(weights @ values**2))
-        return cls(float(weights @ values), rms, float(np.abs(values).max()))
 
 
 @dataclass(frozen=True)

@@ -21,7 +21,6 @@ all makes estimates meaningless: such steps are counted.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -42,23 +41,6 @@ from .system import System
 
 LOST_PREDICTION = MISS_PER_ERROR * UNRESOLVED_ERROR  # of a signal's largest value: then it is lost
 _TURN = 2.0 * math.pi
-
-
-@dataclass(slots=True)
-class _Plane:
-    """What the acceleration of a plane moves.
-
-    Attributes:
-        turned: angle [rad] by which a push of 1 m/s turns a weight there until it is forgotten.
-        speed, place: the acceleration drawn back once [m/s] and twice [m], as supports do.
-        swung: its errors over the steps of the last revolution [m/s2].
-    """
-
-    name: str
-    turned: float
-    speed: complex = 0j
-    place: complex = 0j
-    swung: float = 0.0
 
 
 class Resolution:
@@ -95,16 +77,19 @@ class Resolution:
         out = math.hypot(start.x, start.y) + math.hypot(start.vx, start.vy) / self._pace
         self._reach = pull / (self._mass * self._pace**2) + out  # m: how far the rotor moves
         self._system, self._force_names = system, system.force_names[: len(system.exchanges)]
-        self._planes = [
-            _Plane(name, _turned(scene, system, plane, self._speed))
-            for plane, name in enumerate(system.acceleration_names)
-        ]
+        count = len(system.acceleration_names)
+        # by plane: its acceleration drawn back once [m/s] and twice [m], as supports do, its errors
+        # over the steps of the last revolution [m/s2], and what they turn a weight by
+        self._velocity, self._place = np.zeros(count, complex), np.zeros(count, complex)
+        self._swung = np.zeros(count)
+        turned = [_turned(scene, system, plane, self._speed) for plane in range(count)]
+        self._turned = np.array(turned)
         least = SIGNAL_NOISE * assembly.capacity * self._speed**2
         for signals, smallest in (
             (system.forces, least),
             (system.accelerations, least / self._mass),
         ):
-            signals.largest = [max(smallest, abs(value)) for value in signals.now[:, 0].tolist()]
+            signals.largest = np.maximum(smallest, np.abs(signals.now[:, 0]))
         self._pushed, self._step, self._blind = 0.0, 0.0, True
         self.estimate, self.unresolved = 0.0, 0
 
@@ -118,38 +103,36 @@ class Resolution:
         if step != self._step:
             self._change(step)
         forces, accelerations = self._system.forces, self._system.accelerations
-        lost, missed = None, 0.0
-        named = zip(self._force_names, forces.prediction_error, forces.largest, strict=False)
-        for name, error, largest in named:
-            missed += error
-            if error > LOST_PREDICTION * largest:
-                lost = name, error / largest
+        missed = float(forces.prediction_error[: len(self._force_names)].sum())
         # a first step has no past to be judged by: the second one's miss is its miss too
         times = (2.0 if self._blind else 1.0) / self._miss_per_error
         self._blind = missed == 0.0
         self._pushed = self._kept * self._pushed + times * missed
+        self._velocity += self._new * (accelerations.now[:, 0] / self._pace - self._velocity)
+        self._place += self._new * (self._velocity / self._pace - self._place)
+        self._reach = max(self._reach, float(np.abs(self._place).max(initial=0.0)))
+        self._swung = self._kept_turning * self._swung + times * accelerations.prediction_error
+        turned = self._swung * self._turned * step  # rad, a weight by the errors
         worst, cause = 0.0, ""
-        values, errors = accelerations.now[:, 0].tolist(), accelerations.prediction_error
-        for plane, value, error, largest in zip(
-            self._planes, values, errors, accelerations.largest, strict=True
-        ):
-            plane.speed += self._new * (value / self._pace - plane.speed)
-            plane.place += self._new * (plane.speed / self._pace - plane.place)
-            self._reach = max(self._reach, abs(plane.place))
-            plane.swung = self._kept_turning * plane.swung + times * error
-            if plane.swung * plane.turned * step > worst:
-                worst, cause = plane.swung * plane.turned * step, plane.name
-            if error > LOST_PREDICTION * largest:
-                lost = plane.name, error / largest
+        if turned.any():
+            worst = float(turned.max())
+            cause = self._system.acceleration_names[turned.argmax()]
         if self._pushed * self._moved > worst * self._reach:
             worst, cause = self._pushed * self._moved / self._reach, self._force_names[0]
         if worst > self.estimate:
             self.estimate = worst
             if worst >= REFUSED_ERROR:
-                moved = f"moves the units {worst:.2g} times as far as they move at all"
-                self._refuse_run(time, f"what the cubics miss of {cause} {moved}")
-        if lost:
-            self._count(time, *lost)
+                moves = f"moves the units {worst:.2g} times as far as they move at all"
+                self._refuse_run(time, f"what the cubics miss of {cause} {moves}")
+        for names, signals in (
+            (self._system.acceleration_names, accelerations),
+            (self._force_names, forces),
+        ):
+            errors, largest = signals.prediction_error, signals.largest
+            lost = np.flatnonzero((errors > LOST_PREDICTION * largest)[: len(names)])
+            if lost.size:
+                self._count(time, names[lost[-1]], errors[lost[-1]] / largest[lost[-1]])
+                break
 
     def _change(self, step: float) -> None:
         """Take over another length of the steps [s]."""

@@ -114,12 +114,10 @@ def _scene(stored: Mapping[str, Any]) -> Scene:
 
 
 def _verification(stored: dict[str, Any] | None) -> Any:
-    from .parting import Parting, Statistics
+    from .parting import Parting
     from .verification import Verification
 
     if stored is None:
         return None
-    pairs = stored["statistics"].items()
-    stored["statistics"] = {name: tuple(Statistics(**one) for one in pair) for name, pair in pairs}
-    stored["parting"] = stored["parting"] and Parting(**stored["parting"])
-    return Verification(**stored)
+    parting = stored["parting"] and Parting(**stored["parting"])
+    return Verification(**{**stored, "parting": parting})

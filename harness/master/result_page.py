@@ -23,7 +23,7 @@ def html(result: Result) -> str:
     ]
     parts = [summary(result).html(), *(f"<p>{escape(printable(line))}</p>" for line in said)]
     if result.signals:
-        png = b64encode(result.plot_history()._repr_png_()).decode()
+        png = b64encode(result.plot()._repr_png_()).decode()
         parts.append(
             f'<img style="max-width:100%" alt="signals" src="data:image/png;base64,{png}">'
         )

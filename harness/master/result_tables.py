@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, astuple
+from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
 from ..output.table import Sheet
@@ -10,7 +10,6 @@ from ..units import shown_in
 
 if TYPE_CHECKING:
     from .result import Result
-    from .verification import Verification
 
 
 def summary(result: Result) -> Sheet:
@@ -29,16 +28,6 @@ def summary(result: Result) -> Sheet:
     columns += ["error", "of range"] if verification else []
     align = "ll" + "r" * (len(columns) - 2)
     return Sheet(columns, rows, align, result.scene_title or "run")
-
-
-def statistics(verification: Verification) -> Sheet:
-    """Mean, rms and extreme of every signal in both runs."""
-    rows = [
-        [name, *(f"{a:.4g} | {b:.4g}" for a, b in zip(astuple(one), astuple(other), strict=True))]
-        for name, (one, other) in verification.statistics.items()
-    ]
-    title = "this run | the finer one"
-    return Sheet(("signal", "mean", "rms", "extreme"), rows, "lrrr", title)
 
 
 def _summary(result: Result) -> dict[str, Any] | None:
@@ -60,12 +49,8 @@ def as_json(result: Result) -> dict[str, Any]:
             "last": values[-1],
         }
         if verification is not None:
-            one, other = (asdict(s) for s in verification.statistics[name])
-            signals[name] |= {
-                "error": verification.error[name],
-                "relative_error": verification.relative[name],
-            }
-            signals[name] |= {"statistics": one, "finer_statistics": other}
+            signals[name]["error"] = verification.error[name]
+            signals[name]["relative_error"] = verification.relative[name]
     document = {
         "title": result.scene_title,
         "time": result.time[-1],

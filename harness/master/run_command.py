@@ -13,7 +13,7 @@ from ..output.files import write_json
 from ..output.terminal import progress_bar, say, say_facts, show
 from ..scene.changes import changed_scene
 from . import run_pictures as drawings
-from .result_tables import as_json, statistics, summary
+from .result_tables import as_json, summary
 
 
 def command(
@@ -34,9 +34,6 @@ def command(
         bool,
         typer.Option("--separate", help="Couple separate FMUs in Python instead of in C; slower."),
     ] = False,
-    one_file: Annotated[
-        bool, typer.Option("--one-file", hidden=True, help="Deprecated: the default now.")
-    ] = False,
     at_most: Annotated[str, options.AT_MOST] = costs.DEFAULT,
     report: Annotated[Path | None, options.REPORT] = None,
     verbose: Annotated[
@@ -45,22 +42,14 @@ def command(
     weights: Annotated[
         Path | None, options.picture("Displacement and angles of all weights against time.")
     ] = None,
-    weights_over_speed: Annotated[
-        Path | None, options.picture("Angles of all weights against speed.")
-    ] = None,
     waterfall: Annotated[
         Path | None, options.picture("Spectra over the speed of a run-up.")
     ] = None,
-    orders: Annotated[Path | None, options.picture("Amplitudes of orders over the speed.")] = None,
     polar: Annotated[
         Path | None, options.picture("Synchronous amplitude and phase (Nyquist).")
     ] = None,
     orbits: Annotated[
         Path | None, options.picture("Last orbits along the shaft, in space.")
-    ] = None,
-    settling: Annotated[
-        Path | None,
-        options.picture("Settling time over the start angles of two weights."),
     ] = None,
     movie: Annotated[
         Path | None,
@@ -70,9 +59,6 @@ def command(
             callback=drawings.check_movie,
         ),
     ] = None,
-    movie_axes: Annotated[
-        drawings.MovieAxes, typer.Option(help="That the movie is seen from.")
-    ] = drawings.MovieAxes.ROTOR,
     movie_seconds: Annotated[
         float, options.quantity("s", "Length of the movie, s.", "--movie-seconds")
     ] = 8.0,
@@ -82,21 +68,16 @@ def command(
     Pictures are png, svg or pdf.
     """
     from ..output.report import Report
-    from .run import refuse_separate
 
-    wanted = {
-        "weights": weights, "weights_over_speed": weights_over_speed, "waterfall": waterfall,
-        "orders": orders, "polar": polar, "orbits": orbits, "settling": settling,
-    }  # fmt: skip
+    wanted = {"weights": weights, "waterfall": waterfall, "polar": polar, "orbits": orbits}
     pictures = {kind: path for kind, path in wanted.items() if path is not None}
     loaded = changed_scene(scene, changes)
     if fmus is not None and not fmus.is_dir():
         raise UserError(f"{fmus}: is not a directory with FMUs")
-    if one_file:
-        refuse_separate(loaded, fmus)
-        say("NOTE: --one-file is the default now, and deprecated", style="bold yellow", error=True)
     if movie is not None:
-        drawings.refuse_movie(loaded, movie_axes, movie_seconds)
+        from .pictures.movie import refuse_unseen
+
+        refuse_unseen(loaded, movie_seconds)
     drawings.refuse_pictures(loaded, pictures)
     record = drawings.record(loaded) if pictures or movie else loaded.run.record
     if plot is not None and record == ():
@@ -110,8 +91,6 @@ def command(
     page = Report(report, loaded.heading, [loaded])
     with page.keeping():
         show(summary(result))
-        if result.verification is not None and result.verification.parting is not None:
-            show(statistics(result.verification))
         say(str(result.summary()))
     if verbose:
         ran_as = "FMUs loaded" if result.calls else "Coupled in C, as one file"
@@ -137,4 +116,6 @@ def command(
     page.write()
     drawings.draw(result, pictures, at_most)
     if movie is not None:
-        drawings.film(result, movie, movie_axes, movie_seconds)
+        with progress_bar(f"drawing {movie.name}") as progress:
+            result.movie(movie, movie_seconds, progress)
+        say(f"Movie: {movie}")

@@ -3,24 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping
-from enum import Enum
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ..errors import UserError
 from ..output import costs
-from ..output.terminal import progress_bar, progress_bars, ready_to_write, say
+from ..output.terminal import progress_bars, ready_to_write, say
 
 if TYPE_CHECKING:
     from ..scene import Scene
     from .result import Result
-
-
-class MovieAxes(str, Enum):
-    """From where a movie is seen."""
-
-    ROTOR = "rotor"
-    FIXED = "fixed"
 
 
 def check_movie(path: Path | None) -> Path | None:
@@ -37,17 +29,6 @@ def check_movie(path: Path | None) -> Path | None:
     return path
 
 
-def refuse_movie(scene: Scene, axes: MovieAxes, seconds: float) -> None:
-    """Refuse a movie that would not show the run, before it.
-
-    Raises:
-        UserError: so it is.
-    """
-    from .pictures.movie import refuse_unseen
-
-    refuse_unseen(scene, scene.revolutions, axes.value, seconds)
-
-
 def refuse_pictures(scene: Scene, kinds: Collection[str]) -> None:
     """Refuse kinds of pictures that the scene's run cannot give, before it.
 
@@ -56,16 +37,22 @@ def refuse_pictures(scene: Scene, kinds: Collection[str]) -> None:
     """
     if not kinds:
         return  # to load what pictures are made from takes longer than a run
-    from .one_file import composition
-    from .pictures.asked import refuse_impossible
+    from .pictures.motion import with_weights
+    from .pictures.orders import SHORTEST, SYNCHRONOUS, refuse_few
+    from .schedule import end_time
 
+    windows = {"waterfall": SHORTEST, "polar": SYNCHRONOUS}  # revolutions
+    profile, end = scene.profile(), end_time(scene)
+    part = profile.sweep if profile.changes else (0.0, end)
+    begin, last = (profile.angle(min(time, end)) for time in part)
     for kind in kinds:
         try:
-            refuse_impossible(scene, kind)
-            if kind == "settling":
-                composition(scene)
+            if kind == "weights":
+                with_weights(scene)
+            elif kind in windows:
+                refuse_few(last - begin, windows[kind])
         except UserError as error:
-            raise UserError(f"--{kind.replace('_', '-')}: {error}") from error
+            raise UserError(f"--{kind}: {error}") from error
 
 
 def record(scene: Scene) -> list[str]:
@@ -83,20 +70,8 @@ def draw(result: Result, pictures: Mapping[str, Path], at_most: str) -> None:
     """
     with progress_bars() as bars:
         for kind, path in pictures.items():
-            words = kind.replace("_", "-")
-            task = bars.add_task(f"drawing {words}", total=None)
-            with costs.limited(at_most, f"--{words}"):
+            task = bars.add_task(f"drawing {kind}", total=None)
+            with costs.limited(at_most, f"--{kind}"):
                 getattr(result, f"plot_{kind}")().save(path)
             bars.remove_task(task)
             say(f"Picture: {path}")
-
-
-def film(result: Result, path: Path, axes: MovieAxes, seconds: float) -> None:
-    """The movie, under a bar.
-
-    Raises:
-        UserError: it cannot be written.
-    """
-    with progress_bar(f"drawing {path.name}") as progress:
-        result.movie(path, axes.value, seconds, progress)
-    say(f"Movie: {path}")

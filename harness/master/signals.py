@@ -70,7 +70,7 @@ class Signals:
     def __init__(self, count: int) -> None:
         self.now, self.last = np.zeros((count, 2), complex), np.zeros((count, 4), complex)
         self.last_step = 0.0
-        self.prediction_error, self.largest = [0.0] * count, [0.0] * count
+        self.prediction_error, self.largest = np.zeros(count), np.zeros(count)
 
     def predicted(self, order: int) -> Cubics:
         """What they would do over the next step, by exchange order."""
@@ -85,11 +85,10 @@ class Signals:
 
     def accept(self, cubics: Cubics, ends: Knots, step: float) -> None:
         """Accept a finished step."""
-        values = extrapolated = ends[:, 0].tolist()
-        if self.last_step == step:
-            extrapolated = end_of(self.last, 2.0 * step)[:, 0].tolist()
-        self.prediction_error = [abs(a - b) for a, b in zip(values, extrapolated, strict=True)]
-        self.largest = [max(a, abs(b)) for a, b in zip(self.largest, values, strict=True)]
+        values = ends[:, 0]
+        extrapolated = end_of(self.last, 2.0 * step)[:, 0] if self.last_step == step else values
+        self.prediction_error = np.abs(values - extrapolated)
+        self.largest = np.maximum(self.largest, np.abs(values))
         self.now, self.last, self.last_step = ends, cubics, step
 
     def drop_past(self) -> None:

@@ -16,7 +16,7 @@ import numpy as np
 from ..errors import SimulationError
 from .fmu import Fmu, Variables
 from .names import components, signals
-from .plan import MOTOR, ROTOR, Plan, Port
+from .plan import MOTOR, ROTOR, Plan
 from .shaft import Shaft
 from .signals import Cubics, Knots, Signals
 
@@ -53,14 +53,12 @@ class System:
         forces: of the exchanges, and then the shaft's acceleration counted as one; `force_names`
             as well.
         accelerations: of every plane that exchanges force; `acceleration_names` as well.
-        masses: added mass handed to the rotor at the start, by its input [kg].
         has_no_past: no step has been taken since the start or the last jump of the drive.
     """
 
     def __init__(self, plan: Plan, units: Mapping[str, Fmu], order: int, watch: bool) -> None:
         self.plan, self.units, self.order, self.has_no_past = plan, dict(units), order, True
         self.rotor = units[ROTOR]
-        self.masses: dict[str, float] = {}
         self._connect_planes()
         self.shaft = Shaft(plan, units, order) if MOTOR in units else None
         self.members = [self.rotor, *(e.unit for e in self.exchanges)]
@@ -90,7 +88,7 @@ class System:
         # in the order in which the rotor declares them they are one slice
         planes = sorted(
             acceleration_of,
-            key=lambda name: self.rotor.reference(components(name, plan.axes)[0]),
+            key=lambda name: self.rotor.group(components(name, plan.axes)).references[0],
         )
         self._forces = self.rotor.group(signals(planes, order, plan.axes))
         # the values of all planes, then the slopes of all planes: of each plane a column
@@ -160,9 +158,8 @@ class System:
         """What `forces` are of units in initialisation mode under accelerations of the planes."""
         knots = []
         for exchange in self.exchanges:
-            exchange.unit.set_vectors(
-                exchange.inputs, accelerations[exchange.plane][: self.order + 1]
-            )
+            exchange.inputs.vectors[:] = accelerations[exchange.plane][: self.order + 1]
+            exchange.unit.send(exchange.inputs)
             exchange.unit.fetch(exchange.outputs)
             knots.append(self._knots(exchange.outputs))
         return np.concatenate([*knots, self.shaft.begin()] if self.shaft else knots)
@@ -189,13 +186,6 @@ class System:
         if self.order:
             return group.vectors.reshape(2, -1).T.copy()
         return np.column_stack((group.vectors, np.zeros_like(group.vectors)))
-
-    def present(self) -> dict[Port, complex]:
-        """Present values of the coupling signals by their source."""
-        forces = [Port(exchange.unit.name, "F") for exchange in self.exchanges]
-        planes = [Port(ROTOR, n.removeprefix(f"{ROTOR}.")) for n in self.acceleration_names]
-        values = [*self.forces.now[: len(forces), 0], *self.accelerations.now[:, 0]]
-        return dict(zip(forces + planes, map(complex, values), strict=True))
 
     def drive(self, speed: float, acceleration: float) -> None:
         """Write the speed at the start of a step, and its rate of change, to units that need it."""
@@ -233,17 +223,17 @@ class System:
         Raises:
             SimulationError: a force is not finite.
         """
-        self.has_no_past = False
-        self.accelerations.accept(*accelerations, step)
-        self.forces.accept(*forces, step)
-        if self.shaft:
-            self.shaft.accept()
         for value, name in zip(forces[1][:, 0].tolist(), self.force_names, strict=True):
             if not isfinite(value):
                 raise SimulationError(
                     f"{name} is not finite at t = {time + step:g} s: the coupling diverged; "
                     'use scheme = "iterated" or smaller steps'
                 )
+        self.has_no_past = False
+        self.accelerations.accept(*accelerations, step)
+        self.forces.accept(*forces, step)
+        if self.shaft:
+            self.shaft.accept()
 
     def drop_past(self) -> None:
         """Drop what the signals did before now: it says nothing of what comes."""
@@ -256,19 +246,18 @@ class System:
 
         Leaves the units in initialisation mode with the added masses handed to the rotor.
         """
-        self.masses = {}
-        for each in (self.accelerations, self.forces):
-            each.largest = [0.0] * len(each.largest)
+        masses: dict[str, float] = {}
+        self.accelerations.largest[:] = self.forces.largest[:] = 0.0
         carried = {c.source.unit: c for c in self.plan.of_kind("mass")}
         for one in reversed(self.plan.units):  # the rotor last: it needs the others' masses
             unit = self.units[one.name]
             start = {**one.start, **changes.get(one.name, {})}
             if unit is self.rotor:
-                start |= self.masses
+                start |= masses
             unit.restart(start)
             if one.name in carried:
                 source, target = carried[one.name].source, carried[one.name].target.variable
                 mass = unit.get(unit.group([source.variable]))[0]
-                self.masses[target] = self.masses.get(target, 0.0) + mass
+                masses[target] = masses.get(target, 0.0) + mass
         if self.shaft:
             self.shaft.restart()

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
-from .parting import Parting, Statistics
+from .parting import Parting
 
 
 @dataclass(frozen=True)
@@ -18,7 +18,6 @@ class Verification:
         relative: the same over the signal's range; x and y, or the parts of a vector in the rotor,
             share the larger of their ranges.  A rotor that stands still but for rounding is
             measured by 1e-12 of what the scene's forces can move it.
-        statistics: by signal, of the first and of the second run.
         parting: None where the runs stay together, and `error` is what the first one errs.
         seconds: the second run took.
     """
@@ -26,7 +25,6 @@ class Verification:
     finer: str
     error: dict[str, float]
     relative: dict[str, float]
-    statistics: dict[str, tuple[Statistics, Statistics]] = field(default_factory=dict)
     parting: Parting | None = None
     seconds: float = 0.0
 

@@ -25,7 +25,7 @@ from ..errors import SimulationError
 from ..scene import Scene
 from .facts import exchanging
 from .names import kin
-from .parting import Statistics, parted
+from .parting import parted
 from .recorder import REPORTED, Recorder
 from .result import Result
 from .scales import largest_force
@@ -159,10 +159,6 @@ def compared(
     scales = {name: max(ranges[other] for other in kin(name, ranges)) for name in ranges}
     error = {name: largest * float(gap.max()) for name, gap in apart.items()}
     relative = {name: _over(error[name], scales[name]) for name in error}
-    statistics = {
-        name: (Statistics.of(result.time, values), Statistics.of(result.time, again[name]))
-        for name, values in result.signals.items()
-    }
     angle = scene.profile().angle
     revolutions = np.array([angle(time) for time in result.time]) / (2.0 * math.pi)
     lost = {name: apart[name] >= PARTED * scales[name] for name in apart if error[name] > 0.0}
@@ -171,7 +167,7 @@ def compared(
     if first is not None and lost[first].any():
         size = np.max([np.abs(again[name]) for name in kin(first, again)], axis=0)
         parting = parted(revolutions, apart[first], size, _first(lost[first]))
-    return Verification(finer.words, error, relative, statistics, parting)
+    return Verification(finer.words, error, relative, parting)
 
 
 def _rounding(scene: Scene) -> dict[str, float]:

@@ -13,7 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import SceneError, SimulationError
-from ..master.alike import cosimulate_alike
+from ..master.alike import table_of
+from ..master.many import cosimulate_many
 from ..master.merged import merged, names_of_states
 from ..master.one_file import composition
 from ..master.schedule import end_time
@@ -139,7 +140,8 @@ def _machines(job: tuple[Scene, list[str], Vector]) -> Columns:
         asked, rows = moments(scene), list(machines)
         states = names_of_states(scene)
         results = ["residual", "settled", *(asked or ()), *states]
-        outcomes = cosimulate_alike(list(machines.values()), results, threads=1)
+        scenes = list(machines.values())
+        outcomes = cosimulate_many(scenes[0], table_of(scenes), results=results, threads=1)
         residual[rows], settled[rows], failure[rows] = (
             outcomes[name] for name in ("residual", "settled", "failure")
         )

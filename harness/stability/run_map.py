@@ -11,7 +11,8 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from ..master.alike import cosimulate_alike, refuse_unvaried
+from ..master.alike import refuse_unvaried, table_of
+from ..master.many import cosimulate_many
 from ..master.one_file import composition
 from ..output.table import Sheet
 from ..output.words import kinds_of
@@ -103,5 +104,6 @@ def _row(job: tuple[Scene, Axis, str, float]) -> tuple[NDArray, ...]:
     """Results (1, len(x)) of the runs along x."""
     scene, x, path, value = job
     scenes = [scene.replace({x.path: each, path: value}) for each in x.values.tolist()]
-    outcomes = cosimulate_alike(scenes, ("residual", "settled"), threads=1)
+    results = ("residual", "settled")
+    outcomes = cosimulate_many(scenes[0], table_of(scenes), results=results, threads=1)
     return tuple(outcomes[name][None] for name in _RESULTS)

@@ -7,7 +7,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from autobalancer.harness import Scene, UserError, cosimulate, cosimulate_many
-from autobalancer.harness.master.alike import cosimulate_alike
+from autobalancer.harness.master.alike import table_of
 from autobalancer.harness.master.schedule import end_time
 from autobalancer.models.monolith import simulate
 from tests.truth.judge import deviations, motion
@@ -128,7 +128,7 @@ def test_runs_of_many_motors_are_the_single_runs():
         )
         for torque, top in ((0.5, 200.0), (1.0, 150.0), (2.0, 250.0))
     ]
-    found = cosimulate_alike(scenes, ["largest", "motor.speed"])
+    found = cosimulate_many(scenes[0], table_of(scenes), results=["largest", "motor.speed"])
     assert list(found["failure"]) == [""] * 3
     for k, one in enumerate(scenes):
         single = cosimulate(one, record=["rotor.x", "rotor.y", "motor.speed"])

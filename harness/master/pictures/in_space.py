@@ -34,7 +34,7 @@ def orbits(motion: Motion, revolutions: float = 2.0) -> Picture:
         x, y = moved[:, 0, j], moved[:, 1, j]
         label = f"{name}, 0-peak {np.hypot(x, y).max():.3g} {unit}"
         lines.append(Line(_at(z, x, y, along), label, colour(j)))
-    title = f"{motion.title}\norbits over the last {revolutions:g} revolutions"
+    title = f"{motion.scene.heading}\norbits over the last {revolutions:g} revolutions"
     lines += _shaft(moved[-1], along)
     panel = _panel(lines, along, unit, float(np.abs(moved).max()))
     return Picture(f"{title}; the marks: where each ends", [panel], height=6.0, width=9.5)

@@ -16,6 +16,7 @@ from ...errors import UserError
 from ...output.picture import PlotAxis
 from ...scene import Scene
 from ...scene.balancer import WeightBalancer
+from ..names import stations
 
 Place = tuple[float, str, Array]
 
@@ -38,11 +39,6 @@ class Motion:
     scene: Scene
     time: Array
     recorded: Signals
-
-    @property
-    def title(self) -> str:
-        """Of the scene."""
-        return self.scene.heading
 
     @cached_property
     def speed(self) -> Array:
@@ -88,8 +84,7 @@ class Motion:
     @property
     def prefixes(self) -> list[str]:
         """Of every station's signals."""
-        count = len(self.scene.rotor.stations)
-        return [f"rotor.station[{j}]." for j in range(1, count + 1)] if count > 1 else ["rotor."]
+        return [f"rotor.{prefix}" for prefix in stations(len(self.scene.rotor.stations))]
 
     @cached_property
     def displacement(self) -> Array:

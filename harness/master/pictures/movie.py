@@ -1,7 +1,6 @@
 """Moving pictures of a run: rotor and weights seen along the axis, the vibration beside them.
 
-Seen from axes that turn with the rotor, weights stand still where they balance; fixed axes show the
-whirl itself, and need frames enough for every revolution.
+They are seen from axes that turn with the rotor: weights stand still where they balance.
 """
 
 from __future__ import annotations
@@ -11,10 +10,10 @@ import tempfile
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from matplotlib.animation import FFMpegWriter, PillowWriter
+from matplotlib.animation import FFMpegWriter, FuncAnimation, PillowWriter
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle
 
@@ -30,10 +29,8 @@ from .motion import Motion
 if TYPE_CHECKING:
     from ...output.workers import Progress
 
-Axes = Literal["rotor", "fixed"]
 FRAMES_PER_SECOND = 20
 SHORTEST, LONGEST = 0.5, 600.0  # s, of a movie
-FEWEST_PER_REVOLUTION = 8  # frames, in fixed axes: fewer look like another motion
 REACH = 0.45  # of the radius: the largest displacement as it is drawn
 _RESOLUTION = 80  # dots an inch
 _NOMINAL = 0.09  # of the radius: a weight that is a point
@@ -44,13 +41,12 @@ _ROUND = np.exp(1j * np.linspace(0.0, math.tau, 121))
 
 @dataclass(frozen=True, eq=False)
 class View:
-    """A balancer as the frames show it, in the axes asked for.
+    """A balancer as the frames show it, in axes that turn with the rotor.
 
     Attributes:
         radius: of track or chamber [m].
         radii: of the weights (N,) [m].
-        trail: (F, t) displacement x + i y of its plane over the last revolution, magnified [m].
-        turned: (F,) angle of the rotor [rad].
+        trail: (F, t) displacement of its plane over the last revolution, magnified [m].
         weights: (N, F) places [m].
         heavy: (frames,) direction of the unbalance in the rotor [rad]; NaN where there is no one.
     """
@@ -59,7 +55,6 @@ class View:
     radius: float
     radii: Array
     trail: Complex
-    turned: Array
     weights: Complex
     heavy: Array
 
@@ -74,62 +69,48 @@ def refuse_unwritable(path: Path) -> None:
         raise UserError(f"{path}: an mp4 needs ffmpeg, and there is none: take .gif or .webp")
 
 
-def refuse_unseen(scene: Scene, turns: float, axes: Axes, seconds: float) -> None:
-    """Refuse a movie that would show nothing, or another motion.
-
-    Args:
-        turns: revolutions to be shown.
+def refuse_unseen(scene: Scene, seconds: float) -> None:
+    """Refuse a movie that would show nothing.
 
     Raises:
-        UserError: there is no balancer, or frames are too few for fixed axes.
+        UserError: there is no balancer, or the movie is too short or too long.
     """
     if not scene.balancer:
         raise UserError(f"{scene.heading}: has no balancer to show")
     if not SHORTEST <= seconds <= LONGEST:
         raise UserError(f"seconds of the movie = {seconds:g}: must be {SHORTEST:g} to {LONGEST:g}")
-    if axes == "fixed" and seconds * FRAMES_PER_SECOND < FEWEST_PER_REVOLUTION * turns:
-        needed = math.ceil(FEWEST_PER_REVOLUTION * turns / FRAMES_PER_SECOND)
-        raise UserError(
-            f"in fixed axes {turns:.4g} revolutions need {needed} seconds of movie "
-            f"({FEWEST_PER_REVOLUTION} frames a revolution): give more seconds, a smaller "
-            "run.revolutions, or take the rotor's axes"
-        )
 
 
 def write_movie(
-    motion: Motion,
-    path: Path,
-    axes: Axes = "rotor",
-    seconds: float = 8.0,
-    progress: Progress | None = None,
+    motion: Motion, path: Path, seconds: float = 8.0, progress: Progress | None = None
 ) -> Path:
     """Write the whole run as a movie of so many seconds, completely or not at all.
 
     Raises:
-        UserError: it cannot be written, the scene has no balancer, or frames are too few.
+        UserError: it cannot be written, or the scene has no balancer.
     """
     refuse_unwritable(path)
-    refuse_unseen(motion.scene, (motion.angle[-1] - motion.angle[0]) / math.tau, axes, seconds)
+    refuse_unseen(motion.scene, seconds)
     count = round(seconds * FRAMES_PER_SECOND)
     times = np.linspace(motion.time[0], motion.time[-1], count)
-    factor, seen = views(motion, times, axes)
-    figure, move = _stage(motion, times, seen, factor, axes)
-    kind: Any = FFMpegWriter if movie_format(path) == "mp4" else PillowWriter
-    writer = kind(fps=FRAMES_PER_SECOND)
+    figure, move = _stage(motion, times, *views(motion, times))
+    movie = FuncAnimation(figure, move, frames=count)
+    kind = FFMpegWriter if movie_format(path) == "mp4" else PillowWriter
+
+    def report(frame: int, _count: int) -> None:
+        if progress:
+            progress((frame + 1) / count)
+
     with tempfile.TemporaryDirectory() as folder:
         made = Path(folder) / f"movie{path.suffix.lower()}"
-        with writer.saving(figure, str(made), _RESOLUTION):
-            for frame in range(count):
-                move(frame)
-                writer.grab_frame()
-                if progress:
-                    progress((frame + 1) / count)
+        writer = kind(fps=FRAMES_PER_SECOND)
+        movie.save(made, writer, dpi=_RESOLUTION, progress_callback=report)
         with write_whole(path, "wb") as stream:
             stream.write(made.read_bytes())
     return path
 
 
-def views(motion: Motion, times: Array, axes: Axes) -> tuple[float, list[View]]:
+def views(motion: Motion, times: Array) -> tuple[float, list[View]]:
     """How often displacements are magnified, and every balancer at the times (F,)."""
     scene = motion.scene
     planes = scene.assembly().rotor.planes
@@ -140,22 +121,19 @@ def views(motion: Motion, times: Array, axes: Axes) -> tuple[float, list[View]]:
     past = angle[:, None] + math.tau * _TRAIL
     paths = [np.interp(past, motion.angle, column) for column in steady.T]
     factor = _factor(scene, steady.T)
-    turned = angle if axes == "fixed" else 0.0 * angle
-    turns, angles = np.exp(1j * (past if axes == "fixed" else 0.0 * past)), {}
-    turn = turns[:, -1]
+    angles, seen = {}, []
     if any(isinstance(b, WeightBalancer) for b in scene.balancer):
         angles = {b.label: each for b, each in motion.weights()}
-    seen = []
     light = motion.light_side(times)
     for balancer in scene.balancer:
-        trail = factor * paths[balancer.at - 1] * turns
+        trail = factor * paths[balancer.at - 1]
         radius, places, size = _radius(balancer), np.zeros((0, len(times)), complex), np.zeros(0)
         if isinstance(balancer, WeightBalancer):
             size = np.array([one.radius or _NOMINAL * radius for one in balancer.device.each])
             at = [np.interp(times, motion.time, angle) for angle in angles[balancer.label]]
             off = complex(balancer.track_offset_xi, balancer.track_offset_eta)
-            places = trail[:, -1] + (factor * off + radius * np.exp(1j * np.array(at))) * turn
-        seen.append(View(balancer.label, radius, size, trail, turned, places, light + math.pi))
+            places = trail[:, -1] + factor * off + radius * np.exp(1j * np.array(at))
+        seen.append(View(balancer.label, radius, size, trail, places, light + math.pi))
     return factor, seen
 
 
@@ -175,14 +153,16 @@ def _factor(scene: Scene, moved: Any) -> float:
 
 
 def _stage(
-    motion: Motion, times: Array, seen: list[View], factor: float, axes: Axes
+    motion: Motion, times: Array, factor: float, seen: list[View]
 ) -> tuple[Figure, Callable[[int], None]]:
     """The figure, and what moves it to a frame."""
     figure = Figure(figsize=(3.6 * len(seen) + 4.2, 4.0), layout="constrained")
-    figure.suptitle(f"{motion.title}\ndisplacement magnified {factor:g} times", fontsize="medium")
+    figure.suptitle(
+        f"{motion.scene.heading}\ndisplacement magnified {factor:g} times", fontsize="medium"
+    )
     grid = figure.add_gridspec(2, len(seen) + 1, width_ratios=[*([3.6] * len(seen)), 4.2])
-    moves = [_actor(figure.add_subplot(grid[:, k]), view, axes) for k, view in enumerate(seen)]
-    moves += _curves(motion, times, [figure.add_subplot(grid[k, -1]) for k in range(2)])
+    moves = [_actor(figure.add_subplot(grid[:, k]), view) for k, view in enumerate(seen)]
+    moves.append(_curves(motion, times, *(figure.add_subplot(grid[k, -1]) for k in range(2))))
     harmless(figure)
     moves[0](0)
     figure.draw_without_rendering()
@@ -195,12 +175,11 @@ def _stage(
     return figure, move
 
 
-def _actor(canvas: Any, view: View, axes: Axes) -> Callable[[int], None]:
+def _actor(canvas: Any, view: View) -> Callable[[int], None]:
     """Draws a balancer, and moves it."""
     reach = 1.1 * view.radius + np.abs(view.trail).max() + view.radii.max(initial=0.0)
     canvas.set(xlim=(-reach, reach), ylim=(-reach, reach), aspect="equal", xticks=[], yticks=[])
-    seen_from = "turning with the rotor" if axes == "rotor" else "from fixed axes"
-    canvas.set_title(f"{view.label}, {seen_from}", fontsize="small")
+    canvas.set_title(f"{view.label}, turning with the rotor", fontsize="small")
     canvas.plot(view.radius * _ROUND.real, view.radius * _ROUND.imag, ":", color=GREY, lw=1.0)
     canvas.plot(0.0, 0.0, "+", color=GREY, ms=9)
     (ring,) = canvas.plot([], [], color="black", lw=1.6)
@@ -221,7 +200,7 @@ def _actor(canvas: Any, view: View, axes: Axes) -> Callable[[int], None]:
         trail.set_data(past.real, past.imag)
         centre.set_data([at.real], [at.imag])
         name.set_visible(heavy := bool(np.isfinite(view.heavy[frame])))
-        tip = at + _HEAVY * view.radius * np.exp(1j * (view.heavy[frame] + view.turned[frame]))
+        tip = at + _HEAVY * view.radius * np.exp(1j * view.heavy[frame])
         spoke.set_data([at.real, tip.real], [at.imag, tip.imag])
         if heavy:
             name.set_position((tip.real, tip.imag - 0.07 * view.radius))
@@ -231,9 +210,8 @@ def _actor(canvas: Any, view: View, axes: Axes) -> Callable[[int], None]:
     return move
 
 
-def _curves(motion: Motion, times: Array, both: list[Any]) -> list[Callable[[int], None]]:
+def _curves(motion: Motion, times: Array, above: Any, below: Any) -> Callable[[int], None]:
     """Vibration over time, and the weights' angles or the speed below; a line moves through."""
-    above, below = both
     size = np.hypot(motion.displacement[:, 0], motion.displacement[:, 1])
     factor, unit = metres(float(size.max()))
     for j in range(size.shape[1]):
@@ -250,7 +228,7 @@ def _curves(motion: Motion, times: Array, both: list[Any]) -> list[Callable[[int
         below.plot(motion.time, motion.speed, color="black", lw=1.0)
         below.set_ylabel("speed [rad/s]", fontsize="small")
     below.set_xlabel("time [s]", fontsize="small")
-    now = [each.axvline(times[0], color=colour(1), lw=1.2) for each in both]
+    now = [each.axvline(times[0], color=colour(1), lw=1.2) for each in (above, below)]
     speed = np.interp(times, motion.time, motion.speed)
 
     def move(frame: int) -> None:
@@ -258,7 +236,7 @@ def _curves(motion: Motion, times: Array, both: list[Any]) -> list[Callable[[int
             line.set_xdata([times[frame], times[frame]])
         above.set_title(f"t = {times[frame]:.2f} s, {speed[frame]:.0f} rad/s", fontsize="small")
 
-    for each in both:
+    for each in (above, below):
         each.grid(alpha=0.3)
         each.tick_params(labelsize="small")
-    return [move]
+    return move

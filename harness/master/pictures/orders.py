@@ -1,4 +1,4 @@
-"""Orders of a vibration: its amplitude at multiples of the rotor's speed, and its spectra.
+"""The synchronous part of a vibration, at the rotor's speed, and its spectra.
 
 A run is looked at through windows of whole revolutions.  Signals are first put on equal steps of
 the rotor's angle, so that an order stays one line however the speed changes within a window
@@ -8,7 +8,6 @@ the rotor's angle, so that an order stays one line however the speed changes wit
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -20,27 +19,12 @@ from ....models.arrays import Array
 from ...errors import UserError
 
 POINTS = 64  # a revolution
-SPECTRA, POINTS_TRACKED = 120, 1000  # of a run, about
+SPECTRA, AMPLITUDES = 120, 1000  # of a run, about
 PADDED = 4  # times as long: what lies between two lines of a spectrum is seen
 LONGEST, SHORTEST = 8, 2  # revolutions of a window for spectra
-TRACKED = 4  # revolutions of a window for one order
+SYNCHRONOUS = 4  # revolutions of a window for the synchronous part
 HIGHEST = 4.0  # order of a spectrum
 WINDOWS = 6  # that a run should have room for, one behind the other
-
-
-@dataclass(frozen=True, eq=False)
-class Tracked:
-    """Amplitudes of orders over a run.
-
-    Attributes:
-        angle: (k,) of the rotor, in the middle of each window [rad].
-        orders: (m,) multiples of the speed.
-        amplitude: (k, m, s) complex, 0-peak: signal = Re(A e^{i order angle}).
-    """
-
-    angle: Array
-    orders: tuple[float, ...]
-    amplitude: NDArray[np.complex128]
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,29 +42,26 @@ class Spectra:
     amplitude: Array
 
 
-def tracked(angle: Array, samples: Array, orders: Sequence[float]) -> Tracked:
-    """Amplitudes of orders, each over windows of four revolutions, by Hann's window.
+def synchronous(angle: Array, samples: Array) -> tuple[Array, NDArray[np.complex128]]:
+    """Amplitudes of order 1, each over a window of four revolutions, by Hann's window.
 
-    Orders half a turn apart do not show in each other, nor does a constant in any.
+    Orders half a turn apart and constants do not show in it.
 
     Args:
         angle: (T,) of the rotor, rising [rad].
         samples: (s, T).
-        orders: multiples of the speed: 0.5, 1, 1.5 and so on, below 32.
+
+    Returns:
+        (k,) angle of the rotor in the middle of each window [rad], and (k, s) complex amplitudes,
+        0-peak: signal = Re(A e^{i angle}).
 
     Raises:
-        UserError: an order is none of these, or the run is shorter than a window.
+        UserError: the run is shorter than a window.
     """
-    for order in orders:
-        if not 0.0 < order < POINTS / 2.0 or 2.0 * order % 1.0:
-            raise UserError(f"order {order:g}: must be 0.5, 1, 1.5 or so on, below {POINTS // 2}")
-    grid, windows = _windows(angle, samples, TRACKED, POINTS_TRACKED)
+    grid, windows = _windows(angle, samples, SYNCHRONOUS, AMPLITUDES)
     weight = _hann(grid.shape[1])
-    turn = np.exp(-1j * np.outer(grid[:, 0], orders))[:, :, None]
-    within = (grid[0] - grid[0, 0])[:, None] * np.asarray(orders)
-    fourier = (2.0 * weight / weight.sum())[:, None] * np.exp(-1j * within)
-    amplitude = turn * np.einsum("skp,pm->kms", windows, fourier)
-    return Tracked(grid.mean(axis=1), tuple(orders), amplitude)
+    fourier = 2.0 * weight / weight.sum() * np.exp(-1j * (grid[0] - grid[0, 0]))
+    return grid.mean(axis=1), np.exp(-1j * grid[:, :1]) * (windows @ fourier).T
 
 
 def spectra(angle: Array, samples: Array) -> Spectra:

@@ -1,7 +1,4 @@
-"""Pictures of a run-up: waterfall, orders, polar diagram, and the weights' angles.
-
-At constant speed the same stand over time.
-"""
+"""Pictures of a run-up: waterfall and polar diagram; at constant speed they stand over time."""
 
 from __future__ import annotations
 
@@ -13,18 +10,15 @@ import numpy as np
 
 from ....models.arrays import Array
 from ...errors import UserError
-from ...output.picture import GREY, Field, Line, Panel, Picture, PlotAxis, colour, unbroken
+from ...output.picture import Field, Line, Panel, Picture, PlotAxis, colour
 from ...output.plot import metres
-from ..names import ANGLE
 from .motion import Motion, station_names
-from .orders import spectra, tracked
+from .orders import spectra, synchronous
 
 SHOWN = 24  # spectra behind each other in space
 MARKED = 7  # speeds along a polar curve
-ORDERS = (1.0, 2.0, 3.0)
 _FRACTION = 1e-3  # of the largest amplitude: less is dark
 _BESIDE = 0.2  # of the largest amplitude: texts of closer marks cover each other
-ONE_TURN = PlotAxis(ANGLE, "deg", range(0, 361, 90), limits=(-5.0, 365.0))
 
 
 def waterfall(motion: Motion, signal: str | None = None) -> Picture:
@@ -62,7 +56,7 @@ def waterfall(motion: Motion, signal: str | None = None) -> Picture:
         text = (f"order {order}",)
         lines.append(Line(at, "", "#FFFFFF", "dots", texts=text, text_colour="#FFFFFF"))
     flat = Panel((axis, upward), lines, field, title=f"{signal}: amplitude over frequency")
-    return Picture(f"{motion.title}\nwaterfall", [stack, flat], height=5.2)
+    return Picture(f"{motion.scene.heading}\nwaterfall", [stack, flat], height=5.2)
 
 
 def _field(across: Array, frequency: Array, heights: Array, amplitude: PlotAxis) -> Field:
@@ -80,53 +74,18 @@ def _largest(motion: Motion) -> str:
     return f"{motion.prefixes[station]}{'xy'[axis]}"
 
 
-def orders(motion: Motion, wanted: Sequence[float] = ORDERS) -> Picture:
-    """Amplitude of the stations' orders, and the phase of the first of them."""
-    swept = motion.sweep
-    rows = np.moveaxis(swept.displacement, 0, 2).reshape(-1, len(swept.time))
-    tracks = tracked(swept.angle, rows, wanted)
-    axis, values = swept.across
-    across = np.interp(tracks.angle, swept.angle, values)
-    names = [f"{name}.{letter}" for letter in "xy" for name in station_names(motion.scene)]
-    panels = []
-    for m, order in enumerate(wanted):
-        size = np.abs(tracks.amplitude[:, m])
-        factor, unit = metres(float(size.max()))
-        lines = _curves(across, size.T * factor, names, named=m == 0)
-        upward = PlotAxis(f"order {order:g}, 0-peak", unit)
-        panels.append(Panel((axis, upward), lines))
-    degrees = np.degrees(np.angle(tracks.amplitude[:, 0])).T
-    turned = [unbroken(each + 180.0) - 180.0 for each in degrees]
-    lines = _curves(across, turned, names, named=False)
-    name, ticks = f"order {wanted[0]:g}, phase to the rotor", range(-180, 181, 90)
-    phase = PlotAxis(name, "deg", ticks, limits=(-190.0, 190.0))
-    panels.insert(1, Panel((axis, phase), lines))
-    return Picture(f"{motion.title}\norders of the vibration", panels, height=2.6)
-
-
-def _curves(across: Array, rows: Any, names: Sequence[str], named: bool) -> list[Line]:
-    """One line a name: a colour a station, y dashed."""
-    half = len(names) // 2
-    labels = names if named else [""] * len(names)
-    return [
-        Line((across, row), label, colour(k % half), "solid" if k < half else "dashed")
-        for k, (row, label) in enumerate(zip(rows, labels, strict=True))
-    ]
-
-
 def polar(motion: Motion) -> Picture:
     """Synchronous amplitude and phase as one curve a station, along x and along y (Nyquist)."""
     swept = motion.sweep
     rows = np.moveaxis(swept.displacement, 0, 2).reshape(-1, len(swept.time))
-    tracks = tracked(swept.angle, rows, (1.0,))
+    angle, amplitude = synchronous(swept.angle, rows)
     axis, values = swept.across
-    across = np.interp(tracks.angle, swept.angle, values)
-    amplitude = tracks.amplitude[:, 0].reshape(len(across), 2, -1)
+    across = np.interp(angle, swept.angle, values)
     return polar_picture(
-        f"{motion.title}\nsynchronous vibration",
+        f"{motion.scene.heading}\nsynchronous vibration",
         across,
         axis,
-        amplitude,
+        amplitude.reshape(len(across), 2, -1),
         station_names(motion.scene),
     )
 
@@ -164,25 +123,3 @@ def _spaced_points(curve: Any) -> list[int]:
         if all(abs(curve[k] - curve[other]) > _BESIDE * np.abs(curve).max() for other in chosen):
             chosen.append(k)
     return chosen
-
-
-def weights(motion: Motion) -> Picture:
-    """Angles of all weights in the rotor against speed."""
-    swept = motion.sweep
-    axis, across = swept.across
-    return Picture(f"{motion.title}\nweights in the rotor", weight_panels(swept, axis, across))
-
-
-def weight_panels(motion: Motion, axis: PlotAxis, across: Array) -> list[Panel]:
-    """One panel a balancer, all weights in it."""
-    panels, light = [], motion.light_side(motion.time)
-    for balancer, angles in motion.weights():
-        lines = [
-            Line((across, unbroken(np.degrees(angle))), f"weight {k + 1}", colour(k), width=1.0)
-            for k, angle in enumerate(angles)
-        ]
-        if np.isfinite(light).any():
-            line = across, unbroken(np.degrees(light))
-            lines.append(Line(line, "opposite the unbalance", GREY, "dashed"))
-        panels.append(Panel((axis, ONE_TURN), lines, title=balancer.label))
-    return panels

@@ -13,11 +13,11 @@ from ...output.picture import GREY, Line, Panel, Picture, PlotAxis, colour, unbr
 from ...output.plot import metres
 from ..names import ANGLE, quantity
 from .motion import Motion, station_names
-from .over_speed import ONE_TURN, weight_panels
 
 if TYPE_CHECKING:
     from ..summary import Summary
 
+ONE_TURN = PlotAxis(ANGLE, "deg", range(0, 361, 90), limits=(-5.0, 365.0))
 _DECADES = 5  # below the largest amplitude that are drawn
 _MOST_LINES = 12  # in one panel; more cannot be told apart
 
@@ -113,5 +113,14 @@ def motion_with_weights(motion: Motion, judged: Summary | None = None) -> Pictur
     axis = PlotAxis("time", "s")
     if motion.changes:
         panels.append(Panel((axis, PlotAxis("speed", "rad/s")), [Line((time, motion.speed))]))
-    panels += weight_panels(motion, axis, time)
-    return Picture(f"{motion.title}\nmotion and weights", panels, height=2.6)
+    light = motion.light_side(time)
+    for balancer, angles in motion.weights():
+        lines = [
+            Line((time, unbroken(np.degrees(angle))), f"weight {k + 1}", colour(k), width=1.0)
+            for k, angle in enumerate(angles)
+        ]
+        if np.isfinite(light).any():
+            line = time, unbroken(np.degrees(light))
+            lines.append(Line(line, "opposite the unbalance", GREY, "dashed"))
+        panels.append(Panel((axis, ONE_TURN), lines, title=balancer.label))
+    return Picture(f"{motion.scene.heading}\nmotion and weights", panels, height=2.6)

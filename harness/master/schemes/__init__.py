@@ -8,27 +8,22 @@ finished step.
 
 from __future__ import annotations
 
-from typing import TypeAlias
-
 import numpy as np
 
 from ....models.constants import WEAK_LOOP
 from ...scene import Scene
-from ..loop import rotor_response
 from ..system import System
 from .compensated import Compensated
-from .explicit import Explicit
+from .explicit import Scheme
 from .gauss_seidel import GaussSeidel
 from .iterated import Iterated
 from .jacobi import Jacobi
-
-Scheme: TypeAlias = Explicit | Iterated
 
 
 def choose(
     scene: Scene,
     system: System,
-    jacobian: np.ndarray,
+    slopes: np.ndarray,
     step: float,
     gain: float,
     rounding: float = 0.0,
@@ -36,17 +31,17 @@ def choose(
     """The scene's scheme for units at their start; `auto` iterates as much as the gain asks for.
 
     Args:
-        jacobian: from `loop.consistent_start` with `step` [s].
+        slopes: from `loop.consistent_start` with `step` [s].
         gain: of the loop.
         rounding: of forces that cancel [N].
     """
-    coupling = scene.coupling
-    if coupling.scheme == Jacobi.name:
+    coupling, count = scene.coupling, slopes.shape[1]  # rows of forces, then of accelerations
+    if coupling.scheme == "jacobi":
         return Jacobi()
-    if coupling.scheme == GaussSeidel.name or not system.coupled:
+    if coupling.scheme == "gauss-seidel" or not system.coupled:
         return GaussSeidel()
-    if coupling.scheme == Compensated.name:
-        response = rotor_response(system, step)
+    jacobian, response = slopes[:count], slopes[count:]
+    if coupling.scheme == "compensated":
         return Compensated(jacobian, response, step, scene.profile().speed)
     corrections = coupling.corrections
     given = coupling.tolerance is None and corrections is None

@@ -15,7 +15,7 @@ drag that changes the loop, leaves part of the error, and a gain above 1 multipl
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from functools import lru_cache
 
 import numpy as np
@@ -23,7 +23,7 @@ import numpy as np
 from ..loop import QuasiNewton, pack, rescaled, unpack
 from ..signals import Cubics, Knots, end_of, interpolated
 from ..system import System
-from .explicit import Explicit
+from .explicit import Scheme
 
 # integrals over a step, exact to degree 23, so for turns of radians
 _POINTS, _WEIGHTS = np.polynomial.legendre.leggauss(12)
@@ -35,16 +35,15 @@ _FALLING = interpolated(_ONES, _NOTHING, 1.0).real.T
 _POWERS = _NODES ** np.arange(4)[:, None] / np.array([1.0, 1.0, 2.0, 6.0])[:, None]
 
 
-class Compensated(Explicit):
+class Compensated(Scheme):
     """Explicit scheme that carries its errors on.
 
     Args:
         jacobian: of the loop at the start, from `loop.consistent_start` with `step` [s].
-        response: of the rotor's accelerations to forces, from `loop.rotor_response` with `step`.
+        response: of the rotor's accelerations to forces, from there as well.
         speed: of the rotor [rad/s] at a time [s]; the signals' axes turn with it.
     """
 
-    name = "compensated"
     startup_halvings = 2  # what the first part misses is then below what a full step misses later
 
     def __init__(
@@ -59,12 +58,7 @@ class Compensated(Explicit):
         self._speed = speed
         self._missed: Knots | None = None  # value, and slope times the step, of the step before
 
-    @classmethod
-    def amplification(cls, eigenvalues: Sequence[complex], order: int) -> float:
-        """Largest factor by which a short step repeats a disturbance: the loop is solved."""
-        return 0.0
-
-    def advance(self, system: System, time: float, step: float, jump: bool = False) -> None:
+    def step(self, system: System, time: float, step: float, jump: bool = False) -> float:
         """One step; what was missed before a jump of the drive says nothing after it."""
         count, past = len(system.force_names), system.forces.last_step
         assumed, missed = system.forces.predicted(3), self._missed
@@ -89,6 +83,7 @@ class Compensated(Explicit):
             time,
             step,
         )
+        return 0.0
 
 
 def _added(cubics: Cubics, missed: Knots, turn: float, past: float, step: float) -> Cubics:

@@ -1,4 +1,4 @@
-"""What the explicit schemes share: when extrapolation is stable.
+"""What a scheme is, and when extrapolation is stable.
 
 With a loop eigenvalue J (force answered per force assumed) an exchange of held signals repeats a
 disturbance of the force J-fold, whatever the step.  The cubic Hermite extrapolation amplifies it
@@ -8,7 +8,7 @@ e(n+1) = J (NOW e(n) + BEFORE e(n-1)), stable for J between -0.0873 and 1/13.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 
@@ -20,22 +20,24 @@ NOW = np.array([[-4.0, 4.0], [-12.0, 8.0]])
 BEFORE = np.array([[5.0, 2.0], [12.0, 5.0]])
 
 
-class Explicit:
-    """No rollback; forces are assumed for a step and answered at its end."""
+class Scheme:
+    """An explicit scheme: forces are assumed for a step and answered at its end, no rollback.
 
-    name = "explicit"
+    Attributes:
+        startup_halvings: of the first step, in any case.
+        miss_per_error: how far a prediction misses, over the mean error of the signal stepped on.
+    """
+
     startup_halvings = 0
-    miss_per_error = 4.0  # the prediction itself is stepped on: its miss over its mean error
-    extrapolations = 1  # that a force passes through on its way round the loop
+    miss_per_error = 4.0  # the prediction itself is stepped on
 
-    def advance(self, system: System, time: float, step: float, jump: bool = False) -> None:
-        """Take one step; `jump`: over a jump of the drive."""
+    def step(self, system: System, time: float, step: float, jump: bool = False) -> float:
+        """Take one step; `jump`: over a jump of the drive.
+
+        Returns:
+            Residual of the forces over the largest so far; 0 without a second pass.
+        """
         raise NotImplementedError
-
-    def step(self, system: System, time: float, step: float) -> float:
-        """One step; without a second pass there is no residual."""
-        self.advance(system, time, step)
-        return 0.0
 
     def cross_jump(self, system: System, time: float, step: float) -> None:
         """A negligible step at a jump of the drive, in parts that settle force and acceleration.
@@ -45,7 +47,7 @@ class Explicit:
         """
         part = step / JUMP_PARTS
         for number in range(JUMP_PARTS):
-            self.advance(system, time + number * part, part, jump=True)
+            self.step(system, time + number * part, part, jump=True)
             system.drop_past()
 
     def after_start(self, system: System, time: float, step: float) -> None:
@@ -57,13 +59,21 @@ class Explicit:
 
     @classmethod
     def amplification(cls, eigenvalues: Sequence[complex], order: int) -> float:
-        """Largest factor by which a short step repeats a disturbance; stable up to 1."""
-        roots = [complex(j) ** (1.0 / cls.extrapolations) for j in eigenvalues]
-        if order < 3:
-            return max(map(abs, roots), default=0.0)
-        return max((_hermite_amplification(root) for root in roots), default=0.0)
+        """Largest factor by which a short step repeats a disturbance, stable up to 1.
+
+        0 where the loop is solved, whatever its gain.
+        """
+        return 0.0
 
 
-def _hermite_amplification(eigenvalue: complex) -> float:
-    companion = np.block([[eigenvalue * NOW, eigenvalue * BEFORE], [np.eye(2), np.zeros((2, 2))]])
-    return float(np.abs(np.linalg.eigvals(companion)).max())
+def spectral_radius(matrices: Iterable[np.ndarray]) -> float:
+    """Largest modulus of the eigenvalues of any of the matrices."""
+    return float(max((np.abs(np.linalg.eigvals(m)).max() for m in matrices), default=0.0))
+
+
+def extrapolated(eigenvalues: Sequence[complex], order: int) -> float:
+    """Amplification of a loop with one extrapolation, by its eigenvalues."""
+    if order < 3:
+        return max(map(abs, eigenvalues), default=0.0)
+    below = [np.eye(2), np.zeros((2, 2))]
+    return spectral_radius(np.block([[j * NOW, j * BEFORE], below]) for j in eigenvalues)

@@ -15,24 +15,21 @@ import numpy as np
 
 from ..signals import cubics_from_start
 from ..system import System
-from .explicit import Explicit
+from .explicit import Scheme, extrapolated, spectral_radius
 
 
-class GaussSeidel(Explicit):
+class GaussSeidel(Scheme):
     """Explicit scheme, rotor before balancers."""
-
-    name = "gauss-seidel"
 
     @classmethod
     def amplification(cls, eigenvalues: Sequence[complex], order: int) -> float:
-        """Largest factor by which a short step repeats a disturbance; stable up to 1."""
+        """One extrapolation on the way round the loop."""
         if order != 1:
-            return super().amplification(eigenvalues, order)
+            return extrapolated(eigenvalues, order)
         # the balancers see the straight line between accelerations and answer with its slope
-        repeated = [np.array([[j, j], [j - 1.0, j]]) for j in eigenvalues]
-        return float(max((np.abs(np.linalg.eigvals(m)).max() for m in repeated), default=0.0))
+        return spectral_radius(np.array([[j, j], [j - 1.0, j]]) for j in eigenvalues)
 
-    def advance(self, system: System, time: float, step: float, jump: bool = False) -> None:
+    def step(self, system: System, time: float, step: float, jump: bool = False) -> float:
         """One step; over a jump of the drive a line from before it to after it says nothing."""
         forces = system.forces.predicted(system.order)
         motion = system.rotor_pass(forces, time, step)
@@ -43,3 +40,4 @@ class GaussSeidel(Explicit):
         # the next extrapolation starts from what the balancers really did
         forces = system.forces.to(answers, step)
         system.accept((accelerations, motion), (forces, answers), time, step)
+        return 0.0

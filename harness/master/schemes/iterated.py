@@ -8,8 +8,6 @@ gain below 1).  Broyden's update refines it where the loop changes along the run
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import numpy as np
 
 from ....models.constants import (
@@ -25,9 +23,10 @@ from ...errors import LoopError
 from ..loop import QuasiNewton, Vector, jacobian, of_values, pack, size, unpack
 from ..signals import Cubics, Knots, end_of
 from ..system import System
+from .explicit import Scheme
 
 
-class Iterated:
+class Iterated(Scheme):
     """Implicit scheme with rollback.
 
     Args:
@@ -37,8 +36,6 @@ class Iterated:
         rounding: of forces that cancel [N]; no smaller residual is asked for.
     """
 
-    name = "iterated"
-    startup_halvings = 0
     miss_per_error = MISS_PER_ERROR
 
     def __init__(
@@ -57,19 +54,12 @@ class Iterated:
         self.tolerance = max(CONVERGED_FORCES, GAIN_ROUNDING * self.newton.gain)
         self.largest = rounding / (self.tolerance if corrections is None else LOOSE_RESIDUAL)
 
-    def step(self, system: System, time: float, step: float) -> float:
-        """One step, and the residual it leaves of the forces over the largest so far."""
+    def step(self, system: System, time: float, step: float, jump: bool = False) -> float:
+        """One step; over a jump of the drive with as many passes as it takes."""
         # a first step has no past to be predicted from, and would cost an order
-        if self.corrections is None or (system.has_no_past and self.corrections):
-            return self._solve(system, time, step, MAX_PASSES)
-        return self._solve(system, time, step, self.corrections + 1)
-
-    def cross_jump(self, system: System, time: float, step: float) -> None:
-        """One step with as many passes as it takes, where nothing of the past can be used."""
-        self._solve(system, time, step, MAX_PASSES)
-
-    def _solve(self, system: System, time: float, step: float, passes: int) -> float:
-        """Take a step with at most so many passes, and accept it."""
+        passes = MAX_PASSES
+        if not (jump or self.corrections is None or (system.has_no_past and self.corrections)):
+            passes = self.corrections + 1
         self.newton.rescale(step)
         u = self._used(end_of(system.forces.predicted(system.order), step), step)
         before: tuple[Vector, Vector, float] | None = None
@@ -108,6 +98,10 @@ class Iterated:
         """Ends of forces as a vector; below order 3 slopes take no part."""
         return pack(ends, step if self.order == 3 else 0.0)
 
+    def cross_jump(self, system: System, time: float, step: float) -> None:
+        """One step, where nothing of the past can be used."""
+        self.step(system, time, step, jump=True)
+
     def after_start(self, system: System, time: float, step: float) -> None:
         """Take the loop's Jacobian from steps of this length, all of them taken back.
 
@@ -125,10 +119,6 @@ class Iterated:
         g_u = respond(u)
         change = JACOBIAN_CHANGE * max(size(g_u), size(u), self.largest)
         self.newton = QuasiNewton(jacobian(respond, u, g_u, change), step)
-
-    def amplification(self, eigenvalues: Sequence[complex], order: int) -> float:
-        """0: the loop is solved, so that steps repeat no error, whatever its gain."""
-        return 0.0
 
     def check_agreement(self, system: System, time: float, residual: float) -> bool:
         """Whether the forces agree well enough.

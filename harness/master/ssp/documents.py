@@ -9,7 +9,6 @@ from xml.etree.ElementTree import SubElement
 from ....fmus.variables import Variable
 from ....fmus.xml.description import flag, text_of
 from ....fmus.xml.types import SI_UNITS
-from .diagram import Box, placed
 from .structure import Element, Structure
 
 _SSP = "http://ssp-standard.org/SSP1/SystemStructure"
@@ -21,6 +20,7 @@ _SPACES = {
 }
 PARAMETERS = "resources/parameters.ssv"
 SET_NAME = "start"  # some tools choose parameter sets by name
+WIDTH, APART = 120.0, 80.0  # of elements in a tool's diagram, which stand in a row
 
 
 def resource(element: Element) -> str:
@@ -43,13 +43,12 @@ def description(structure: Structure) -> bytes:
         {**_spaces(*_SPACES), "version": "1.0", "name": structure.name},
     )
     system = SubElement(root, "ssd:System", {"name": "system", "description": structure.title})
-    boxes = placed(structure)
     _inputs_of_system(system, structure)
     bindings = SubElement(system, "ssd:ParameterBindings")
     SubElement(bindings, "ssd:ParameterBinding", {"source": PARAMETERS})
     elements = SubElement(system, "ssd:Elements")
-    for element in structure.elements:
-        _component(elements, structure, element, boxes[element.name])
+    for number, element in enumerate(structure.elements):
+        _component(elements, structure, element, number * (WIDTH + APART))
     if structure.wires:
         connections = SubElement(system, "ssd:Connections")
     for source, target in structure.wires:
@@ -68,11 +67,6 @@ def _spaces(*names: str) -> dict[str, str]:
     return {f"xmlns:{name}": _SPACES[name] for name in names}
 
 
-def _corners(across: tuple[float, float], bottom: float, top: float) -> dict[str, str]:
-    numbers = (across[0], bottom, across[1], top)
-    return {k: repr(float(v)) for k, v in zip(("x1", "y1", "x2", "y2"), numbers, strict=True)}
-
-
 def _units(parent: Xml, structure: Structure) -> None:
     used = {v.unit for e in structure.elements for v in e.layout.reals}
     for name in sorted(used):
@@ -81,39 +75,37 @@ def _units(parent: Xml, structure: Structure) -> None:
 
 
 def _inputs_of_system(system: Xml, structure: Structure) -> None:
-    """Inputs from outside, each once, at the left edge."""
+    """Inputs from outside, each once."""
     variables = structure.elements[0].layout
     names = dict.fromkeys(w.source.variable for w in structure.wires if not w.source.unit)
     connectors = SubElement(system, "ssd:Connectors") if names else system
-    for row, name in enumerate(names, start=1):
-        variable = variables.reals[variables.index[name]]
-        _connector(connectors, variable, "input", (0.0, 1.0 - row / (len(names) + 1)))
+    for name in names:
+        _connector(connectors, variables.reals[variables.index[name]], "input")
 
 
-def _component(parent: Xml, structure: Structure, element: Element, box: Box) -> None:
+def _component(parent: Xml, structure: Structure, element: Element, left: float) -> None:
     about = {"name": element.name, "source": resource(element), "implementation": "CoSimulation"}
     component = SubElement(parent, "ssd:Component", about)
     connectors = SubElement(component, "ssd:Connectors")
+    ports = [port for wire in structure.wires for port in wire if port.unit == element.name]
+    connected = {*element.shown, *(port.variable for port in ports)}
     for variable in element.layout.variables:
         name, kind = variable.name, variable.causality
-        if name in box.places or (kind == "parameter" and name in element.start):
-            _connector(connectors, variable, kind, box.places.get(name))
-    SubElement(component, "ssd:ElementGeometry", _corners(box.across, box.bottom, box.top))
+        if name in connected or (kind == "parameter" and name in element.start):
+            _connector(connectors, variable, kind)
+    corners = {"x1": left, "y1": 0.0, "x2": left + WIDTH, "y2": WIDTH}
+    SubElement(component, "ssd:ElementGeometry", {k: repr(v) for k, v in corners.items()})
     bindings = SubElement(component, "ssd:ParameterBindings")
     values = SubElement(SubElement(bindings, "ssd:ParameterBinding"), "ssd:ParameterValues")
     values.append(_parameter_set([("", element)]))
 
 
-def _connector(
-    parent: Xml, variable: Variable, kind: str, place: tuple[float, float] | None
-) -> None:
+def _connector(parent: Xml, variable: Variable, kind: str) -> None:
     connector = SubElement(parent, "ssd:Connector", {"name": variable.name, "kind": kind})
     if variable.boolean:
         SubElement(connector, "ssc:Boolean")
     else:
         SubElement(connector, "ssc:Real", {"unit": variable.unit})
-    if place is not None:
-        SubElement(connector, "ssd:ConnectorGeometry", {"x": repr(place[0]), "y": repr(place[1])})
 
 
 def _parameter_set(elements: Iterable[tuple[str, Element]]) -> Xml:

@@ -34,7 +34,7 @@ class Element:
     Attributes:
         layout: its variables.
         start: values of parameters, and of inputs at the start.
-        shown: outputs that nothing may be connected to, for the diagram and records.
+        shown: outputs for records, whether something is connected to them or not.
     """
 
     name: str

@@ -72,6 +72,7 @@ def test_a_tighter_tolerance_costs_order_4_steps():
     [
         ({"coupling.scheme": "jacobi"}, "jacobi"),
         ({"coupling.scheme": "gauss-seidel"}, "gauss-seidel"),
+        ({"coupling.scheme": "compensated"}, '"compensated"'),
         ({"coupling.order": 1}, "order 1"),
     ],
 )

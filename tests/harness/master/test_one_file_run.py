@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import re
-from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import pytest
 
-from autobalancer.harness import SceneError, SimulationError, UserError, cosimulate, load_scene
-from autobalancer.harness.master.run import refuse_separate
+from autobalancer.harness import SceneError, SimulationError, cosimulate, load_scene
+from autobalancer.harness.master.one_file import composition_in_c
 from tests.truth.judge import deviations, motion
 
 TOLERANCES = [
@@ -91,8 +90,8 @@ NOT_COVERED = [
 @pytest.mark.parametrize(("changes", "key"), NOT_COVERED)
 def test_a_scene_that_it_does_not_cover_is_refused_by_the_key(changes, key):
     scene = load_scene("two_balls").replace({**changes, "run.revolutions": 2})
-    with pytest.raises(UserError, match=key), pytest.warns(DeprecationWarning, match="separate"):
-        cosimulate(scene, one_file=True)
+    with pytest.raises(SceneError, match=key):
+        composition_in_c(scene)
 
 
 @pytest.mark.parametrize(("changes", "key"), NOT_COVERED)
@@ -110,28 +109,12 @@ def test_inputs_of_units_are_recorded_on_separate_units_alone():
     assert len(cosimulate("two_balls", record=names, separate=True)["weights.a_xi"])
 
 
-def test_ready_made_units_are_none_of_the_one_file(tmp_path):
-    with pytest.raises(UserError, match="one of them"):
-        refuse_separate(load_scene("two_balls"), tmp_path)
-
-
 def test_any_variable_but_inputs_is_recorded_with_the_unit_it_has():
     names = ["rotor.mass", "weights.der(F_xi)", "rotor.plane[1].a_xi", "weights.weight[2].speed"]
     expected, found = (cosimulate("two_balls", record=names, separate=s) for s in (True, False))
     assert found.signal_units == expected.signal_units
     for name in names:
         assert found[name] == pytest.approx(expected[name], abs=1e-11 * np.ptp(expected[name]))
-
-
-def test_eight_threads_have_the_bits_of_one_after_another():
-    scene = load_scene("two_balls").replace({"run.revolutions": 50})
-    scenes = [scene.replace({"weights.drag": 0.01 + 0.002 * k}) for k in range(16)]
-
-    def run(one):
-        return [v.tobytes() for v in cosimulate(one).signals.values()]
-
-    with ThreadPoolExecutor(8) as executor:
-        assert list(executor.map(run, scenes)) == [run(one) for one in scenes]
 
 
 def test_the_fixture_runs_it(cosim):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
 import pytest
 
 from autobalancer.harness import load_scene
@@ -29,8 +30,8 @@ def watched(cosim, force=0.0, acceleration=0.0, revolutions=1.0):
     resolution = Resolution(cosim.scene, cosim.system, 120.0)
     resolution.strict = False
     # no miss at all would be a step without a past
-    cosim.system.forces.prediction_error = [force or 1e-30]
-    cosim.system.accelerations.prediction_error = [acceleration]
+    cosim.system.forces.prediction_error = np.array([force or 1e-30])
+    cosim.system.accelerations.prediction_error = np.array([acceleration])
     step = 2.0 * math.pi / (STEPS * cosim.scene.operation.speed)
     for number in range(round(revolutions * STEPS)):
         resolution.check(number * step, step)

@@ -277,7 +277,6 @@ def test_compensated_stands_a_jacobian_that_is_wrong_by_a_thirteenth():
     def size(share):
         units, sizes = Echo(share), []
         scheme = Compensated(np.zeros((4, 4)), np.zeros((4, 4)), 1.0, lambda _: 0.0)
-        scheme.detect_divergence = lambda *_: None
         for step in range(800):
             scheme.step(units, float(step), 1.0)
             sizes.append(abs(units.forces.now[0, 0]))
@@ -341,13 +340,10 @@ def test_compensated_says_that_it_cannot_follow_what_a_long_step_hides(changes, 
         cosimulate(load_scene("two_balls").replace({**coupling, **changes}))
 
 
-def test_compensated_exchanges_slopes_and_keeps_no_tolerance():
+def test_compensated_exchanges_slopes():
     scene = load_scene("two_balls")
     with pytest.raises(SceneError, match=r'coupling.order.*3 or 5 with scheme = "compensated"'):
         scene.replace({"coupling.scheme": "compensated", "coupling.order": 1})
-    loose = scene.replace({"coupling.scheme": "compensated", "coupling.tolerance": 1e-4})
-    with pytest.raises(SceneError, match=r'"compensated"'):
-        cosimulate(loose)
 
 
 @pytest.mark.parametrize(

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 import zipfile
 from functools import cache
-from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -18,9 +17,7 @@ from autobalancer.harness import Scene, SceneError, cosimulate, load_scene
 from autobalancer.harness.master.plan import plan
 from autobalancer.harness.master.schedule import end_time, step_size
 from autobalancer.harness.master.ssp.build import build_ssp
-from autobalancer.harness.master.ssp.diagram import placed
-from autobalancer.harness.master.ssp.structure import coupled, separate
-from tests.scenes import driven_scenes
+from autobalancer.harness.master.ssp.structure import separate
 from tests.tools.measure import TOOLS, VALUES, driven
 
 SCENES = ("two_balls", "drum", "balls_and_liquid", "three_mass_shaft", "run_up", "liquid_closed")
@@ -168,27 +165,6 @@ def test_a_run_up_takes_its_speed_from_outside(packages):
         (a.name, b.parent.name) for a, b in get_connections(structure) if a.parent is structure
     }
     assert wired == {(n, u) for n in ("speed", "acceleration") for u in ("rotor", "weights")}
-
-
-@pytest.mark.parametrize("name", [n for n in driven_scenes() if n != "washing_machine"])
-def test_a_diagram_has_level_wires_and_elements_apart(name):
-    scene = load_scene(name)
-    for structure in (separate(scene), coupled(scene)):
-        boxes = placed(structure)
-        heights = {
-            (box_name, connector): box.bottom + part * (box.top - box.bottom)
-            for box_name, box in boxes.items()
-            for connector, (_, part) in box.places.items()
-        }
-        for source, target in structure.wires:
-            if source.unit:
-                assert heights[source] == pytest.approx(heights[target])
-        for element, box in boxes.items():
-            places = list(box.places.values())
-            assert len(set(places)) == len(places)
-            assert all(0.0 < part < 1.0 for _, part in places), element
-        column = sorted((b for b in boxes.values() if b.x > 0.0), key=lambda box: box.bottom)
-        assert all(low.top < high.bottom for low, high in pairwise(column))
 
 
 def test_omsimulator_finds_its_step(packages):

@@ -11,7 +11,6 @@ from autobalancer.harness import cosimulate, load_scene
 from autobalancer.harness.__main__ import program
 from autobalancer.harness.errors import UserError
 from autobalancer.harness.master.names import kin
-from autobalancer.harness.master.parting import Statistics
 from autobalancer.harness.scene import Scene
 from autobalancer.models.monolith import reference
 from tests.truth.judge import growth
@@ -182,15 +181,6 @@ def test_a_run_that_is_merely_coarse_does_not_part():
     assert result.verification.parting is None
     for signal, (true, own) in true_errors(scene, result).items():
         assert result.error[signal] == pytest.approx(true, rel=0.1, abs=own)
-
-
-def test_statistics_weigh_every_point_with_its_time():
-    """A third of the time at 3, two thirds at 0: mean 1, rms sqrt 3, on a grid of uneven steps."""
-    time = np.concatenate([np.linspace(0.0, 1.0, 1001), np.linspace(1.0, 3.0, 101)[1:]])
-    found = Statistics.of(time, np.where(time < 1.0, -3.0, 0.0))
-    assert found.mean == pytest.approx(-1.0, abs=0.02)
-    assert found.rms == pytest.approx(math.sqrt(3.0), abs=0.02)
-    assert found.extreme == 3.0
 
 
 def test_without_verify_nothing_is_measured_and_nothing_else_changes():

@@ -1,4 +1,4 @@
-"""Pictures of a run show what closed forms say: orders, spectra, polar curves, orbits, modes."""
+"""Pictures of a run show what closed forms say: spectra, polar curves, orbits, modes."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import pytest
 from autobalancer.harness import UserError, cosimulate, load_scene
 from autobalancer.harness.master.pictures.in_space import mode_shapes
 from autobalancer.harness.master.pictures.motion import Motion
-from autobalancer.harness.master.pictures.orders import spectra, tracked
+from autobalancer.harness.master.pictures.orders import spectra, synchronous
 from autobalancer.harness.master.result import UnknownSignalError
 from autobalancer.harness.output.picture import Picture
 from autobalancer.harness.scene import Scene
@@ -49,18 +49,17 @@ def test_orders_of_a_known_vibration_are_found_whatever_the_speed_does():
     angle = 3.0 * time + 0.9 * time**2
     signal = 2.0 * np.cos(angle + 0.3) + 0.5 * np.cos(2.0 * angle - 1.0)
     signal += 0.2 * np.cos(0.5 * angle) + 7.0
-    found = tracked(angle, signal[None], (0.5, 1.0, 2.0, 3.0)).amplitude[:, :, 0]
-    expected = [0.2, 2.0 * np.exp(0.3j), 0.5 * np.exp(-1.0j), 0.0]
-    np.testing.assert_allclose(found, np.broadcast_to(expected, found.shape), atol=2e-4)
+    found = synchronous(angle, signal[None])[1]
+    np.testing.assert_allclose(found, np.full(found.shape, 2.0 * np.exp(0.3j)), atol=2e-4)
     lines = spectra(angle, signal)
     for order, amplitude in ((0.5, 0.2), (1.0, 2.0), (2.0, 0.5), (3.0, 0.0)):
         line = lines.amplitude[:, np.isclose(lines.orders, order)]
         np.testing.assert_allclose(line, amplitude, atol=2e-4)
 
 
-def test_order_tracking_equals_the_amplitude_of_a_steady_run():
+def test_polar_curve_of_a_steady_run_ends_at_its_amplitude():
     result = cosimulate(disc(40.0))
-    amplitude = lines(result.plot_orders(orders=(1.0,)))[0].points[1][-1]
+    amplitude = lines(result.plot_polar())[0].points[1][-1]
     late = result.time > 0.9 * result.time[-1]
     exact = abs(linear_response(1.5))
     assert np.abs(result["rotor.x"][late]).max() == pytest.approx(exact, rel=5e-3)
@@ -135,9 +134,6 @@ def test_two_weights_end_where_they_hold_the_unbalance():
         steps = np.abs(np.diff(line.points[1]))
         assert np.nanmax(steps) < 180.0
         assert np.isnan(steps).any()
-    over_speed = result.plot_weights_over_speed().panels[0]
-    assert over_speed.axes[0].label == "speed [rad/s]"
-    assert over_speed.lines[0].points[0][-1] == pytest.approx(150.0)
 
 
 def test_history_marks_the_balanced_time_among_logarithmic_amplitudes_and_angles_within_a_turn():
@@ -154,9 +150,8 @@ def test_history_marks_the_balanced_time_among_logarithmic_amplitudes_and_angles
 
 
 def test_at_constant_speed_the_same_stand_over_time():
-    result = cosimulate("two_balls")
-    assert result.plot_weights_over_speed().panels[0].axes[0].label == "time [s]"
-    assert result.plot_orders().panels[0].axes[0].label == "time [s]"
+    picture = cosimulate("two_balls").plot_waterfall()
+    assert picture.panels[1].axes[0].label == "time [s]"
 
 
 def test_orbits_of_a_rigid_shaft_lie_on_straight_lines_through_its_planes():
@@ -198,53 +193,18 @@ def test_mode_shapes_turn_as_their_titles_say():
     assert senses == {"forward", "backward"}
 
 
-def test_settling_map_is_the_same_when_equal_weights_change_places():
-    result = cosimulate("two_balls")
-    field = result.plot_settling(points=9).panels[0].field
-    np.testing.assert_allclose(field.values, field.values.T, rtol=1e-6)
-    np.testing.assert_allclose(field.values[0], field.values[-1], rtol=1e-6)  # 0 is 360 degrees
-    assert np.isfinite(field.values).any()
-    assert field.quantity.label == "settling time [s]"
-
-
-def test_settling_map_shows_when_a_run_from_there_settles():
-    scene = load_scene("two_balls")
-    field = cosimulate(scene).plot_settling(points=5).panels[0].field
-    j, i = np.argwhere(np.isfinite(field.values))[0]
-    angles = [math.radians(field.x[i]), math.radians(field.y[j])]
-    run = cosimulate(scene.replace({"weights.angles": angles, "coupling.steps_per_rev": 40}))
-    size = np.hypot(run["rotor.x"], run["rotor.y"])
-    period = run.time[-1] / 20
-    turn = np.minimum(run.time / period, 19.9).astype(int)
-    tops = np.array([size[turn == k].max() for k in range(20)])
-    away = np.flatnonzero(np.abs(tops - tops[-1]) > 0.05 * size.max())
-    assert field.values[j, i] == pytest.approx((away[-1] + 1) * period, abs=1.01 * period)
-
-
-@pytest.mark.parametrize(
-    ("kind", "message"),
-    [("weights", "no balancer with weights"), ("settling", "has no two weights")],
-)
-def test_what_a_scene_does_not_have_is_said(kind, message):
-    with pytest.raises(UserError, match=message):
-        getattr(cosimulate("liquid_disc"), f"plot_{kind}")()
+def test_what_a_scene_does_not_have_is_said():
+    with pytest.raises(UserError, match="no balancer with weights"):
+        cosimulate("liquid_disc").plot_weights()
 
 
 @pytest.mark.parametrize(
     ("scene", "option", "change", "message"),
     [
         ("liquid_disc", "weights", [], "--weights: Liquid-balanced disc"),
-        ("liquid_disc", "weights-over-speed", [], "has no balancer with weights to show"),
-        ("liquid_disc", "settling", [], "has no two weights"),
-        (
-            "two_balls",
-            "settling",
-            ['coupling.scheme="jacobi"'],
-            "--settling: two_balls: coupling.scheme",
-        ),
         ("two_balls", "waterfall", ["run.revolutions=1.5"], "1.5 revolutions are too few"),
         # of 75 revolutions the speed rises over 23.9
-        ("run_up", "orders", ["operation.run_up.seconds=0.3"], "3.58 revolutions are too few"),
+        ("run_up", "polar", ["operation.run_up.seconds=0.3"], "3.58 revolutions are too few"),
         ("two_balls", "plot", ["run.record=[]"], "--plot: nothing to draw"),
     ],
 )
@@ -276,7 +236,7 @@ def test_pictures_of_a_motors_run_go_by_the_speed_that_it_makes():
 
 def test_a_rotor_that_comes_to_rest_has_no_orders():
     with pytest.raises(UserError, match="does not turn forwards all the time"):
-        tracked(np.array([0.0, 30.0, 60.0, 60.0]), np.zeros((1, 4)), (1.0,))
+        synchronous(np.array([0.0, 30.0, 60.0, 60.0]), np.zeros((1, 4)))
 
 
 def test_what_was_not_recorded_is_said():
@@ -284,26 +244,22 @@ def test_what_was_not_recorded_is_said():
     with pytest.raises(UnknownSignalError, match=r"rotor.y.*was not recorded"):
         result.plot_orbits()
     with pytest.raises(UserError, match="2 revolutions are too few: orders are looked at over 4"):
-        cosimulate(disc(2.0)).plot_orders()
+        cosimulate(disc(2.0)).plot_polar()
 
 
 def test_a_rotor_at_rest_has_no_waterfall_and_all_other_pictures():
     result = cosimulate(disc(8.0).replace({"rotor.unbalance": 0.0}))
     with pytest.raises(UserError, match=r"rotor\.x: does not vibrate"):
         result.plot_waterfall()
-    for picture in (result.plot_orders(), result.plot_polar(), result.plot_orbits()):
+    for picture in (result.plot_polar(), result.plot_orbits()):
         assert picture._repr_png_()
 
 
 def test_run_draws_what_is_asked_for(invoke, tmp_path):
-    kinds = ("weights", "weights-over-speed", "waterfall", "orders", "polar", "orbits")
+    kinds = ("weights", "waterfall", "polar", "orbits")
     options = [part for kind in kinds for part in (f"--{kind}", str(tmp_path / f"{kind}.png"))]
     # its scene records no angles of the weights: they are added
     done = invoke("run", "run_up", *options)
     assert done.exit_code == 0, done.output
     for kind in kinds:
         assert (tmp_path / f"{kind}.png").read_bytes().startswith(b"\x89PNG")
-
-
-def test_a_picture_shows_itself_in_a_notebook():
-    assert cosimulate(disc(8.0)).plot_orders()._repr_png_().startswith(b"\x89PNG")
