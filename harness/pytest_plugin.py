@@ -32,6 +32,7 @@ def cosim(request: pytest.FixtureRequest) -> Callable[..., Result]:
         fmus: Path | None = None,
         verify: bool = False,
         separate: bool = False,
+        one_file: bool | None = None,
         **overrides: Any,
     ) -> Result:
         __tracebackhide__ = True  # of a refusal pytest shows the test's line and the message
@@ -47,7 +48,9 @@ def cosim(request: pytest.FixtureRequest) -> Callable[..., Result]:
                 scene = load_scene(beside if beside.is_file() else source)
             if overrides:
                 scene = scene.replace(overrides)
-            return cosimulate(scene, record=record, fmus=fmus, verify=verify, separate=separate)
+            return cosimulate(
+                scene, record=record, fmus=fmus, verify=verify, separate=separate, one_file=one_file
+            )
         except (UserError, SimulationError) as refusal:
             raise refusal.with_traceback(None) from None
 

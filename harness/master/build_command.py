@@ -53,16 +53,35 @@ def command(
     ssp: Annotated[
         bool, typer.Option("--ssp", help="The scene as a system structure package, ready to run.")
     ] = False,
+    release: Annotated[
+        Path | None,
+        typer.Option(
+            "--release",
+            metavar="DIR",
+            help="One archive of all units and bundled scenes, with checksums; same bytes again.",
+        ),
+    ] = None,
     changes: Annotated[list[str] | None, options.changes("rotor.mass=3.0")] = None,
 ) -> None:
     """Build all units as FMUs, or exactly those that a scene needs."""
     from .build import build_files
+    from .release import build_release
 
     form: dict[str, Any] = {"python": python, "one_file": one_file, "ssp": ssp}
     form |= {"plain": plain, "flat": flat, "reference": reference}
     if scene is None and changes:
         raise UserError("--set: give the scene in which the value is to be replaced")
     loaded = None if scene is None else changed_scene(scene, changes)
+    if release is not None:
+        if loaded or any(form.values()) or fmi != 2 or output != Path():
+            raise UserError(
+                "--release: takes --platform only; it has all scenes and versions of FMI"
+            )
+        with progress_bar("building") as progress:
+            archive = build_release(release, platform, progress=progress)
+        show(archive.table())
+        say(f"Left out as SSP of separate units: {'; '.join(archive.left_out) or 'none'}")
+        return
     with progress_bar("building") as progress:
         form["progress"] = progress
         if loaded is None:

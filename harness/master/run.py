@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time as clock
+import warnings
 from collections.abc import Callable, Iterable
 from dataclasses import replace
 from functools import partial
@@ -37,6 +38,7 @@ def cosimulate(
     progress: Progress | None = None,
     verify: bool = False,
     separate: bool = False,
+    one_file: bool | None = None,
 ) -> Result:
     """Run a scene and return what it recorded.
 
@@ -51,6 +53,7 @@ def cosimulate(
         progress: called with the finished fraction now and then.
         verify: run once more, finer, and measure the error of every signal (`Result.error`).
         separate: couple separate FMUs in Python.
+        one_file: deprecated, the default; True refuses a scene that one file does not cover.
 
     Raises:
         UserError: the scene or an FMU is wrong.
@@ -63,7 +66,16 @@ def cosimulate(
         scene = load_scene(scene)
     warn(scene)
     names = list(recorded(scene) if record is None else record)
-    loaded = partial(load, fmus=fmus, separate=separate or fmus is not None)
+    if one_file is not None:
+        warnings.warn(
+            "one_file: one file is the default now; separate=True couples separate FMUs",
+            DeprecationWarning,
+            stacklevel=2,
+        )
+    if one_file:
+        refuse_separate(scene, fmus)
+    separate = separate or fmus is not None or one_file is False
+    loaded = partial(load, fmus=fmus, separate=separate)
     if not verify:
         return run_once(scene, names, loaded, progress)
     if not names:
@@ -71,6 +83,14 @@ def cosimulate(
     report = progress or (lambda _done: None)
     found = run_once(scene, names, loaded, lambda done: report(FIRST * done))
     return verified(scene, found, load, lambda done: report(FIRST + (1.0 - FIRST) * done))
+
+
+def refuse_separate(scene: Scene, fmus: Path | None) -> None:
+    """Raise UserError where only separate units can run a scene, and one file is wanted."""
+    if fmus is not None:
+        raise UserError(f"{fmus}: holds separate FMUs, and one file is to run: give one of them")
+    if why := why_separate(scene):
+        raise UserError(why)
 
 
 def load(scene: Scene, fmus: Path | None = None, separate: bool = False) -> Simulation:

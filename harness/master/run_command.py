@@ -34,6 +34,9 @@ def command(
         bool,
         typer.Option("--separate", help="Couple separate FMUs in Python instead of in C; slower."),
     ] = False,
+    one_file: Annotated[
+        bool, typer.Option("--one-file", hidden=True, help="Deprecated: the default now.")
+    ] = False,
     at_most: Annotated[str, options.AT_MOST] = costs.DEFAULT,
     report: Annotated[Path | None, options.REPORT] = None,
     verbose: Annotated[
@@ -68,12 +71,16 @@ def command(
     Pictures are png, svg or pdf.
     """
     from ..output.report import Report
+    from .run import refuse_separate
 
     wanted = {"weights": weights, "waterfall": waterfall, "polar": polar, "orbits": orbits}
     pictures = {kind: path for kind, path in wanted.items() if path is not None}
     loaded = changed_scene(scene, changes)
     if fmus is not None and not fmus.is_dir():
         raise UserError(f"{fmus}: is not a directory with FMUs")
+    if one_file:
+        refuse_separate(loaded, fmus)
+        say("NOTE: --one-file is the default now, and deprecated", style="bold yellow", error=True)
     if movie is not None:
         from .pictures.movie import refuse_unseen
 

@@ -150,11 +150,17 @@ def test_build_makes_exactly_the_units_of_a_scene_and_run_takes_them(invoke, tmp
     assert "weights" in outcome.stderr
 
 
-def test_run_names_the_engine(invoke):
+def test_run_names_the_engine_and_refuses_separate_fmus_for_one_file(invoke):
     assert (
         "Coupled in C, as one file: two_balls.fmu" in invoke("run", "two_balls", "--verbose").output
     )
     assert "FMUs loaded: Rotor" in invoke("run", "two_balls", "--separate", "--verbose").output
+    outcome = invoke("run", "two_balls", "--one-file")
+    assert outcome.exit_code == 0, outcome.output
+    assert "deprecated" in outcome.stderr
+    outcome = invoke("run", "two_balls", "--one-file", "--fmus", ".")
+    assert outcome.exit_code == 2
+    assert "one file is to run: give one of them" in outcome.stderr
 
 
 @pytest.mark.parametrize("form", [[], ["--one-file"], ["--ssp"]])

@@ -7,8 +7,8 @@ import re
 import numpy as np
 import pytest
 
-from autobalancer.harness import SceneError, SimulationError, cosimulate, load_scene
-from autobalancer.harness.master.one_file import composition_in_c
+from autobalancer.harness import SceneError, SimulationError, UserError, cosimulate, load_scene
+from autobalancer.harness.master.run import refuse_separate
 from tests.truth.judge import deviations, motion
 
 TOLERANCES = [
@@ -90,8 +90,8 @@ NOT_COVERED = [
 @pytest.mark.parametrize(("changes", "key"), NOT_COVERED)
 def test_a_scene_that_it_does_not_cover_is_refused_by_the_key(changes, key):
     scene = load_scene("two_balls").replace({**changes, "run.revolutions": 2})
-    with pytest.raises(SceneError, match=key):
-        composition_in_c(scene)
+    with pytest.raises(UserError, match=key), pytest.warns(DeprecationWarning, match="separate"):
+        cosimulate(scene, one_file=True)
 
 
 @pytest.mark.parametrize(("changes", "key"), NOT_COVERED)
@@ -107,6 +107,11 @@ def test_inputs_of_units_are_recorded_on_separate_units_alone():
     with pytest.raises(SceneError, match=r"run\.record"):
         cosimulate("two_balls", record=names)
     assert len(cosimulate("two_balls", record=names, separate=True)["weights.a_xi"])
+
+
+def test_ready_made_units_are_none_of_the_one_file(tmp_path):
+    with pytest.raises(UserError, match="one of them"):
+        refuse_separate(load_scene("two_balls"), tmp_path)
 
 
 def test_any_variable_but_inputs_is_recorded_with_the_unit_it_has():
