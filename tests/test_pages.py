@@ -138,7 +138,7 @@ COMMAND_LINES = {
     ],
     "design": [
         "finite_weights --starts 6 --most 3 --track 250mm --width 50mm --material steel "
-        "--unbalance '90 g m' --reserve 1.3 -o design.png"
+        "--unbalance '0..90 g m' --reserve 1.3 -o design.png"
     ],
     "scatter": ["two_balls --vary weights.drag=normal(0.2,10%) -n 10 -o scatter.csv"],
     "fit": ["two_balls --without-balancers --measured fit.csv --free rotor.unbalance -o fit.png"],

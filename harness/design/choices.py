@@ -86,6 +86,7 @@ class Design(Outcome):
         unbalance: the largest to be balanced [kg m].
         choices: by number of weights.
         reserve: capacity that is asked for, over the unbalance.
+        least: the smallest unbalance that occurs [kg m].
     """
 
     drawn_by: ClassVar[str] = "..design.plot:plot_capacity"
@@ -96,6 +97,7 @@ class Design(Outcome):
     race: float
     choices: tuple[Choice, ...]
     reserve: float = 1.0
+    least: float = 0.0
 
     @property
     def with_capacity(self) -> list[Choice]:
@@ -130,6 +132,7 @@ def design(
     workers: Workers = 1,
     progress: Progress | None = None,
     reserve: float = 1.0,
+    least: float = 0.0,
 ) -> Design:
     """Compare numbers of weights on the rotor of a scene.
 
@@ -151,7 +154,7 @@ def design(
     for batch, outcome in zip(work, outcomes, strict=True):
         runs[weights_of(batch.scene).count] += outcome
     choices = tuple(_choice(scenes[n], reserve * amount, runs[n]) for n in counts)
-    return Design(scene.title, balls.kind, amount, race, choices, reserve)
+    return Design(scene.title, balls.kind, amount, race, choices, reserve, least)
 
 
 def _choice(scene: Scene, required: float, runs: list[SettlingRun]) -> Choice:

@@ -24,9 +24,10 @@ MEASURE = "Measure it (autobalancer drag) and give it in a [[balancer]] table: s
 def command(
     scene: Annotated[str, options.SCENE],
     unbalance: Annotated[
-        float | None,
-        options.quantity(
-            "kg m", "The largest one, kg m or with a unit; default: the scene's.", "--unbalance"
+        str | None,
+        typer.Option(
+            metavar="[LOW..]HIGH",
+            help='That occurs, kg m or such as "0..300 g mm"; default: the scene\'s.',
         ),
     ] = None,
     race: Annotated[

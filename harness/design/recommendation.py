@@ -125,7 +125,7 @@ def _critical(data: Design) -> list[str]:
         if choice.count != 3:
             continue
         amount = critical_unbalance(balls.mass, balls.track_radius, balls.weight_radius or 0.0)
-        if amount <= (1.0 + NEAR) * data.unbalance:
+        if (1.0 - NEAR) * data.least <= amount <= (1.0 + NEAR) * data.unbalance:
             here = abs(data.unbalance / amount - 1.0) <= NEAR
             lines.append(
                 f"{'WARNING: ' if here else ''}n = 3 has a critical case at {amount:.4g} kg m, "

@@ -26,19 +26,31 @@ def read_space(
     Raises:
         UserError: a value is wrong.
     """
-    found: dict[str, Any] = {"density": _density(material), "reserve": reserve}
-    for name, given, symbol in (
-        ("unbalance", unbalance, "kg m"), ("race", race, "m"), ("width", width, "m"),
-    ):  # fmt: skip
-        value = None if given is None else si_number(given, symbol, f"--{name}")
-        if value is not None and not 0.0 <= value < math.inf:
-            raise UserError(f"--{name} {value:g}: must be 0 or more")
-        if value == 0.0 and symbol == "m":
-            raise UserError(f"--{name} 0: must be above 0")
-        found[name] = value
+    least, largest = _unbalances(unbalance)
+    lengths = {}
+    for name, given in (("race", race), ("width", width)):
+        value = None if given is None else si_number(given, "m", f"--{name}")
+        if value is not None and not 0.0 < value < math.inf:
+            raise UserError(f"--{name} {value:g}: must be above 0")
+        lengths[name] = value
     if not 1.0 <= reserve < math.inf:
         raise UserError(f"--reserve {reserve:g}: must be 1 or more, such as 1.3")
-    return found
+    density = _density(material)
+    return {"unbalance": largest, "least": least, **lengths, "density": density, "reserve": reserve}
+
+
+def _unbalances(given: float | str | None) -> tuple[float, float | None]:
+    """Smallest and largest unbalance [kg m] of "0..300 g mm"; None: the scene's."""
+    if given is None:
+        return 0.0, None
+    low, _, high = str(given).rpartition("..")
+    largest = si_number(high, "kg m", "--unbalance")
+    unit = high.strip().lstrip("+-.0123456789eE")
+    bare = low.strip() and not low.strip()[-1].isalpha()  # its unit is the other's
+    least = si_number(low + unit if bare else low, "kg m", "--unbalance") if low else 0.0
+    if not 0.0 <= least <= largest < math.inf:
+        raise UserError(f'--unbalance {given}: must be 0 or more, such as "0..300 g mm"')
+    return least, largest
 
 
 def _density(material: float | str) -> float:

@@ -196,7 +196,7 @@ class Methods:
         """Number and size of balls or rollers for a rotor (Goncharov 2017).
 
         Args:
-            unbalance: the largest one [kg m]; default: the scene's.
+            unbalance: the largest one [kg m], or "LOW..HIGH" with a unit; default: the scene's.
             race: radius of the race [m]; default: that of the scene's weights.
             width: space along the axis [m]; default: the diameter of the scene's weights.
             material: a name such as "brass", or a density [kg/m^3].
@@ -211,7 +211,7 @@ class Methods:
             SimulationError: a run fails.
 
         >>> drum = ab.load("goncharov_balls").replace({"run.revolutions": 20})
-        >>> found = drum.design("5 g m", race="0.1 m", width="20 mm", starts=6, most=3)
+        >>> found = drum.design("2..5 g m", race="0.1 m", width="20 mm", starts=6, most=3)
         >>> [choice.count for choice in found.choices]
         [2, 3]
         """

@@ -6,7 +6,6 @@ import cmath
 import math
 import re
 from collections.abc import Iterator, Mapping
-from dataclasses import asdict
 from itertools import product
 from typing import Any
 
@@ -65,9 +64,11 @@ def content(scene: Scene) -> dict[str, Any]:
         "profile": [list(corner) for corner in zip(profile.times, profile.speeds, strict=True)],
         "rate": max(0.0, profile.acceleration(0.0)) or profile.end**2 / (math.tau * CHANGED_IN),
         "window": {
-            **asdict(bands),
             "low": min(bands.low, profile.end),
             "high": max(bands.high, profile.end),
+            "ends": bands.ends,
+            "kinds": bands.kinds,
+            "words": bands.words,
         },
         "scene": document(scene),
         "sliders": list(_sliders(scene, made)),

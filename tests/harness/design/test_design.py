@@ -260,7 +260,7 @@ def test_a_rotor_without_balls_on_unequal_supports_gets_the_fewest_that_hold_its
 ):
     scene = tmp_path / "rotor.toml"
     scene.write_text(ROTOR, encoding="utf-8")
-    asked = ["design", scene, *SPACE, "--unbalance", "30 g m", "--reserve", "1.3"]
+    asked = ["design", scene, *SPACE, "--unbalance", "0..30 g m", "--reserve", "1.3"]
     steel = invoke(*asked, "-o", tmp_path / "steel.png")
     assert steel.exit_code == 0, steel.output
     assert "n = 2" in steel.output  # 2 balls of 110 g on a circle of 165 mm hold 36 g m, not 39
@@ -275,7 +275,7 @@ def test_a_rotor_without_balls_on_unequal_supports_gets_the_fewest_that_hold_its
 @pytest.mark.parametrize(
     ("arguments", "problem"),
     [
-        (["--unbalance", "-3 g mm"], "must be 0 or more"),
+        (["--unbalance", "300..0 g mm"], "must be 0 or more, such as"),
         (["--unbalance", "3 kg"], "an unbalance is expected"),
         (["--material", "stel"], 'did you mean "steel"'),
         (["--reserve", "0.5"], "must be 1 or more"),
