@@ -72,11 +72,12 @@ LinearRotor = _struct(
     gravity=c_double * 2,
     sliders=c_int,
 )
-VariableSpeedStep = _struct(
-    "VariableSpeedStep",
-    **dict.fromkeys(["turning_force", "axes", "parts", "dof", "plane_count"], c_int),
-    **dict.fromkeys(["still", "per_speed", "planes", "force", "unbalance", "falling"], _D),
-    orders=c_int,
+Spin = _struct("Spin", angle=c_double, speed=c_double, rates=c_double * 4)
+Drive = _struct(
+    "Drive",
+    forces=_D,
+    **dict.fromkeys(["orders", "planes", "turning_force"], c_int),
+    spin=Spin,
 )
 Doubled = _struct("Doubled", used=c_int, times=c_int, **dict.fromkeys(["scaled", "grown"], _D))
 Doublings = _struct("Doublings", next=c_int, doubled=Doubled * 4)
@@ -105,7 +106,7 @@ Moved = _struct(
 Instant = _struct("Instant", acceleration=Complex, slope=Complex, rotor_speed=c_double)
 
 STRUCTURES = (
-    Complex, Failure, LinearRotor, VariableSpeedStep, Doublings, Weights, Quadrature, Track, Moved,
+    Complex, Failure, LinearRotor, Spin, Drive, Doublings, Weights, Quadrature, Track, Moved,
     Instant,
 )  # fmt: skip
 
@@ -119,14 +120,14 @@ _RETURNS = {
     Complex: "rect weights_static_moment track_static_moment hat_half pulse_ahead impact_on_plane"
     " quintic_weights_reaction_second",
     c_size_t: (
-        "linear_rotor_size linear_rotor_flexible_scratch step_matrix_scratch variable_speed_size"
-        " variable_speed_scratch track_scratch friction_size"
+        "linear_rotor_size linear_rotor_flexible_scratch step_matrix_scratch taylor_step_size"
+        " track_scratch"
     ),
     Quadrature: "quadrature_empty",
     _D: "quadrature",
     LinearRotor: "linear_rotor_in linear_rotor_with_added_mass",
-    None: "phi_functions weights_reaction variable_speed_plane_motion along_track"
-    " variable_speed_torque pool expand sliding_drive friction_at_start pressure_factors shifted",
+    None: "phi_functions weights_reaction along_track pool expand sliding_drive"
+    " friction_at_start pressure_factors shifted",
 }
 
 
@@ -156,6 +157,7 @@ class Core:
         names = re.findall(r"^\s*([A-Z_]+)\b", listed[1], re.M)  # type: ignore[index]
         self.codes = {name: number for number, name in enumerate(names)}
         self.library = ctypes.CDLL(str(path))
+        self._kept: list[Any] = []
         for type_, names in _RETURNS.items():
             for name in names.split():
                 if hasattr(self.library, name):
@@ -204,6 +206,26 @@ class Core:
             one.scaled, one.grown = (a.ctypes.data_as(_D) for a in (scaled, grown))
         return kept
 
+    def taylor_step(self, rotor: Any, sliders: Any = None, count: int = 0) -> Any:
+        """The step at any speed of a rotor made by `rotor_of`, with `count` sliders."""
+        n, p = rotor.stations, rotor.plane_count
+        memory = np.full(self("taylor_step_size", n, p, count), math.nan)
+        scratch = np.full(12 * n * n, math.nan)
+        made = (c_double * 64)()  # longer than the structure
+        self.demand("taylor_step_in", memory, byref(rotor), sliders, count, scratch, byref(made))
+        self._kept.append((memory, sliders, rotor))
+        return made
+
+    def drive(
+        self, forces: NDArray, turning: bool, angle: float, speed: float, *rates: float
+    ) -> Any:
+        """What moves a rotor: forces (orders, p) on the planes, and how it turns."""
+        orders, planes = forces.shape
+        spin = Spin(angle, speed, (c_double * 4)(*rates))
+        made = Drive(forces.ctypes.data_as(_D), orders, planes, int(turning), spin)
+        made.kept = forces
+        return made
+
     def step_matrix(
         self,
         rotor: Any,
@@ -213,7 +235,10 @@ class Core:
         order: int = 3,
         kept: Any = None,
     ) -> NDArray:
-        """As `models.propagator.step_matrix`, of a rotor made by `rotor_of`."""
+        """As `models.propagator.step_matrix`, of a rotor made by `rotor_of`.
+
+        C has x and y alternating, Python blocks (x..., y...).
+        """
         axes = 1 if self("linear_rotor_isotropic", byref(rotor)) else 2
         orders = order + 1
         sizes = rotor.stations, rotor.plane_count, orders, axes
@@ -223,7 +248,21 @@ class Core:
         how = int(turning), orders
         kept = self.doublings(len(scratch) // 5) if kept is None else kept
         self.demand("step_matrix", byref(rotor), speed, step, *how, matrix, scratch, byref(kept))
-        return matrix
+        n, p = sizes[:2]
+        rows = _alternating([n, n, *[p] * (orders // 2)], axes)
+        columns = _alternating([n, n, *[p] * orders, 1], axes)
+        return matrix[np.ix_(rows, columns)]
+
+
+def _alternating(sizes: Sequence[int], axes: int) -> list[int]:
+    """Where the elements of blocks (x..., y...) stand in blocks with x and y alternating."""
+    starts = axes * np.cumsum([0, *sizes])
+    return [
+        int(start) + axes * k + axis
+        for start, size in zip(starts, sizes, strict=False)
+        for axis in range(axes)
+        for k in range(size)
+    ]
 
 
 def _argument(value: Any) -> Any:

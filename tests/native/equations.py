@@ -180,15 +180,6 @@ class Drive(NamedTuple):
     spin_up: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 0.0)
 
 
-class _Drive(ctypes.Structure):
-    _fields_ = (
-        ("forces", POINTER(c_double)),
-        ("angle", c_double),
-        ("speed", c_double),
-        ("spin_up", POINTER(c_double)),
-    )
-
-
 class _Slider(ctypes.Structure):
     _fields_ = (("station", c_int), ("axis", c_int), ("limit", c_double), ("stiffness", c_double))
 
@@ -196,36 +187,23 @@ class _Slider(ctypes.Structure):
 class Friction:
     """Step of a rotor with dry friction in its supports.
 
-    States are (q, v), x before y; `held` (m, 2) is the direction of slip and the force of every
-    slider.
+    States are (q, v), x and y alternating; `held` (m, 2) is the direction of slip and the force of
+    every slider.
     """
 
     def __init__(self, core: Core, rotor: LinearRotor, turning_force: bool = True) -> None:
-        self.core, self.dof = core, 2 * rotor.stations
-        sizes = rotor.stations, rotor.plane_count
+        self.core, self.dof, self.turning = core, 2 * rotor.stations, turning_force
         count, native = len(rotor.sliders), core.rotor_of(rotor)
         native.sliders = count
-        smooth = core.structures.VariableSpeedStep()
-        memory = np.empty(core("variable_speed_size", *sizes, 2))
-        scratch = np.empty(core("variable_speed_scratch", *sizes, 2))
-        core.demand(
-            "variable_speed_step", byref(native), int(turning_force), memory, scratch, byref(smooth)
-        )
         self._sliders = (_Slider * count)(
             *((s.station, s.axis, s.limit, s.stiffness) for s in rotor.sliders)
         )
-        own = np.empty(core("friction_size", *sizes, count))
-        self._native = (c_double * 64)()  # longer than the structure
-        core.demand(
-            "friction_step", byref(native), byref(smooth), self._sliders, count, own,
-            byref(self._native),
-        )  # fmt: skip
-        self._kept = native, smooth, memory, own
+        self._native = core.taylor_step(native, self._sliders, count)
 
     def at_start(self, state: NDArray) -> NDArray:
         """Sliders with slack springs; rigid ones slip with the rotor."""
         held, count = np.zeros((len(self._sliders), 2)), len(self._sliders)
-        rates = np.array(state, float)[self.dof :].reshape(2, -1).T.ravel()
+        rates = np.array(state, float)[self.dof :]
         self.core("friction_at_start", self._sliders, count, rates, held)
         return held
 
@@ -234,11 +212,10 @@ class Friction:
     ) -> tuple[NDArray, NDArray]:
         """State and sliders one step later."""
         state, held, forces = state.copy(), held.copy(), np.ascontiguousarray(drive.forces)
-        spin_up = np.array(drive.spin_up, float)
-        given = _Drive(_pointer(forces), drive.angle, drive.speed, _pointer(spin_up))
+        given = self.core.drive(forces, self.turning, drive.angle, drive.speed, *drive.spin_up)
         reached = c_double(step)
         self.core.demand(
-            "friction_advance", byref(self._native), state, held, byref(given), float(step), 0,
+            "taylor_advance", byref(self._native), state, held, byref(given), float(step), 0,
             byref(reached),
         )  # fmt: skip
         return state, held

@@ -36,7 +36,6 @@ enum {
     FAILURE_MATRICES,          /* the rotor's matrices are not finite */
     FAILURE_SINGULAR,          /* a matrix is singular */
     /* ArithmeticError of the rotor */
-    FAILURE_FAST_VIBRATION,    /* value: step, error; where: parts of the step */
     FAILURE_STRETCHES,         /* value: step, time reached; where: largest number */
     /* ArithmeticError of the weights */
     FAILURE_ANGLES,            /* the weights' angles are not finite */

@@ -40,11 +40,9 @@ static const char *const WORDS[FAILURE_CROSSINGS + 1] = {
     [FAILURE_OVERLAP] = "weights overlap by {0.3} rad: neighbours need {1.6} rad",
     [FAILURE_MATRICES] = "the rotor's matrices are not finite",
     [FAILURE_SINGULAR] = "Singular matrix",
-    [FAILURE_FAST_VIBRATION] = "the rotor vibrates too fast for a step of {0.6} s at changing "
-                               "speed: {w} parts of it still err by {1.6} m; use smaller "
-                               "communication steps",
-    [FAILURE_STRETCHES] = "more than {w} stretches and events of the sliders in {0.6} s, {1.6} s "
-                          "reached: use smaller communication steps",
+    [FAILURE_STRETCHES] = "the rotor vibrates too fast, or its sliders change too often, for a step "
+                          "of {0.6} s: {1.6} s reached in {w} stretches; use smaller communication "
+                          "steps",
     [FAILURE_ANGLES] = "the weights' angles {l} are not finite",
     [FAILURE_SUBSTEPS] = "the weights would need {0.3} substeps in {1.6} s: acceleration {2.6} "
                          "m/s^2, rate {3.6} rad/s",

@@ -172,87 +172,45 @@ size_t step_matrix_scratch(int stations, int planes, int orders, int axes)
     return 5 * parts * size * size; /* Z, its exponential, and what that needs */
 }
 
-/* Rows (dof, 2 dof + axes p + axes) of M v' by q, v, f_0 and e. */
-static void set_right(const LinearRotor *rotor, int parts, int axes, double speed,
-                      const double *damping, const double *stiffness, double *right)
-{
-    const int n = rotor->stations, p = rotor->plane_count, dof = axes * n;
-    const int width = 2 * dof + axes * (p + 1), e = 2 * dof + axes * p;
-    const double squared = speed * speed;
-    int i, j, k, axis;
-    fill_doubles((size_t)dof * width * parts, 0.0, right);
-    for (i = 0; i < dof; i++) {
-        double *row = right + (size_t)i * width * parts;
-        for (k = 0; k < dof * parts; k++) {
-            row[k] = -stiffness[i * dof * parts + k];
-            row[dof * parts + k] = -damping[i * dof * parts + k];
-        }
-    }
-    for (axis = 0; axis < axes; axis++) {
-        for (i = 0; i < n; i++) {
-            double *row = right + (size_t)(axis * n + i) * width * parts;
-            for (j = 0; j < p; j++) {
-                row[(2 * dof + axis * p + j) * parts] = rotor->planes[j * n + i];
-            }
-        }
-    }
-    for (i = 0; i < n; i++) {
-        const double x = squared * rotor->unbalance[2 * i];
-        const double y = squared * rotor->unbalance[2 * i + 1];
-        double *row = right + ((size_t)i * width + e) * parts;
-        row[0] = x;
-        if (axes == 1) {
-            row[1] = y;
-        } else {
-            row[1] = -y;
-            row += (size_t)n * width;
-            row[0] = y;
-            row[1] = x;
-        }
-    }
-}
-
 /* Turning e^{i w t} of `count` vectors, at rows and columns from `first` on: f' = i w f. */
 static void set_turning(int parts, int size, int first, int count, double speed, double *z)
 {
     int k;
     for (k = 0; k < count; k++) {
-        const size_t x = first + k, y = x + count;
         if (parts == 2) {
+            const size_t x = first + k;
             z[(x * size + x) * 2 + 1] = speed;
         } else {
+            const size_t x = first + 2 * k, y = x + 1;
             z[x * size + y] = -speed;
             z[y * size + x] = speed;
         }
     }
 }
 
-int generator(const LinearRotor *rotor, double speed, int turning_force, int orders, double *z,
-              double *scratch, Failure *failure)
+/* Matrix Z (columns, columns) of the autonomous system (q, v, f_0.., e)' = Z (q, v, f_0.., e). */
+static int set_generator(const LinearRotor *rotor, double speed, int turning_force, int orders,
+                         double *z, double *scratch, Failure *failure)
 {
     const int axes = linear_rotor_isotropic(rotor) ? 1 : 2, parts = 3 - axes;
     const int p = rotor->plane_count, dof = axes * rotor->stations, forces = axes * p;
-    const int size = 2 * dof + orders * forces + axes, f = 2 * dof, e = size - axes;
-    const int width = 2 * dof + forces + axes;
-    const size_t square = (size_t)dof * dof * parts;
-    double *mass = scratch, *damping = mass + square, *stiffness = damping + square;
-    double *right = stiffness + square;
+    const int size = step_matrix_columns(rotor->stations, p, orders, axes), e = size - axes;
+    const size_t width = (size_t)(2 * dof + forces + axes) * parts;
+    double *rows = scratch, *work = rows + dof * width;
     int i, k;
-    linear_rotor_coefficients(rotor, speed, mass, damping, stiffness);
-    set_right(rotor, parts, axes, speed, damping, stiffness, right);
-    if (matrix_solve(parts, dof, width, mass, right)) {
-        return fail(failure, FAILURE_SINGULAR, "mass", 0, 0.0, 0.0, 0.0, 0.0);
+    const int code = linear_rotor_rows(rotor, speed, rows, work, failure);
+    if (code) {
+        return code;
     }
     fill_doubles((size_t)size * size * parts, 0.0, z);
-    for (i = 0; i < dof; i++) {
+    for (i = 0; i < dof; i++, rows += width) {
         double *row = z + (size_t)(dof + i) * size * parts;
-        const double *from = right + (size_t)i * width * parts;
         z[((size_t)i * size + dof + i) * parts] = 1.0;
-        copy_doubles((size_t)(2 * dof + forces) * parts, from, row);
-        copy_doubles((size_t)axes * parts, from + (2 * dof + forces) * parts, row + e * parts);
+        copy_doubles((size_t)(2 * dof + forces) * parts, rows, row);
+        copy_doubles((size_t)axes * parts, rows + (2 * dof + forces) * parts, row + e * parts);
     }
     for (k = 0; k < orders; k++) {
-        const int first = f + k * forces;
+        const int first = 2 * dof + k * forces;
         if (turning_force) {
             set_turning(parts, size, first, p, speed, z);
         }
@@ -274,7 +232,7 @@ int step_matrix(const LinearRotor *rotor, double speed, double step, int turning
     double *z = scratch, *propagated = z + count, *work = propagated + count;
     double *rates = work, *next = rates + dof * width, *planes = next + dof * width;
     size_t i;
-    int k, code = generator(rotor, speed, turning_force, orders, z, work, failure);
+    int k, code = set_generator(rotor, speed, turning_force, orders, z, work, failure);
     if (code) {
         return code;
     }

@@ -1,7 +1,4 @@
-/* Exact step of the linear rotor at constant speed.
-
-   Axes and parts: an isotropic rotor has one axis of complex elements (parts 2), any other two axes
-   of real ones (parts 1). */
+/* Exact step of the linear rotor at constant speed. */
 #ifndef AUTOBALANCER_PROPAGATOR_H
 #define AUTOBALANCER_PROPAGATOR_H
 
@@ -38,17 +35,11 @@ int step_matrix_columns(int stations, int planes, int orders, int axes);
 /* Doubles of scratch for step_matrix. */
 size_t step_matrix_scratch(int stations, int planes, int orders, int axes);
 
-/* Matrix Z (columns, columns) of the autonomous system (q, v, f_0..f_3, e)' =
-   Z (q, v, f_0..f_3, e), of quintics with f_0..f_5; the same scratch. */
-int generator(const LinearRotor *rotor, double speed, int turning_force, int orders, double *z,
-              double *scratch, Failure *failure);
-
 /* Matrix (rows, columns) that takes (q, v, f_0..f_3, e) to (q, v, a, j) one `step` [s] later, of
    quintics to the jerk's derivative as well.
 
-   a and j are acceleration and jerk of the p planes in fixed axes; blocks are (x..., y...) for an
-   anisotropic rotor, complex for an isotropic one.  With `turning_force` 0 the f_k are derivatives
-   in fixed axes.  With step = 0 it evaluates a and j at the start. */
+   a and j are acceleration and jerk of the p planes in fixed axes; axes and parts are those of
+   linear_rotor.h.  With `turning_force` 0 the f_k are derivatives in fixed axes.  With step = 0 it evaluates a and j at the start. */
 int step_matrix(const LinearRotor *rotor, double speed, double step, int turning_force, int orders,
                 double *matrix, double *scratch, Doublings *cache, Failure *failure);
 
