@@ -87,7 +87,7 @@ Weights = _struct(
     **dict.fromkeys(["mass", "track_radius", "drag", "kappa", "radius"], c_double),
     each=_D,
 )
-Quadrature = _struct("Quadrature", damping_rate=c_double, step=c_double, response=c_double * 10)
+Quadrature = _struct("Quadrature", damping_rate=c_double, step=c_double, response=c_double * 14)
 Track = _struct(
     "Track",
     weights=Weights,
@@ -103,7 +103,7 @@ Moved = _struct(
     events=c_int,
     reached=c_double,
 )
-Instant = _struct("Instant", acceleration=Complex, slope=Complex, rotor_speed=c_double)
+Instant = _struct("Instant", motion=Complex * 3, spin=Spin)
 
 STRUCTURES = (
     Complex, Failure, LinearRotor, Spin, Drive, Doublings, Weights, Quadrature, Track, Moved,
@@ -117,8 +117,7 @@ _RETURNS = {
         " fastest_rate liquid_gap liquid_mass liquid_added_mass liquid_clearance group_factor"
         " lowest first_fall"
     ),
-    Complex: "rect weights_static_moment track_static_moment hat_half pulse_ahead impact_on_plane"
-    " quintic_weights_reaction_second",
+    Complex: "rect weights_static_moment track_static_moment hat_half pulse_ahead impact_on_plane",
     c_size_t: (
         "linear_rotor_size linear_rotor_flexible_scratch step_matrix_scratch taylor_step_size"
         " track_scratch"
@@ -126,8 +125,8 @@ _RETURNS = {
     Quadrature: "quadrature_empty",
     _D: "quadrature",
     LinearRotor: "linear_rotor_in linear_rotor_with_added_mass",
-    None: "phi_functions weights_reaction along_track pool expand sliding_drive"
-    " friction_at_start pressure_factors shifted",
+    None: "phi_functions weights_reaction pool expand find_sliding_drive friction_at_start"
+    " shift_signal",
 }
 
 
@@ -205,6 +204,21 @@ class Core:
         for one, (scaled, grown) in zip(kept.doubled, kept.memory, strict=True):
             one.scaled, one.grown = (a.ctypes.data_as(_D) for a in (scaled, grown))
         return kept
+
+    def instant(self, motion: Sequence[complex], angle: float, speed: float, *rates: float) -> Any:
+        """What drives weights: the acceleration of a centre with its derivatives, and the rotor."""
+        parts = [Complex(z.real, z.imag) for z in map(complex, motion)]
+        return Instant((Complex * 3)(*parts), Spin(angle, speed, (c_double * 4)(*rates)))
+
+    def shifted(
+        self, signal: Sequence[complex], offset: complex, speed: float, spin_up: Sequence[float]
+    ) -> NDArray:
+        """The acceleration of a point that is off, of a signal's value and derivatives."""
+        made = np.array(signal, complex)
+        self(
+            "shift_signal", made, len(made), complex(offset), float(speed), np.array(spin_up, float)
+        )
+        return made
 
     def taylor_step(self, rotor: Any, sliders: Any = None, count: int = 0) -> Any:
         """The step at any speed of a rotor made by `rotor_of`, with `count` sliders."""

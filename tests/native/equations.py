@@ -61,6 +61,7 @@ class Track:
     ) -> None:
         self.core, self.weights = core, weights
         self.restitution, self.rolling_resistance = restitution, rolling_resistance
+        self.offset = offset
         w = weights
         points = core.structures.Weights(w.count, w.mass, w.track_radius, w.drag, w.kappa)
         if w.unequal:
@@ -91,12 +92,19 @@ class Track:
         """Motion over a step; `signal` (4,) of the plane's centre, `rates` (3,) of w'."""
         ends = [np.empty(self.weights.count) for _ in range(3)]
         moved = self.core.structures.Moved(*(_pointer(values) for values in ends))
-        self.core.demand(
-            "track_advance", byref(self.native), *_arrays(angles, speeds, contacts),
-            np.array(signal, complex), float(rotor_speed),
-            np.array([angular_acceleration, *rates], float), float(step), stop, byref(moved),
-            self._scratch,
-        )  # fmt: skip
+        spin_up = np.array([angular_acceleration, *rates], float)
+        centre = self.core.shifted(signal, self.offset, rotor_speed, spin_up)
+        if not self.native.eventful:
+            ends[2][:], moved.reached = contacts, step
+            self.core.demand(
+                "weights_advance", byref(self.native.weights), *_arrays(angles, speeds), centre, 4,
+                spin_up, float(step), *ends[:2], byref(self.core("quadrature_empty")), None,
+            )  # fmt: skip
+        else:
+            self.core.demand(
+                "track_advance", byref(self.native), *_arrays(angles, speeds, contacts), centre,
+                float(rotor_speed), spin_up, float(step), stop, byref(moved), self._scratch,
+            )  # fmt: skip
         impulse = complex(moved.impulse.re, moved.impulse.im)
         return Moved(*(e.tolist() for e in ends), impulse, moved.events, moved.reached)
 
@@ -108,17 +116,23 @@ class Track:
         acceleration: complex,
         slope: complex,
         rotor_speed: float,
-        angular_acceleration: float,
-        change: float = 0.0,
-    ) -> tuple[complex, complex]:
-        """Force on the rotor and its slope, rotor frame, without N m a and without impulses."""
-        found = Complex(), Complex()
+        *spin_up: float,
+        second: complex | None = None,
+    ) -> list[complex]:
+        """Force on the rotor and its slope, rotor frame, without N m a and without impulses.
+
+        With the second derivative of the acceleration that of the force, too.
+        """
+        motion = [acceleration, slope, *([] if second is None else [second])]
+        found, now = (
+            np.empty(len(motion), complex),
+            self.core.instant(motion, 0.0, rotor_speed, *spin_up),
+        )
         self.core.demand(
-            "track_reaction", byref(self.native), *_arrays(angles, speeds, contacts),
-            complex(acceleration), complex(slope), float(rotor_speed), float(angular_acceleration),
-            float(change), *map(byref, found), self._scratch,
+            "track_reaction", byref(self.native), *_arrays(angles, speeds, contacts), byref(now),
+            len(motion), found, None, self._scratch,
         )  # fmt: skip
-        return complex(found[0].re, found[0].im), complex(found[1].re, found[1].im)
+        return found.tolist()
 
     def first_contacts(self, angles: Sequence[float], speeds: Sequence[float]) -> list[float]:
         """Contacts of weights that touch and move alike."""
@@ -228,7 +242,7 @@ class _Motor(ctypes.Structure):
         ("points", POINTER(c_double)),
         ("negligible", c_double),
         ("reached", c_double),
-        ("quadrature", c_double * 12),
+        ("quadrature", c_double * 16),
     )
 
 
@@ -261,31 +275,12 @@ def quintic_advance(
 ) -> tuple[list[float], list[float]]:
     """Angles and speeds of point weights after a step under a quintic signal (6,)."""
     ends = np.empty(weights.count), np.empty(weights.count)
-    memory = np.full(16, -1.0)  # of the response to a step: remembers nothing
     core.demand(
-        "quintic_weights_advance", byref(_points(core, weights)), *_arrays(angles, speeds),
-        np.array(signal, complex), np.array(spin_up, float), float(step), *ends, memory,
-        np.full((weights.count, 6), np.nan),
+        "weights_advance", byref(_points(core, weights)), *_arrays(angles, speeds),
+        np.array(signal, complex), 6, np.array(spin_up, float), float(step), *ends,
+        byref(core("quadrature_empty")), np.full((weights.count, 6), np.nan),
     )  # fmt: skip
     return ends[0].tolist(), ends[1].tolist()
-
-
-def quintic_reaction_second(
-    core: Core,
-    weights: Weights,
-    angles: Sequence[float],
-    speeds: Sequence[float],
-    motion: Sequence[complex],
-    rotor_speed: float,
-    spin_up: Sequence[float],
-) -> complex:
-    """Second derivative of the force of point weights."""
-    found = core(
-        "quintic_weights_reaction_second", byref(_points(core, weights)), *_arrays(angles, speeds),
-        np.array(motion, complex), float(rotor_speed), np.array(spin_up, float),
-        np.full((weights.count, 6), np.nan),
-    )  # fmt: skip
-    return complex(found.re, found.im)
 
 
 def _points(core: Core, w: Weights) -> Any:

@@ -133,10 +133,6 @@ def test_a_group_feels_the_mean_of_its_weights(core):
     alpha, n, z = 0.07, 9, cmath.rect(2.0, 0.4)
     drives = [(z * cmath.rect(1.0, -(2 * k - n + 1) * alpha)).imag for k in range(n)]
     assert core("group_factor", n, alpha) * z.imag == pytest.approx(sum(drives) / n, rel=1e-13)
-    pressures = np.cumsum(np.array(drives) - sum(drives) / n)[:-1]
-    factors = np.empty(n - 1, complex)
-    core("pressure_factors", n, alpha, factors)
-    assert (z * factors).imag == pytest.approx(pressures, abs=1e-13)
 
 
 def test_a_plastic_pair_moves_as_one_until_it_is_pulled_apart(track_of):

@@ -12,7 +12,7 @@ from numpy.testing import assert_allclose
 from scipy.integrate import solve_ivp
 
 from autobalancer.models.weights import KAPPA, Weights
-from tests.native.equations import STEADY, quintic_advance, quintic_reaction_second
+from tests.native.equations import STEADY, quintic_advance
 
 pytestmark = pytest.mark.slow
 
@@ -108,10 +108,10 @@ def test_second_derivative_is_that_of_the_reaction_along_the_motion(
     around = [slope_at(0.1 + k * h) for k in (-2, -1, 1, 2)]
     expected = (around[0] - 8.0 * around[1] + 8.0 * around[2] - around[3]) / (12.0 * h)
     angles, speeds = np.split(integrate(weights, 0.1, still=still), 2)
-    motion = derivative(0, 0.1), derivative(1, 0.1), derivative(2, 0.1)
-    w, *spin_up = driven(0.1)
-    found = quintic_reaction_second(core, weights, angles, speeds, motion, w, spin_up)
-    assert found == pytest.approx(expected, rel=1e-7)
+    motion, second = (derivative(0, 0.1), derivative(1, 0.1)), derivative(2, 0.1)
+    track = track_of(weights)
+    found = track.reaction(angles, speeds, [0.0, 0.0], *motion, *driven(0.1), second=second)
+    assert found[2] == pytest.approx(expected, rel=1e-7)
 
 
 def test_input_that_is_not_finite_is_refused(core) -> None:

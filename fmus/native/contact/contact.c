@@ -12,21 +12,6 @@ double group_factor(int count, double alpha)
     return sine(count * alpha) / (count * sine(alpha));
 }
 
-void pressure_factors(int count, double alpha, Complex *factors)
-{
-    Complex total = {0.0, 0.0}, mean = total;
-    int k;
-    for (k = 0; k < count; k++) {
-        mean = complex_sum(mean, rect(1.0, -(2 * k - count + 1) * alpha));
-    }
-    mean = complex_of(mean.re / count, mean.im / count);
-    for (k = 0; k < count - 1; k++) {
-        const Complex unit = rect(1.0, -(2 * k - count + 1) * alpha);
-        total = complex_sum(total, complex_difference(unit, mean));
-        factors[k] = total;
-    }
-}
-
 /* Least of (y - g)^2/2 + f |y|. */
 static double shrunk(double drive, double limit)
 {

@@ -16,10 +16,6 @@ typedef struct {
 /* sin(n alpha)/(n sin alpha): mean drive of a packed group in units of one weight's. */
 double group_factor(int count, double alpha);
 
-/* Factors q_1..q_{n-1} of a packed group about its middle angle t: the contact after weight j
-   carries Im(G a e^{-i t} q_j) kappa m R [N] of pressure. */
-void pressure_factors(int count, double alpha, Complex *factors);
-
 /* Set `pools` to the accelerations of a chain of touching weights: Gauss's principle.
 
    drives: (length,) free accelerations along increasing angle; limits: (length,) resistance of

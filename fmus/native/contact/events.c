@@ -32,7 +32,7 @@ static int substeps_of(const EventStepper *stepper, double left, double step)
     double strongest;
     const double fastest =
         fastest_rate(weights->count, weights->angle_rate, motion->signal, track->lever,
-                     track->spin_share * motion->angular_acceleration, track->damping_rate, step,
+                     track->spin_share * motion->spin.rates[0], track->damping_rate, step,
                      &strongest);
     const double turns = left * fastest / TURN_PER_SUBSTEP;
     if (!(turns < MOST_SUBSTEPS)) {
@@ -49,9 +49,8 @@ static void move_groups(const EventFunctions *functions, const Instant *later, d
     Groups *groups = &functions->weights->groups;
     int i;
     for (i = 0; i < groups->runs.count; i++) {
-        group_moved(functions->weights, i, &functions->now, later,
-              functions->motion->angular_acceleration, length, &groups->end_middle[i],
-              &groups->end_rate[i]);
+        move_group(functions->weights, i, &functions->now, later, length, &groups->end_middle[i],
+                   &groups->end_rate[i]);
     }
 }
 
@@ -90,10 +89,9 @@ static double earliest(EventFunctions *functions, const Instant *later, double l
 
 static void settle_now(EventStepper *stepper, int closed)
 {
-    const CentreMotion *motion = stepper->motion;
-    const Instant now = instant(motion, stepper->time);
-    const Complex blow = settle(stepper->weights, &now, motion->angular_acceleration, closed);
-    const Complex turn = rect(1.0, rotor_turned(motion, stepper->time));
+    const Instant now = find_instant(stepper->motion, stepper->time);
+    const Complex blow = settle(stepper->weights, &now, closed);
+    const Complex turn = rect(1.0, now.spin.angle);
     stepper->impulse = complex_sum(stepper->impulse, complex_product(blow, turn));
 }
 
@@ -125,7 +123,7 @@ static int part(EventStepper *stepper, double until)
     const CentreMotion *motion = stepper->motion;
     const double begin = stepper->time, length = until - begin, width = LOCATED * length;
     const Groups *groups = &weights->groups;
-    Instant later = instant(motion, until);
+    Instant later = find_instant(motion, until);
     EventFunctions functions;
     EventFunction event, other;
     double first;
@@ -133,13 +131,13 @@ static int part(EventStepper *stepper, double until)
     functions.weights = weights;
     functions.motion = motion;
     functions.begin = begin;
-    functions.now = instant(motion, begin);
-    find_groups(weights, &functions.now, motion->angular_acceleration);
+    functions.now = find_instant(motion, begin);
+    find_groups(weights, &functions.now);
     move_groups(&functions, &later, length);
     first = earliest(&functions, &later, length, width, &event);
     while (event.kind >= 0 && !weights->failure->code) {
         double sooner;
-        later = instant(motion, begin + first);
+        later = find_instant(motion, begin + first);
         move_groups(&functions, &later, first);
         /* what came and went within the longer stretch may show only in the shorter one */
         sooner = earliest(&functions, &later, first, width, &other);

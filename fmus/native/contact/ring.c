@@ -9,7 +9,7 @@
 #define OVERLAP 1e-7  /* rad: of a start; rounding of angles after a million turns stays below */
 #define ALIGNED 1e-12 /* rad: contacts this exact are left alone, so that weights never creep */
 
-#define RING_DOUBLES 29 /* arrays of N doubles, and of N ints */
+#define RING_DOUBLES 27 /* arrays of N doubles, and of N ints */
 #define RING_INTS 9
 
 size_t ring_scratch(int count)
@@ -63,7 +63,6 @@ static void lay_out_scratch(int n, double *scratch, WeightsInOrder *w)
     w->drives = next_doubles(&d, n);
     w->limits = next_doubles(&d, n);
     w->sides = next_doubles(&d, n);
-    w->factors = (Complex *)(void *)next_doubles(&d, 2 * n);
     w->impact = d;
     w->order = next_ints(&i, n);
     w->joined = next_ints(&i, n);
@@ -122,7 +121,6 @@ int put_in_order(const Track *track, const double *angles, const double *speeds,
     weights->track = track;
     weights->count = n;
     weights->chains.count = weights->groups.runs.count = weights->pools.count = 0;
-    weights->factor_count = 0;
     weights->quadrature = quadrature_empty();
     for (j = 0; j < n; j++) {
         weights->given[j] = angles[j];

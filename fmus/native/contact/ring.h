@@ -48,8 +48,6 @@ typedef struct {
     Pools pools;
     double *drives, *limits, *sides; /* (N,) scratch */
     double *impact; /* of impact_law.h, for N weights */
-    Complex *factors;                       /* (N,) pressure factors of a group of this size: */
-    int factor_count;
     Quadrature quadrature;
     Failure *failure; /* first thing that went wrong; its code is FINE while nothing has */
 } WeightsInOrder;

@@ -93,15 +93,15 @@ static Instant drive_of(const Composite *c, const Part *part)
 {
     const Course *course = c->course;
     const Balls *balls = part->unit->own;
+    const double spin_up[4] = {course->drive.acceleration, 0.0, 0.0, 0.0};
     Instant now;
-    now.rotor_speed = composite_speed(c, course->clock.time);
-    now.acceleration = complex_product(
-        complex_of(-now.rotor_speed * now.rotor_speed, course->drive.acceleration), balls->track.offset);
+    now.spin = spin_of(0.0, composite_speed(c, course->clock.time), spin_up);
+    now.motion[0] = now.motion[1] = now.motion[2] = complex_of(0.0, 0.0);
+    shift_signal(now.motion, 1, balls->track.offset, now.spin.speed, spin_up);
     if (part->exchange >= 0) {
         const Knot *plane = &c->accelerations[c->member_planes[part->exchange]].now;
-        now.acceleration = complex_sum(now.acceleration, plane->value);
+        now.motion[0] = complex_sum(now.motion[0], plane->value);
     }
-    now.slope = complex_of(0.0, 0.0);
     return now;
 }
 
@@ -135,7 +135,7 @@ static int apply_impact(Composite *c, Impact *impact)
         if (is_weights(part)) {
             const Instant now = drive_of(c, part);
             WeightsInOrder *weights = c->impacts->tracks + k;
-            low += impact_take(impact, first, weights, &now, c->course->drive.acceleration);
+            low += impact_take(impact, first, weights, &now);
             first += weights->count;
         }
     }
