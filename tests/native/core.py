@@ -6,7 +6,7 @@ import ctypes
 import math
 import re
 from collections.abc import Callable, Sequence
-from ctypes import POINTER, byref, c_char_p, c_double, c_int, c_size_t
+from ctypes import POINTER, byref, c_double, c_int, c_size_t
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -40,7 +40,7 @@ class Complex(ctypes.Structure):
 
 
 class Failure(ctypes.Structure):
-    _fields_ = (("code", c_int), ("where", c_int), ("name", c_char_p), ("value", c_double * 4))
+    _fields_ = (("code", c_int), ("where", c_int), ("value", c_double * 4))
 
 
 def _struct(name: str, doubles: str = "", **fields: Any) -> type[ctypes.Structure]:
@@ -134,8 +134,8 @@ class Refused(Exception):
     """A function returned a failure: its code's number and what it holds."""
 
     def __init__(self, failure: Any) -> None:
-        super().__init__(failure.code, failure.name, list(failure.value))
-        self.code, self.where, self.name = failure.code, failure.where, failure.name
+        super().__init__(failure.code, list(failure.value))
+        self.code, self.where = failure.code, failure.where
         self.value = tuple(failure.value)
 
 

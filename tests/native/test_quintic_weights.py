@@ -76,14 +76,6 @@ def test_step_has_order_6(core, drag: float) -> None:
     assert np.log(errors[0] / errors[1]) / np.log(1.5) == pytest.approx(6.0, abs=0.3)
 
 
-def test_turns_behind_a_weight_change_nothing(core) -> None:
-    weights = Weights(1, 0.1, 1.0, 0.1)
-    turned = 2.0 * np.pi * 1e6
-    near = quintic_advance(core, weights, [0.3], [0.2], SIGNAL, STILL, 0.1)
-    far = quintic_advance(core, weights, [0.3 + turned], [0.2], SIGNAL, STILL, 0.1)
-    assert far[0][0] - turned == pytest.approx(near[0][0], abs=1e-8)
-
-
 def test_a_changing_speed_leaves_weights_behind_as_they_are_integrated(core) -> None:
     weights = Weights(2, 0.1, 0.5, 0.3, KAPPA["rollers"])
     angles, speeds = quintic_advance(core, weights, ANGLES, SPEEDS, SIGNAL, (SPIN_UP, *RATES), 0.1)

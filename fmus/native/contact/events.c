@@ -36,7 +36,7 @@ static int substeps_of(const EventStepper *stepper, double left, double step)
                      &strongest);
     const double turns = left * fastest / TURN_PER_SUBSTEP;
     if (!(turns < MOST_SUBSTEPS)) {
-        fail(weights->failure, FAILURE_SUBSTEPS, "weights", 0, turns, left, strongest,
+        fail(weights->failure, FAILURE_SUBSTEPS, 0, turns, left, strongest,
              largest_of(weights->count, weights->angle_rate));
         return 0;
     }
@@ -189,6 +189,6 @@ int run(EventStepper *stepper, double step)
     if (failure->code) {
         return failure->code;
     }
-    return fail(stepper->weights->failure, FAILURE_EVENTS, "weights", MOST_SUBSTEPS, step,
+    return fail(stepper->weights->failure, FAILURE_EVENTS, MOST_SUBSTEPS, step,
                 stepper->time, 0.0, 0.0);
 }

@@ -36,7 +36,7 @@ int track_first_contacts(const Track *track, const double *angles, const double 
         room += gap(&weights, k);
     }
     if (!code && !track->full && !(room > n * TOUCHING_ANGLE)) { /* which depends on their order */
-        code = fail(failure, FAILURE_NO_ROOM, "weight_radius", n, TAU - room,
+        code = fail(failure, FAILURE_NO_ROOM, n, TAU - room,
                     track->weights.track_radius, 0.0, 0.0);
     }
     return code;
@@ -56,7 +56,7 @@ int track_advance(const Track *track, const double *angles, const double *speeds
         motion.signal[k] = signal[k];
     }
     if (drifts(spin_up)) {
-        return fail(failure, FAILURE_SPIN, "der(acceleration)", 0, spin_up[1], 0.0, 0.0, 0.0);
+        return fail(failure, FAILURE_SPIN, 0, spin_up[1], 0.0, 0.0, 0.0);
     }
     code = put_in_order(track, angles, speeds, contacts, scratch, &weights, failure);
     if (code) {

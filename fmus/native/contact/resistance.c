@@ -82,6 +82,6 @@ int sliding_substep(const SlidingGroup *group, double *angle, double *angle_rate
             return FINE;
         }
     }
-    return fail(failure, FAILURE_SLIDE, "weights", 0, step, *angle, *angle_rate,
+    return fail(failure, FAILURE_SLIDE, 0, step, *angle, *angle_rate,
                 magnitude(now->motion[0]));
 }

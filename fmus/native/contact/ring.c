@@ -251,7 +251,7 @@ int align(WeightsInOrder *weights)
     for (k = 0; k < weights->count; k++) {
         const double opening = gap(weights, k);
         if (opening < -OVERLAP) {
-            return fail(weights->failure, FAILURE_OVERLAP, "weights", 0, -opening,
+            return fail(weights->failure, FAILURE_OVERLAP, 0, -opening,
                         2.0 * weights->track->alpha, 0.0, 0.0);
         }
         if (weights->joined[k] && opening > OVERLAP) {

@@ -120,7 +120,7 @@ int exponential(int parts, int size, int upper, double *matrix, double *scratch,
     int doublings, before, known, j;
     size_t i;
     if (!is_finite(norm)) {
-        return fail(failure, FAILURE_MATRICES, "matrices", 0, norm, 0.0, 0.0, 0.0);
+        return fail(failure, FAILURE_MATRICES, 0, norm, 0.0, 0.0, 0.0);
     }
     doublings = binary_exponent(norm) + 1;
     doublings = doublings > 0 ? doublings : 0;

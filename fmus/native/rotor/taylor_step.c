@@ -94,7 +94,7 @@ static int set_push(const LinearRotor *rotor, TaylorStep *made, double *mass, Fa
         made->push[slider_place(made->sliders + j) * m + j] = 1.0;
     }
     return matrix_solve(1, 2 * n, m, mass, made->push)
-               ? fail(failure, FAILURE_SINGULAR, "mass", 0, 0.0, 0.0, 0.0, 0.0)
+               ? fail(failure, FAILURE_SINGULAR, 0, 0.0, 0.0, 0.0, 0.0)
                : FINE;
 }
 
@@ -132,7 +132,7 @@ int taylor_step_in(double *memory, const LinearRotor *rotor, const Slider *slide
         for (j = 0; j < i; j++) {
             if (slider_is_rigid(sliders + i) && slider_is_rigid(sliders + j) &&
                 slider_place(sliders + i) == slider_place(sliders + j)) {
-                return fail(failure, FAILURE_RIGID_SLIDERS, "sliders", 0, 0.0, 0.0, 0.0, 0.0);
+                return fail(failure, FAILURE_RIGID_SLIDERS, 0, 0.0, 0.0, 0.0, 0.0);
             }
         }
     }
@@ -271,7 +271,7 @@ static int set_series(TaylorStep *method, const double *state, const double *sli
         set_forces(method, slider_states, k, motion);
         set_rate(method, &spin, k, motion);
         if (stop(method, slider_states, method->rate, method->forces + k * method->count)) {
-            return fail(failure, FAILURE_SINGULAR, "mobility", 0, 0.0, 0.0, 0.0, 0.0);
+            return fail(failure, FAILURE_SINGULAR, 0, 0.0, 0.0, 0.0, 0.0);
         }
         for (i = 0; i < half && k < terms; i++) {
             motion[length + i] = factor * motion[half + i];
@@ -454,7 +454,7 @@ int taylor_advance(TaylorStep *method, double *state, double *slider_states, con
         }
     }
     return code ? code
-                : fail(failure, FAILURE_STRETCHES, "step", MOST_STRETCHES, step, time, 0.0, 0.0);
+                : fail(failure, FAILURE_STRETCHES, MOST_STRETCHES, step, time, 0.0, 0.0);
 }
 
 int taylor_motion(TaylorStep *method, const double *state, const double *slider_states,

@@ -86,7 +86,7 @@ static int weights_parameters(Unit *unit)
         return unit_failed(unit, &failure, NULL, 0);
     }
     if (own->orders == QUINTIC_ORDERS && track->eventful) {
-        fail(&failure, FAILURE_QUINTIC_WEIGHTS, "order", 0, 5.0, 0.0, 0.0, 0.0);
+        fail(&failure, FAILURE_QUINTIC_WEIGHTS, 0, 5.0, 0.0, 0.0, 0.0);
         return unit_failed(unit, &failure, NULL, 0);
     }
     own->stop_at_contact = flag(unit, "stop_at_contact") && unit->may_end_early;

@@ -32,27 +32,6 @@ double weights_arm(const Weights *weights)
            (weights->track_radius - (weights->kappa - 1.0) * weights->radius);
 }
 
-int weights_check(const Weights *weights, Failure *failure)
-{
-    int code, k;
-    if (weights->count < 1) {
-        return fail(failure, FAILURE_COUNT, "count", 0, weights->count, 0.0, 0.0, 0.0);
-    }
-    code = demand_positive("mass", weights->mass, failure);
-    code = code ? code : demand_positive("track_radius", weights->track_radius, failure);
-    code = code ? code : demand_not_negative("drag", weights->drag, failure);
-    for (k = 0; weights->each && k < 3 * weights->count && !code; k++) {
-        const int what = k / weights->count;
-        code = what == 1 ? demand_not_negative("drag_ratio", weights->each[k], failure)
-                         : demand_positive(what ? "radius_ratio" : "mass_ratio", weights->each[k],
-                                           failure);
-    }
-    if (!code && !(is_finite(weights->kappa) && weights->kappa >= 1.0)) {
-        code = fail(failure, FAILURE_KAPPA, "kappa", 0, weights->kappa, 0.0, 0.0, 0.0);
-    }
-    return code;
-}
-
 double weights_added_mass(const Weights *weights)
 {
     return weights->each ? weights->mass * sum_of(weights->each, weights->count)
@@ -226,7 +205,7 @@ int weights_substep(double *angle, double *angle_rate, const Driven *start, cons
             return FINE;
         }
     }
-    return fail(failure, FAILURE_NOT_CONVERGED, "weights", 0, step, *angle, *angle_rate,
+    return fail(failure, FAILURE_NOT_CONVERGED, 0, step, *angle, *angle_rate,
                 magnitude(start->motion[0]));
 }
 
@@ -273,12 +252,12 @@ static int count_substeps(const Weights *weights, const double *angles, const do
     const double fastest = fastest_rate(weights->count, speeds, signal, lever, lag,
                                         weights_damping_rate(weights), step, &strongest);
     if (!is_finite(sum_of(angles, weights->count))) {
-        fail(failure, FAILURE_ANGLES, "angles", 0, 0.0, 0.0, 0.0, 0.0);
+        fail(failure, FAILURE_ANGLES, 0, 0.0, 0.0, 0.0, 0.0);
         return 0;
     }
     turns = step * fastest / TURN_PER_SUBSTEP;
     if (!(turns < MAX_SUBSTEPS)) {
-        fail(failure, FAILURE_SUBSTEPS, "weights", 0, turns, step, strongest,
+        fail(failure, FAILURE_SUBSTEPS, 0, turns, step, strongest,
              largest_of(weights->count, speeds));
         return 0;
     }

@@ -48,8 +48,6 @@ double weights_mass_ratio(const Weights *weights, int k);
    the body's own turning gives back, m R (R - (kappa - 1) r). */
 double weights_arm(const Weights *weights);
 
-/* 0, or what is not allowed. */
-int weights_check(const Weights *weights, Failure *failure);
 double weights_added_mass(const Weights *weights);   /* N m [kg] */
 double weights_lever(const Weights *weights);        /* -1/(kappa R) [1/m] */
 double weights_damping_rate(const Weights *weights); /* d = b/(kappa m) [1/s] */
