@@ -79,8 +79,6 @@ Drive = _struct(
     **dict.fromkeys(["orders", "planes", "turning_force"], c_int),
     spin=Spin,
 )
-Doubled = _struct("Doubled", used=c_int, times=c_int, **dict.fromkeys(["scaled", "grown"], _D))
-Doublings = _struct("Doublings", next=c_int, doubled=Doubled * 4)
 Weights = _struct(
     "Weights",
     count=c_int,
@@ -106,7 +104,7 @@ Moved = _struct(
 Instant = _struct("Instant", motion=Complex * 3, spin=Spin)
 
 STRUCTURES = (
-    Complex, Failure, LinearRotor, Spin, Drive, Doublings, Weights, Quadrature, Track, Moved,
+    Complex, Failure, LinearRotor, Spin, Drive, Weights, Quadrature, Track, Moved,
     Instant,
 )  # fmt: skip
 
@@ -197,14 +195,6 @@ class Core:
                 ctypes.memmove(getattr(made, name), values.ctypes.data, values.nbytes)
         return made
 
-    def doublings(self, count: int) -> Any:
-        """Room to keep what matrices of so many doubles are doubled from."""
-        kept = Doublings()
-        kept.memory = np.full((4, 2, count), math.nan)
-        for one, (scaled, grown) in zip(kept.doubled, kept.memory, strict=True):
-            one.scaled, one.grown = (a.ctypes.data_as(_D) for a in (scaled, grown))
-        return kept
-
     def instant(self, motion: Sequence[complex], angle: float, speed: float, *rates: float) -> Any:
         """What drives weights: the acceleration of a centre with its derivatives, and the rotor."""
         parts = [Complex(z.real, z.imag) for z in map(complex, motion)]
@@ -247,7 +237,6 @@ class Core:
         step: float,
         turning: bool,
         order: int = 3,
-        kept: Any = None,
     ) -> NDArray:
         """As `models.propagator.step_matrix`, of a rotor made by `rotor_of`.
 
@@ -259,9 +248,7 @@ class Core:
         shape = self("step_matrix_rows", *sizes), self("step_matrix_columns", *sizes)
         matrix = np.empty(shape, complex if axes == 1 else float)
         scratch = np.full(self("step_matrix_scratch", *sizes), math.nan)
-        how = int(turning), orders
-        kept = self.doublings(len(scratch) // 5) if kept is None else kept
-        self.demand("step_matrix", byref(rotor), speed, step, *how, matrix, scratch, byref(kept))
+        self.demand("step_matrix", byref(rotor), speed, step, int(turning), orders, matrix, scratch)
         n, p = sizes[:2]
         rows = _alternating([n, n, *[p] * (orders // 2)], axes)
         columns = _alternating([n, n, *[p] * orders, 1], axes)

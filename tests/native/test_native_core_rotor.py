@@ -140,17 +140,6 @@ def test_exponential_keeps_a_soft_axis_beside_one_of_1e14(core):
     assert found[1, 3] == pytest.approx(math.sin(frequency * 1e-3) / frequency, rel=1e-14)
 
 
-def test_what_a_step_is_doubled_from_changes_no_bit(core):
-    """Of five families, up and down: some are written over, and some are too long to begin from."""
-    kept = core.doublings(14 * 14)
-    rotor = core.rotor_of(LinearRotor.planar(1.0, (1e4, 4e4), (3.0, 40.0)))
-    for power in (5, 3, 0, -2, 1, 4, -4):
-        for family in (1.0, 0.84, 0.7, 0.6, 0.55, 1.0):
-            step = 1e-3 * family * 2.0**-power
-            found = core.step_matrix(rotor, 250.0, step, True, kept=kept)
-            assert found.tobytes() == core.step_matrix(rotor, 250.0, step, True).tobytes()
-
-
 def test_a_matrix_that_is_not_finite_is_refused(core):
     rotor = LinearRotor.planar(1.0, 1e300, 1.0)
     with pytest.raises(core.Refused) as refused:

@@ -1,7 +1,5 @@
 #include "rotor/propagator.h"
 
-#include <string.h>
-
 #include "base/elementary.h"
 #include "base/matrix.h"
 #include "constants.h"
@@ -65,7 +63,7 @@ static void sparse_product(int parts, int size, int upper, const double *a, cons
 }
 
 /* e^A - 1 = A (1 + A/2 (1 + A/3 (1 + ...))) of a small A, into `to`; `from` is scratch of that size. */
-static void series(int parts, int size, int upper, const double *a, double *from, double *to)
+static void sum_series(int parts, int size, int upper, const double *a, double *from, double *to)
 {
     const size_t count = (size_t)size * size * parts;
     int k;
@@ -84,66 +82,27 @@ static void series(int parts, int size, int upper, const double *a, double *from
     }
 }
 
-/* What has been doubled from this matrix, at most so often; else the one to be written over. */
-static Doubled *doubled_from(Doublings *cache, const double *scaled, size_t count, int most)
-{
-    int k;
-    for (k = 0; k < KEPT_DOUBLINGS; k++) {
-        Doubled *one = cache->doubled + k;
-        if (one->used && !memcmp(one->scaled, scaled, count * sizeof(double))) {
-            one->used = one->times <= most;
-            return one;
-        }
-    }
-    cache->next = (cache->next + 1) % KEPT_DOUBLINGS;
-    cache->doubled[cache->next].used = 0;
-    return cache->doubled + cache->next;
-}
-
-/* Keep this, of which all rows are known. */
-static void keep_doubled(Doubled *doubled, size_t count, const double *scaled, const double *grown, int times)
-{
-    copy_doubles(count, scaled, doubled->scaled);
-    copy_doubles(count, grown, doubled->grown);
-    doubled->times = times;
-    doubled->used = 1;
-}
-
-int exponential(int parts, int size, int upper, double *matrix, double *scratch, Doublings *cache,
-                Failure *failure)
+int exponential(int parts, int size, int upper, double *matrix, double *scratch, Failure *failure)
 {
     const size_t count = (size_t)size * size * parts;
     double *scaled = scratch, *product = scaled + count;
     const double norm = column_norm(parts, size, matrix);
     double part;
-    Doubled *doubled = NULL;
-    int doublings, before, known, j;
+    int doublings, j;
     size_t i;
     if (!is_finite(norm)) {
         return fail(failure, FAILURE_MATRICES, 0, norm, 0.0, 0.0, 0.0);
     }
     doublings = binary_exponent(norm) + 1;
     doublings = doublings > 0 ? doublings : 0;
-    before = doublings > 0 ? doublings - 1 : 0;
     part = scaled_by_power(1.0, -doublings);
     for (i = 0; i < count; i++) {
         scaled[i] = part * matrix[i];
     }
-    if (doublings) {
-        doubled = doubled_from(cache, scaled, count, before);
-    }
-    known = doubled && doubled->used;
-    if (known) {
-        copy_doubles(count, doubled->grown, matrix);
-    } else if (norm > 0.0) {
-        series(parts, size, upper, scaled, product, matrix);
-    }
+    sum_series(parts, size, upper, scaled, product, matrix);
     /* E -> 2 E + E^2 instead of squaring e^A keeps slow modes exact next to fast ones */
-    for (j = known ? doubled->times : 0; j < doublings; j++) {
-        const int rows = j < before ? size : upper;
-        if (j == before) {
-            keep_doubled(doubled, count, scaled, matrix, before);
-        }
+    for (j = 1; j <= doublings; j++) {
+        const int rows = j < doublings ? size : upper;
         upper_product(parts, size, upper, rows, matrix, matrix, product);
         for (i = 0; i < (size_t)(rows * size * parts); i++) {
             matrix[i] = 2.0 * matrix[i] + product[i];
@@ -169,7 +128,7 @@ size_t step_matrix_scratch(int stations, int planes, int orders, int axes)
 {
     const size_t size = (size_t)step_matrix_columns(stations, planes, orders, axes);
     const size_t parts = axes == 1 ? 2 : 1;
-    return 5 * parts * size * size; /* Z, its exponential, and what that needs */
+    return 4 * parts * size * size; /* Z, its exponential, and what that needs */
 }
 
 /* Turning e^{i w t} of `count` vectors, at rows and columns from `first` on: f' = i w f. */
@@ -223,7 +182,7 @@ static int set_generator(const LinearRotor *rotor, double speed, int turning_for
 }
 
 int step_matrix(const LinearRotor *rotor, double speed, double step, int turning_force, int orders,
-                double *matrix, double *scratch, Doublings *cache, Failure *failure)
+                double *matrix, double *scratch, Failure *failure)
 {
     const int axes = linear_rotor_isotropic(rotor) ? 1 : 2, parts = 3 - axes;
     const int n = rotor->stations, p = rotor->plane_count, dof = axes * n, forces = axes * p;
@@ -239,7 +198,7 @@ int step_matrix(const LinearRotor *rotor, double speed, double step, int turning
     for (i = 0; i < count; i++) {
         propagated[i] = z[i] * step;
     }
-    code = exponential(parts, size, 2 * dof, propagated, work, cache, failure);
+    code = exponential(parts, size, 2 * dof, propagated, work, failure);
     if (code) {
         return code;
     }

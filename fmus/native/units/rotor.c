@@ -13,34 +13,22 @@ static size_t rotor_memory_size(const Layout *layout)
     return MOTION + 4 * (size_t)layout->sizes.stations + 2 + 4 * (size_t)layout->sizes.sliders;
 }
 
-static double *doubles(Unit *unit, size_t count)
+static double *doubles(Unit *unit, size_t count, int *missing)
 {
-    return unit_allocate(unit, count, sizeof(double));
-}
-
-/* Doubles of a step matrix; the larger for one axis and for two. */
-static size_t matrix_doubles(int n, int p, int orders)
-{
-    size_t sizes[2];
-    int axes;
-    for (axes = 1; axes <= 2; axes++) {
-        sizes[axes - 1] = (size_t)step_matrix_rows(n, p, orders, axes) *
-                          (size_t)step_matrix_columns(n, p, orders, axes) * (axes == 1 ? 2 : 1);
-    }
-    return sizes[0] > sizes[1] ? sizes[0] : sizes[1];
+    double *block = unit_allocate(unit, count, sizeof(double));
+    *missing |= !block;
+    return block;
 }
 
 static int rotor_allocate(Unit *unit)
 {
     Rotor *own = unit->own;
     const Sizes *sizes = &unit->layout.sizes;
-    const int n = sizes->stations, p = sizes->planes;
+    const int n = sizes->stations, p = sizes->planes, orders = sizes->order + 1;
     const size_t stations = (size_t)n, planes = (size_t)p, free = n > 2 ? stations - 2 : 0;
-    const int orders = sizes->order + 1;
-    const size_t matrix = matrix_doubles(n, p, orders);
-    const size_t size = 4 * stations + 2 * (size_t)orders * planes + 2;
-    const size_t square = size * size;
-    const size_t one = step_matrix_scratch(n, p, orders, 1), two = step_matrix_scratch(n, p, orders, 2);
+    /* of two axes: half as much would do for one */
+    const size_t columns = (size_t)step_matrix_columns(n, p, orders, 2);
+    const size_t matrix = (size_t)step_matrix_rows(n, p, orders, 2) * columns;
     int k, missing = 0;
     own->kind = rotor_kind(&unit->layout);
     own->stations = n;
@@ -50,36 +38,26 @@ static int rotor_allocate(Unit *unit)
     own->turning = !sizes->fixed_frame;
     own->slider_count = 2 * sizes->sliders;
     own->sliders = unit_allocate(unit, (size_t)own->slider_count, sizeof(Slider));
-    own->slider_states = doubles(unit, 2 * (size_t)own->slider_count);
-    own->taylor_memory = doubles(unit, taylor_step_size(n, p, own->slider_count));
-    own->taylor_of.added_mass = doubles(unit, planes);
-    own->motion = doubles(unit, 6 * stations);
-    own->rotor_memory = doubles(unit, linear_rotor_size(n, p));
-    own->loaded_mass = doubles(unit, stations * stations);
-    own->values = doubles(unit, 2 * stations + 3 * (size_t)sizes->unbalances + free * free +
-                                    linear_rotor_flexible_scratch(n));
     own->ports = unit_allocate(unit, planes, sizeof(int));
-    own->unsorted = doubles(unit, matrix);
-    own->matrix_scratch = doubles(unit, one > two ? one : two);
-    own->operand = doubles(unit, size);
-    own->result = doubles(unit, 4 * stations + (size_t)orders * planes);
-    own->sag = doubles(unit, 2 * stations);
-    own->sag_of.added_mass = doubles(unit, planes);
+    own->slider_states = doubles(unit, 2 * (size_t)own->slider_count, &missing);
+    own->taylor_memory = doubles(unit, taylor_step_size(n, p, own->slider_count), &missing);
+    own->taylor_of.added_mass = doubles(unit, planes, &missing);
+    own->motion = doubles(unit, 6 * stations, &missing);
+    own->rotor_memory = doubles(unit, linear_rotor_size(n, p), &missing);
+    own->loaded_mass = doubles(unit, stations * stations, &missing);
+    own->values = doubles(unit, 2 * stations + 3 * (size_t)sizes->unbalances + free * free +
+                                    linear_rotor_flexible_scratch(n), &missing);
+    own->unsorted = doubles(unit, matrix, &missing);
+    own->matrix_scratch = doubles(unit, step_matrix_scratch(n, p, orders, 2), &missing);
+    own->operand = doubles(unit, columns, &missing);
+    own->result = doubles(unit, 4 * stations + (size_t)orders * planes, &missing);
+    own->sag = doubles(unit, 2 * stations, &missing);
+    own->sag_of.added_mass = doubles(unit, planes, &missing);
     for (k = 0; k < KEPT_MATRICES; k++) {
-        own->kept[k].of.added_mass = doubles(unit, planes);
-        own->kept[k].matrix = doubles(unit, matrix);
-        missing |= !own->kept[k].of.added_mass || !own->kept[k].matrix;
+        own->kept[k].of.added_mass = doubles(unit, planes, &missing);
+        own->kept[k].matrix = doubles(unit, matrix, &missing);
     }
-    for (k = 0; k < KEPT_DOUBLINGS; k++) {
-        Doubled *doubled = own->doublings.doubled + k;
-        doubled->scaled = doubles(unit, square);
-        doubled->grown = doubles(unit, square);
-        missing |= !doubled->scaled || !doubled->grown;
-    }
-    return missing || !own->sliders || !own->slider_states || !own->taylor_memory ||
-           !own->taylor_of.added_mass || !own->motion || !own->sag || !own->sag_of.added_mass ||
-           !own->rotor_memory || !own->loaded_mass || !own->values || !own->ports ||
-           !own->unsorted || !own->matrix_scratch || !own->operand || !own->result;
+    return missing || !own->sliders || !own->ports;
 }
 
 static int rotor_parameters(Unit *unit)
@@ -96,9 +74,6 @@ static int rotor_parameters(Unit *unit)
     own->columns = step_matrix_columns(own->stations, own->planes, own->orders, own->axes);
     for (k = 0; k < KEPT_MATRICES; k++) {
         own->kept[k].of.made = 0;
-    }
-    for (k = 0; k < KEPT_DOUBLINGS; k++) {
-        own->doublings.doubled[k].used = 0;
     }
     own->taylor_of.made = own->sag_of.made = 0;
     own->turned[0].angle = own->turned[1].angle = not_a_number();

@@ -44,7 +44,6 @@ typedef struct {
     double *values; /* scratch for making the rotor */
     int *ports;
     Kept kept[KEPT_MATRICES];
-    Doublings doublings; /* that others are made from */
     uint64_t clock;
     Turned turned[2]; /* the last two: passes ask for the ends of a step again and again */
     double *unsorted, *matrix_scratch;

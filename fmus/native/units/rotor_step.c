@@ -39,7 +39,7 @@ const double *rotor_matrix(Unit *unit, double speed, double step)
     kept = oldest(own);
     loaded = rotor_anew(unit, &kept->of);
     if (step_matrix(&loaded, speed, step, own->turning, own->orders, own->unsorted,
-                    own->matrix_scratch, &own->doublings, &failure)) {
+                    own->matrix_scratch, &failure)) {
         unit_failed(unit, &failure, NULL, 0);
         return NULL;
     }
