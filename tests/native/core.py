@@ -113,7 +113,7 @@ _RETURNS = {
         "square_root copy_sign nearest scaled_by_power sine cosine natural_exp arc_sine hypotenuse"
         " modulo ieee_remainder weights_alignment weights_added_mass weights_damping_rate"
         " fastest_rate liquid_gap liquid_mass liquid_added_mass liquid_clearance group_factor"
-        " lowest first_fall"
+        " find_lowest find_first_fall"
     ),
     Complex: "rect weights_static_moment track_static_moment hat_half pulse_ahead impact_on_plane",
     c_size_t: (
@@ -123,8 +123,8 @@ _RETURNS = {
     Quadrature: "quadrature_empty",
     _D: "quadrature",
     LinearRotor: "linear_rotor_in linear_rotor_with_added_mass",
-    None: "phi_functions weights_reaction pool expand find_sliding_drive friction_at_start"
-    " shift_signal",
+    None: "phi_functions weights_reaction pool_violators expand_pools find_sliding_drive"
+    " friction_at_start shift_signal",
 }
 
 

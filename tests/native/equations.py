@@ -174,8 +174,8 @@ def pooled(core: Core, drives: Sequence[float], limits: Sequence[float] | None) 
     pools = Pools(0, *((c_int * n)() for _ in range(2)), *((c_double * n)() for _ in range(4)))
     values = np.empty(n)
     held = None if limits is None else np.array(limits, float)
-    core("pool", byref(pools), np.array(drives, float), held, None, n, 0.0)
-    core("expand", byref(pools), values)
+    core("pool_violators", byref(pools), np.array(drives, float), held, None, n, 0.0)
+    core("expand_pools", byref(pools), values)
     return values.tolist()
 
 

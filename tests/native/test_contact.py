@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import cmath
-import json
 import math
 import random
 
@@ -220,17 +219,6 @@ def test_a_full_track_turns_as_one_body_under_drag_alone(track_of):
     assert angles == pytest.approx([x + turned for x in start], rel=1e-12)
 
 
-def test_the_state_is_complete_and_survives_json(track_of):
-    track = track_of(Weights(4, 0.1, 1.0, 0.05, 1.4), 0.3, 0.5, 0.01)
-    signal = whirling(1.5, 1.0)
-    whole = run(track, [0.0, 1.0, 2.0, 4.0], [1.0, -1.0, 0.0, 0.5], signal, 3.0, 4.0, 80)
-    half = run(track, [0.0, 1.0, 2.0, 4.0], [1.0, -1.0, 0.0, 0.5], signal, 3.0, 2.0, 40)
-    angles, speeds, contacts = json.loads(json.dumps(half[:3]))
-    again = run(track, angles, speeds, lambda t: signal(t + 2.0), 3.0, 2.0, 40, contacts)
-    assert again[2] == whole[2]
-    assert again[0] == pytest.approx(whole[0], abs=1e-12)
-
-
 def test_force_of_a_group_is_that_of_its_weights_moved_by_hand(track_of):
     """F = -(d/dt)^2 of the moment in fixed axes, by differences of a finely stepped motion."""
     track = track_of(Weights(3, 0.1, 1.0, 0.3, 1.4), 0.25, 0.0)
@@ -302,6 +290,3 @@ def test_pulses_give_the_rotor_exactly_what_is_owed_whatever_the_steps(core):
     assert given == pytest.approx(struck, abs=1e-9)
     half = core("hat_half", 0.0)
     assert complex(half.re, half.im) == pytest.approx(0.5)
-
-
-# -- a rotor and two weights that collide ---------------------------------------------------------

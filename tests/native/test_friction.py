@@ -209,5 +209,5 @@ def test_two_rigid_sliders_at_one_place_are_refused(core, planar):
 )
 def test_first_fall_of_a_polynomial(core, coefficients, expected):
     rounding = np.array([0.0, 1e-15, 0.0])
-    found = core("first_fall", np.array(coefficients), len(coefficients), 1.0, rounding)
+    found = core("find_first_fall", np.array(coefficients), len(coefficients), 1.0, rounding)
     assert found == pytest.approx(expected, abs=1e-14)

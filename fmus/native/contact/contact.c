@@ -18,7 +18,7 @@ static double shrunk(double drive, double limit)
     return larger(drive - limit, 0.0) + smaller(drive + limit, 0.0);
 }
 
-void pool(Pools *pools, const double *drives, const double *limits, const double *masses,
+void pool_violators(Pools *pools, const double *drives, const double *limits, const double *masses,
           int length, double slack)
 {
     int count = 0, k;
@@ -46,7 +46,7 @@ void pool(Pools *pools, const double *drives, const double *limits, const double
     pools->count = count;
 }
 
-void expand(const Pools *pools, double *values)
+void expand_pools(const Pools *pools, double *values)
 {
     int i, k;
     for (i = 0; i < pools->count; i++) {

@@ -21,10 +21,10 @@ double group_factor(int count, double alpha);
    drives: (length,) free accelerations along increasing angle; limits: (length,) resistance of
    weights at rest, or NULL; both times the masses (length,), NULL: 1; slack: tension that is taken
    for rounding. */
-void pool(Pools *pools, const double *drives, const double *limits, const double *masses,
+void pool_violators(Pools *pools, const double *drives, const double *limits, const double *masses,
           int length, double slack);
 
 /* Give every weight of a chain the value of its pool. */
-void expand(const Pools *pools, double *values);
+void expand_pools(const Pools *pools, double *values);
 
 #endif

@@ -149,7 +149,7 @@ static int gap_closes(EventFunction *event, double length)
         return 1;
     }
     return opening < 0.0 && 0.0 < final_opening &&
-           dips(event, lowest(event->start, opening, final, final_opening, length));
+           dips(event, find_lowest(event->start, opening, final, final_opening, length));
 }
 
 static int pulled_open(EventFunction *event, const Instant *later)
@@ -185,7 +185,8 @@ static int comes_to_rest(EventFunction *event, const Instant *later, double leng
     find_group_acceleration(weights, i, groups->middle[i], rate, &functions->now, start);
     find_group_acceleration(weights, i, groups->end_middle[i], end_rate, later, final);
     return sign * start[0] < 0.0 && 0.0 < sign * final[0] &&
-           dips(event, lowest(sign * rate, sign * start[0], sign * end_rate, sign * final[0], length));
+           dips(event, find_lowest(sign * rate, sign * start[0], sign * end_rate, sign * final[0],
+                                   length));
 }
 
 static int breaks_away(EventFunction *event, const Instant *later)

@@ -54,15 +54,15 @@ static void move_groups(const EventFunctions *functions, const Instant *later, d
     }
 }
 
-static double value_of_candidate(void *event, double time)
+static double candidate_value(void *event, double time)
 {
     return event_value(event, time);
 }
 
 /* Time of the first event of those that show at the ends of a stretch, to `width`; `event->kind` is
    -1 when there is none. */
-static double earliest(EventFunctions *functions, const Instant *later, double length, double width,
-                       EventFunction *event)
+static double find_candidate(EventFunctions *functions, const Instant *later, double length,
+                             double width, EventFunction *event)
 {
     const WeightsInOrder *weights = functions->weights;
     double first = length;
@@ -79,24 +79,24 @@ static double earliest(EventFunctions *functions, const Instant *later, double l
                 event_value(&candidate, first) >= 0.0) {
                 continue;
             }
-            first = crossing(value_of_candidate, &candidate, candidate.start, smaller(candidate.upper, first),
-                             width);
+            first = find_crossing(candidate_value, &candidate, candidate.start,
+                                  smaller(candidate.upper, first), width);
             *event = candidate;
         }
     }
     return first;
 }
 
-static void settle_now(EventStepper *stepper, int closed)
+static void collide_at_time(EventStepper *stepper, int closed)
 {
     const Instant now = find_instant(stepper->motion, stepper->time);
-    const Complex blow = settle(stepper->weights, &now, closed);
+    const Complex blow = collide_weights(stepper->weights, &now, closed);
     const Complex turn = rect(1.0, now.spin.angle);
     stepper->impulse = complex_sum(stepper->impulse, complex_product(blow, turn));
 }
 
 /* Change what an event changes; breaking away changes nothing but the groups. */
-static void happen(EventStepper *stepper, const EventFunction *event)
+static void apply_event(EventStepper *stepper, const EventFunction *event)
 {
     WeightsInOrder *weights = stepper->weights;
     const Runs *groups = &weights->groups.runs;
@@ -105,7 +105,7 @@ static void happen(EventStepper *stepper, const EventFunction *event)
         if (stepper->stops & STOPS_AT_IMPACTS) {
             return; /* the rotor takes part, and the host lets both collide */
         }
-        settle_now(stepper, event->where);
+        collide_at_time(stepper, event->where);
     } else if (event->kind == PULLED_OPEN) {
         weights->joined[event->where] = 0;
     } else if (event->kind == COMES_TO_REST) {
@@ -117,7 +117,7 @@ static void happen(EventStepper *stepper, const EventFunction *event)
 }
 
 /* Move to the first event before `until`, or there; returns the kind of event, or -1. */
-static int part(EventStepper *stepper, double until)
+static int advance_substep(EventStepper *stepper, double until)
 {
     WeightsInOrder *weights = stepper->weights;
     const CentreMotion *motion = stepper->motion;
@@ -134,13 +134,13 @@ static int part(EventStepper *stepper, double until)
     functions.now = find_instant(motion, begin);
     find_groups(weights, &functions.now);
     move_groups(&functions, &later, length);
-    first = earliest(&functions, &later, length, width, &event);
+    first = find_candidate(&functions, &later, length, width, &event);
     while (event.kind >= 0 && !weights->failure->code) {
         double sooner;
         later = find_instant(motion, begin + first);
         move_groups(&functions, &later, first);
         /* what came and went within the longer stretch may show only in the shorter one */
-        sooner = earliest(&functions, &later, first, width, &other);
+        sooner = find_candidate(&functions, &later, first, width, &other);
         if (other.kind < 0 || sooner >= first - width) {
             break;
         }
@@ -159,12 +159,12 @@ static int part(EventStepper *stepper, double until)
     stepper->time = event.kind < 0 ? until : begin + first;
     if (event.kind >= 0) {
         stepper->events++;
-        happen(stepper, &event);
+        apply_event(stepper, &event);
     }
     return event.kind;
 }
 
-int run(EventStepper *stepper, double step)
+int advance_events(EventStepper *stepper, double step)
 {
     const Failure *failure = stepper->weights->failure;
     int k;
@@ -172,13 +172,13 @@ int run(EventStepper *stepper, double step)
         if (stepper->stops & STOPS_AT_IMPACTS) {
             return failure->code;
         }
-        settle_now(stepper, -1);
+        collide_at_time(stepper, -1);
     }
     for (k = 0; k < MOST_SUBSTEPS && !failure->code; k++) {
         const double left = step - stepper->time;
         const int count = substeps_of(stepper, left, step);
         if (count) {
-            const int kind = part(stepper, count == 1 ? step : stepper->time + left / count);
+            const int kind = advance_substep(stepper, count == 1 ? step : stepper->time + left / count);
             const int stopped = (stepper->stops & STOPS_AT_EVENTS && kind >= 0) ||
                                 (stepper->stops & STOPS_AT_IMPACTS && kind == GAP_CLOSES);
             if (failure->code || stepper->time >= step || stopped) {

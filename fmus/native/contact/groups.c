@@ -87,7 +87,7 @@ static void append_groups(WeightsInOrder *weights, int first, int size, const In
         }
         length = 1;
     }
-    pool(pools, weights->drives, weights->limits, weights->mass + first, length, slack);
+    pool_violators(pools, weights->drives, weights->limits, weights->mass + first, length, slack);
     for (j = 0; j < pools->count; j++) {
         const int begin = pools->first[j];
         if (begin) {

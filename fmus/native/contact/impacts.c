@@ -65,8 +65,9 @@ static const double *accelerations_of(WeightsInOrder *weights, const Instant *no
     for (i = 0; i < chains->count; i++) {
         const int first = chains->first[i], size = chains->size[i];
         fill_drives(weights, first, size, now);
-        pool(&weights->pools, weights->drives, weights->limits, weights->mass + first, size, 0.0);
-        expand(&weights->pools, weights->drives);
+        pool_violators(&weights->pools, weights->drives, weights->limits, weights->mass + first,
+                       size, 0.0);
+        expand_pools(&weights->pools, weights->drives);
         for (j = 0; j < size; j++) {
             weights->sides[(first + j) % weights->count] = weights->drives[j];
         }
@@ -82,7 +83,7 @@ static int bounces_low(const WeightsInOrder *weights, int k, const double *accel
     return opening > 0.0 && opening * opening <= 2.0 * closing * LOWEST_BOUNCE;
 }
 
-int impact_take(Impact *impact, int first, WeightsInOrder *weights, const Instant *now)
+int impact_apply(Impact *impact, int first, WeightsInOrder *weights, const Instant *now)
 {
     const int n = weights->count;
     const double rounding = EQUAL_RATES * largest_of(n, impact->rate + first);
@@ -110,7 +111,7 @@ int impact_take(Impact *impact, int first, WeightsInOrder *weights, const Instan
     return low;
 }
 
-Complex settle(WeightsInOrder *weights, const Instant *now, int closed)
+Complex collide_weights(WeightsInOrder *weights, const Instant *now, int closed)
 {
     Impact impact = impact_begin(&weights->track->mobility, 1, weights->count, weights->impact);
     impact_add(&impact, weights, 0, closed, 0.0);
@@ -118,7 +119,7 @@ Complex settle(WeightsInOrder *weights, const Instant *now, int closed)
         if (impact_solve(&impact, weights->failure)) {
             return complex_of(0.0, 0.0);
         }
-    } while (impact_take(&impact, 0, weights, now));
-    align(weights);
+    } while (impact_apply(&impact, 0, weights, now));
+    align_chains(weights);
     return impact_on_plane(&impact, 0);
 }

@@ -29,7 +29,7 @@ int track_first_contacts(const Track *track, const double *angles, const double 
     if (!track->solid) {
         return FINE;
     }
-    code = put_in_order(track, angles, speeds, contacts, scratch, &weights, failure);
+    code = order_weights(track, angles, speeds, contacts, scratch, &weights, failure);
     for (k = 0; k < n && !code; k++) {
         const int alike = weights.angle_rate[k] == weights.angle_rate[(k + 1) % n];
         contacts[weights.order[k]] = alike && gap(&weights, k) <= TOUCHING_ANGLE ? 1.0 : 0.0;
@@ -58,16 +58,16 @@ int track_advance(const Track *track, const double *angles, const double *speeds
     if (drifts(spin_up)) {
         return fail(failure, FAILURE_SPIN, 0, spin_up[1], 0.0, 0.0, 0.0);
     }
-    code = put_in_order(track, angles, speeds, contacts, scratch, &weights, failure);
+    code = order_weights(track, angles, speeds, contacts, scratch, &weights, failure);
     if (code) {
         return code;
     }
     stepper = event_stepper(&weights, &motion, stops);
-    code = run(&stepper, step);
+    code = advance_events(&stepper, step);
     if (code) {
         return code;
     }
-    as_given(&weights, moved->angles, moved->speeds, moved->contacts);
+    write_weights(&weights, moved->angles, moved->speeds, moved->contacts);
     moved->impulse = complex_product(
         stepper.impulse, rect(1.0, -spin_after(&motion.spin, stepper.time).angle));
     moved->events = stepper.events;
@@ -91,7 +91,7 @@ int track_reaction(const Track *track, const double *angles, const double *speed
     const Complex carried = complex_scaled(-weights_added_mass(&track->weights), track->offset);
     if (track->eventful) {
         WeightsInOrder weights;
-        const int code = put_in_order(track, angles, speeds, contacts, scratch, &weights, failure);
+        const int code = order_weights(track, angles, speeds, contacts, scratch, &weights, failure);
         if (code) {
             return code;
         }
@@ -110,7 +110,7 @@ static int add_resistance(const Track *track, const double *angles, const double
 {
     WeightsInOrder weights;
     double free[2], left[2];
-    const int code = put_in_order(track, angles, speeds, contacts, scratch, &weights, failure);
+    const int code = order_weights(track, angles, speeds, contacts, scratch, &weights, failure);
     int k;
     if (code) {
         return code;

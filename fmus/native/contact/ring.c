@@ -76,7 +76,7 @@ static void lay_out_scratch(int n, double *scratch, WeightsInOrder *w)
 }
 
 /* Weights by their angle within a turn, those at one place as they were given. */
-static void sort(int n, const double *within, int *order)
+static void sort_by_angle(int n, const double *within, int *order)
 {
     int j, k;
     for (k = 1; k < n; k++) {
@@ -110,7 +110,7 @@ static void set_each(WeightsInOrder *w)
     }
 }
 
-int put_in_order(const Track *track, const double *angles, const double *speeds,
+int order_weights(const Track *track, const double *angles, const double *speeds,
                  const double *contacts, double *scratch, WeightsInOrder *weights, Failure *failure)
 {
     const int n = track->weights.count;
@@ -128,7 +128,7 @@ int put_in_order(const Track *track, const double *angles, const double *speeds,
         weights->order[j] = j;
     }
     if (track->solid) {
-        sort(n, weights->angle, weights->order);
+        sort_by_angle(n, weights->angle, weights->order);
     }
     for (j = 0; j < n; j++) {
         const int k = weights->order[j];
@@ -138,10 +138,10 @@ int put_in_order(const Track *track, const double *angles, const double *speeds,
     }
     copy_doubles((size_t)n, weights->begin, weights->angle);
     set_each(weights);
-    return track->solid ? align(weights) : FINE;
+    return track->solid ? align_chains(weights) : FINE;
 }
 
-void as_given(const WeightsInOrder *weights, double *angles, double *speeds, double *contacts)
+void write_weights(const WeightsInOrder *weights, double *angles, double *speeds, double *contacts)
 {
     int j;
     for (j = 0; j < weights->count; j++) {
@@ -244,7 +244,7 @@ static void place_about_mean(WeightsInOrder *weights, int first, int size)
     place_group(weights, first, size, middle / size, rate / mass);
 }
 
-int align(WeightsInOrder *weights)
+int align_chains(WeightsInOrder *weights)
 {
     const Runs *chains = &weights->chains;
     int k, any = 0;

@@ -80,7 +80,7 @@ static int read_track(Unit *unit, const Part *part, WeightsInOrder *weights)
     Failure *failure = &((Composite *)unit->own)->impacts->failure;
     const Balls *balls = part->unit->own;
     const double *angles = part->unit->memory, *speeds = angles + balls->count;
-    if (put_in_order(&balls->track, angles, speeds, speeds + balls->count, balls->scratch, weights,
+    if (order_weights(&balls->track, angles, speeds, speeds + balls->count, balls->scratch, weights,
                      failure)) {
         unit_failed(part->unit, failure, angles, (size_t)balls->count);
         return composite_part_failed(unit, part);
@@ -135,7 +135,7 @@ static int apply_impact(Composite *c, Impact *impact)
         if (is_weights(part)) {
             const Instant now = drive_of(c, part);
             WeightsInOrder *weights = c->impacts->tracks + k;
-            low += impact_take(impact, first, weights, &now);
+            low += impact_apply(impact, first, weights, &now);
             first += weights->count;
         }
     }
@@ -152,11 +152,11 @@ static int write_tracks(Unit *unit)
         WeightsInOrder *weights = c->impacts->tracks + k;
         if (is_weights(c->parts + k)) {
             double *angles = part->memory, *speeds = angles + weights->count;
-            if (weights->track->solid && align(weights)) {
+            if (weights->track->solid && align_chains(weights)) {
                 unit_failed(part, weights->failure, angles, (size_t)weights->count);
                 return composite_part_failed(unit, c->parts + k);
             }
-            as_given(weights, angles, speeds, speeds + weights->count);
+            write_weights(weights, angles, speeds, speeds + weights->count);
         }
     }
     return 0;

@@ -141,8 +141,8 @@ int motor_advance(Motor *motor, double *speed, double *angle, const double *torq
             return FINE;
         }
         line.bound = speed_at(motor, line.piece + (line.beyond > 0));
-        part = crossing(short_of, &line, larger(0.0, line.beyond * (line.bound - line.speed)), until,
-                        BRACKET * until);
+        part = find_crossing(short_of, &line, larger(0.0, line.beyond * (line.bound - line.speed)),
+                             until, BRACKET * until);
         on_line(&line, part, &end, &turned);
         *angle += turned;
         begin += part;

@@ -169,7 +169,7 @@ static int is_fixed(const TaylorStep *method, const double *slider_states, int j
 }
 
 /* Forces of rigid sliders that stick, from the rates without them, which become 0 there. */
-static int stop(TaylorStep *method, const double *slider_states, double *rate, double *forces)
+static int hold_fixed(TaylorStep *method, const double *slider_states, double *rate, double *forces)
 {
     const int m = method->count;
     int i, j, row = 0, fixed = 0;
@@ -208,7 +208,7 @@ static int stop(TaylorStep *method, const double *slider_states, double *rate, d
     return 0;
 }
 
-/* Coefficients k of the sliders' forces, but of those that `stop` finds. */
+/* Coefficients k of the sliders' forces, but of those that `hold_fixed` finds. */
 static void set_forces(TaylorStep *method, const double *slider_states, int k, double *motion)
 {
     double *forces = method->forces + k * method->count;
@@ -270,7 +270,7 @@ static int set_series(TaylorStep *method, const double *state, const double *sli
         const double factor = h / (k + 1);
         set_forces(method, slider_states, k, motion);
         set_rate(method, &spin, k, motion);
-        if (stop(method, slider_states, method->rate, method->forces + k * method->count)) {
+        if (hold_fixed(method, slider_states, method->rate, method->forces + k * method->count)) {
             return fail(failure, FAILURE_SINGULAR, 0, 0.0, 0.0, 0.0, 0.0);
         }
         for (i = 0; i < half && k < terms; i++) {
@@ -378,7 +378,7 @@ static double find_first_event(const TaylorStep *method, const double *slider_st
             } else {
                 read_column(method->forces + j, m, side ? 1.0 : -1.0, limit, function);
             }
-            found = first_fall(function, TERMS + 1, first, slips != 0.0 ? slipping : sticking);
+            found = find_first_fall(function, TERMS + 1, first, slips != 0.0 ? slipping : sticking);
             if (found < first) {
                 first = found;
                 *which = j;
