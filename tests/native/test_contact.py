@@ -134,33 +134,40 @@ def test_a_group_feels_the_mean_of_its_weights(core):
     assert core("group_factor", n, alpha) * z.imag == pytest.approx(sum(drives) / n, rel=1e-13)
 
 
-def test_a_plastic_pair_moves_as_one_until_it_is_pulled_apart(track_of):
+@pytest.mark.parametrize(("resistance", "rate"), [(0.0, 0.0), (0.03, 0.8)])
+def test_a_plastic_pair_moves_as_one_until_it_is_pulled_apart(track_of, resistance, rate):
     """Driven by 0.5 e^{0.9 i t}: the pair opens where the pressure of its two weights ends."""
-    track = track_of(Weights(2, 0.1, 1.0, 0.3, 1.4), 0.25, 0.0)
+    track = track_of(Weights(2, 0.1, 1.0, 0.3, 1.4), 0.25, 0.0, resistance)
     signal = whirling(0.5, 0.9)
     reach, d = 2 * track.alpha, track.weights.damping_rate
     start = [3.0, 3.0 + reach]
     factor = math.cos(track.alpha)
 
-    def rhs(t, y):
-        return [y[1], -factor / 1.4 * (signal(t)[0] * cmath.exp(-1j * y[0])).imag - d * y[1]]
+    def seen(t, y):
+        return signal(t)[0] * cmath.exp(-1j * y[0])
+
+    def rhs(t, y):  # the pair slides forward; the race carries it on its outer side
+        z = factor * seen(t, y)
+        load = (3.0 + y[1]) ** 2 - z.real
+        return [y[1], -(z.imag + resistance * load) / 1.4 - d * y[1]]
 
     def pressure(t, y):  # drive of the first less that of the second, over two
-        return (signal(t)[0] * cmath.exp(-1j * y[0])).real
+        return seen(t, y).real + resistance * seen(t, y).imag
 
     # weights turn to where the driven force pulls them together (Re < 0) until the signal turns
     pressure.terminal, pressure.direction = True, 1
     alone = solve_ivp(
-        rhs, (0, 60), [3.0 + track.alpha, 0.0], "DOP853", events=pressure, rtol=1e-12, atol=1e-13
+        rhs, (0, 60), [3.0 + track.alpha, rate], "DOP853", events=pressure, rtol=1e-12, atol=1e-13
     )
     opened = alone.t[-1]
     assert 0.5 < opened < 20.0
-    before = run(track, start, [0, 0], signal, 3.0, opened - 1e-6, 100, [1.0, 0.0])
+    assert resistance == 0.0 or alone.y[1].min() > 0.0
+    before = run(track, start, [rate] * 2, signal, 3.0, opened - 1e-6, 100, [1.0, 0.0])
     assert before[2] == [1.0, 0.0]
     middle = (before[0][0] + before[0][1]) / 2.0
     assert middle == pytest.approx(alone.y[0, -1], abs=1e-5)
     assert before[0][1] - before[0][0] == pytest.approx(reach, abs=1e-12)
-    after = run(track, start, [0, 0], signal, 3.0, opened + 0.2, 100, [1.0, 0.0])
+    after = run(track, start, [rate] * 2, signal, 3.0, opened + 0.2, 100, [1.0, 0.0])
     assert after[2] == [0.0, 0.0]
     assert after[0][1] - after[0][0] > reach + 1e-5
 
