@@ -6,7 +6,7 @@ import ctypes
 import math
 import re
 from collections.abc import Callable, Sequence
-from ctypes import POINTER, byref, c_char_p, c_double, c_int, c_size_t
+from ctypes import POINTER, byref, c_double, c_int, c_size_t
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -40,7 +40,7 @@ class Complex(ctypes.Structure):
 
 
 class Failure(ctypes.Structure):
-    _fields_ = (("code", c_int), ("where", c_int), ("name", c_char_p), ("value", c_double * 4))
+    _fields_ = (("code", c_int), ("where", c_int), ("value", c_double * 4))
 
 
 def _struct(name: str, doubles: str = "", **fields: Any) -> type[ctypes.Structure]:
@@ -72,21 +72,20 @@ LinearRotor = _struct(
     gravity=c_double * 2,
     sliders=c_int,
 )
-VariableSpeedStep = _struct(
-    "VariableSpeedStep",
-    **dict.fromkeys(["turning_force", "axes", "parts", "dof", "plane_count"], c_int),
-    **dict.fromkeys(["still", "per_speed", "planes", "force", "unbalance", "falling"], _D),
-    orders=c_int,
+Spin = _struct("Spin", angle=c_double, speed=c_double, rates=c_double * 4)
+Drive = _struct(
+    "Drive",
+    forces=_D,
+    **dict.fromkeys(["orders", "planes", "turning_force"], c_int),
+    spin=Spin,
 )
-Doubled = _struct("Doubled", used=c_int, times=c_int, **dict.fromkeys(["scaled", "grown"], _D))
-Doublings = _struct("Doublings", next=c_int, doubled=Doubled * 4)
 Weights = _struct(
     "Weights",
     count=c_int,
     **dict.fromkeys(["mass", "track_radius", "drag", "kappa", "radius"], c_double),
     each=_D,
 )
-Quadrature = _struct("Quadrature", damping_rate=c_double, step=c_double, response=c_double * 10)
+Quadrature = _struct("Quadrature", damping_rate=c_double, step=c_double, response=c_double * 14)
 Track = _struct(
     "Track",
     weights=Weights,
@@ -102,10 +101,10 @@ Moved = _struct(
     events=c_int,
     reached=c_double,
 )
-Instant = _struct("Instant", acceleration=Complex, slope=Complex, rotor_speed=c_double)
+Instant = _struct("Instant", motion=Complex * 3, spin=Spin)
 
 STRUCTURES = (
-    Complex, Failure, LinearRotor, VariableSpeedStep, Doublings, Weights, Quadrature, Track, Moved,
+    Complex, Failure, LinearRotor, Spin, Drive, Weights, Quadrature, Track, Moved,
     Instant,
 )  # fmt: skip
 
@@ -114,19 +113,18 @@ _RETURNS = {
         "square_root copy_sign nearest scaled_by_power sine cosine natural_exp arc_sine hypotenuse"
         " modulo ieee_remainder weights_alignment weights_added_mass weights_damping_rate"
         " fastest_rate liquid_gap liquid_mass liquid_added_mass liquid_clearance group_factor"
-        " lowest first_fall"
+        " find_lowest find_first_fall"
     ),
-    Complex: "rect weights_static_moment track_static_moment hat_half pulse_ahead impact_on_plane"
-    " quintic_weights_reaction_second",
+    Complex: "rect weights_static_moment track_static_moment hat_half pulse_ahead impact_on_plane",
     c_size_t: (
-        "linear_rotor_size linear_rotor_flexible_scratch step_matrix_scratch variable_speed_size"
-        " variable_speed_scratch track_scratch friction_size"
+        "linear_rotor_size linear_rotor_flexible_scratch step_matrix_scratch taylor_step_size"
+        " track_scratch"
     ),
     Quadrature: "quadrature_empty",
     _D: "quadrature",
     LinearRotor: "linear_rotor_in linear_rotor_with_added_mass",
-    None: "phi_functions weights_reaction variable_speed_plane_motion along_track"
-    " variable_speed_torque pool expand sliding_drive friction_at_start pressure_factors shifted",
+    None: "phi_functions weights_reaction pool_violators expand_pools find_sliding_drive"
+    " friction_at_start shift_signal",
 }
 
 
@@ -134,8 +132,8 @@ class Refused(Exception):
     """A function returned a failure: its code's number and what it holds."""
 
     def __init__(self, failure: Any) -> None:
-        super().__init__(failure.code, failure.name, list(failure.value))
-        self.code, self.where, self.name = failure.code, failure.where, failure.name
+        super().__init__(failure.code, list(failure.value))
+        self.code, self.where = failure.code, failure.where
         self.value = tuple(failure.value)
 
 
@@ -156,6 +154,7 @@ class Core:
         names = re.findall(r"^\s*([A-Z_]+)\b", listed[1], re.M)  # type: ignore[index]
         self.codes = {name: number for number, name in enumerate(names)}
         self.library = ctypes.CDLL(str(path))
+        self._kept: list[Any] = []
         for type_, names in _RETURNS.items():
             for name in names.split():
                 if hasattr(self.library, name):
@@ -196,13 +195,40 @@ class Core:
                 ctypes.memmove(getattr(made, name), values.ctypes.data, values.nbytes)
         return made
 
-    def doublings(self, count: int) -> Any:
-        """Room to keep what matrices of so many doubles are doubled from."""
-        kept = Doublings()
-        kept.memory = np.full((4, 2, count), math.nan)
-        for one, (scaled, grown) in zip(kept.doubled, kept.memory, strict=True):
-            one.scaled, one.grown = (a.ctypes.data_as(_D) for a in (scaled, grown))
-        return kept
+    def instant(self, motion: Sequence[complex], angle: float, speed: float, *rates: float) -> Any:
+        """What drives weights: the acceleration of a centre with its derivatives, and the rotor."""
+        parts = [Complex(z.real, z.imag) for z in map(complex, motion)]
+        return Instant((Complex * 3)(*parts), Spin(angle, speed, (c_double * 4)(*rates)))
+
+    def shifted(
+        self, signal: Sequence[complex], offset: complex, speed: float, spin_up: Sequence[float]
+    ) -> NDArray:
+        """The acceleration of a point that is off, of a signal's value and derivatives."""
+        made = np.array(signal, complex)
+        self(
+            "shift_signal", made, len(made), complex(offset), float(speed), np.array(spin_up, float)
+        )
+        return made
+
+    def taylor_step(self, rotor: Any, sliders: Any = None, count: int = 0) -> Any:
+        """The step at any speed of a rotor made by `rotor_of`, with `count` sliders."""
+        n, p = rotor.stations, rotor.plane_count
+        memory = np.full(self("taylor_step_size", n, p, count), math.nan)
+        scratch = np.full(12 * n * n, math.nan)
+        made = (c_double * 64)()  # longer than the structure
+        self.demand("taylor_step_in", memory, byref(rotor), sliders, count, scratch, byref(made))
+        self._kept.append((memory, sliders, rotor))
+        return made
+
+    def drive(
+        self, forces: NDArray, turning: bool, angle: float, speed: float, *rates: float
+    ) -> Any:
+        """What moves a rotor: forces (orders, p) on the planes, and how it turns."""
+        orders, planes = forces.shape
+        spin = Spin(angle, speed, (c_double * 4)(*rates))
+        made = Drive(forces.ctypes.data_as(_D), orders, planes, int(turning), spin)
+        made.kept = forces
+        return made
 
     def step_matrix(
         self,
@@ -211,19 +237,33 @@ class Core:
         step: float,
         turning: bool,
         order: int = 3,
-        kept: Any = None,
     ) -> NDArray:
-        """As `models.propagator.step_matrix`, of a rotor made by `rotor_of`."""
+        """As `models.propagator.step_matrix`, of a rotor made by `rotor_of`.
+
+        C has x and y alternating, Python blocks (x..., y...).
+        """
         axes = 1 if self("linear_rotor_isotropic", byref(rotor)) else 2
         orders = order + 1
         sizes = rotor.stations, rotor.plane_count, orders, axes
         shape = self("step_matrix_rows", *sizes), self("step_matrix_columns", *sizes)
         matrix = np.empty(shape, complex if axes == 1 else float)
         scratch = np.full(self("step_matrix_scratch", *sizes), math.nan)
-        how = int(turning), orders
-        kept = self.doublings(len(scratch) // 5) if kept is None else kept
-        self.demand("step_matrix", byref(rotor), speed, step, *how, matrix, scratch, byref(kept))
-        return matrix
+        self.demand("step_matrix", byref(rotor), speed, step, int(turning), orders, matrix, scratch)
+        n, p = sizes[:2]
+        rows = _alternating([n, n, *[p] * (orders // 2)], axes)
+        columns = _alternating([n, n, *[p] * orders, 1], axes)
+        return matrix[np.ix_(rows, columns)]
+
+
+def _alternating(sizes: Sequence[int], axes: int) -> list[int]:
+    """Where the elements of blocks (x..., y...) stand in blocks with x and y alternating."""
+    starts = axes * np.cumsum([0, *sizes])
+    return [
+        int(start) + axes * k + axis
+        for start, size in zip(starts, sizes, strict=False)
+        for axis in range(axes)
+        for k in range(size)
+    ]
 
 
 def _argument(value: Any) -> Any:

@@ -61,6 +61,7 @@ class Track:
     ) -> None:
         self.core, self.weights = core, weights
         self.restitution, self.rolling_resistance = restitution, rolling_resistance
+        self.offset = offset
         w = weights
         points = core.structures.Weights(w.count, w.mass, w.track_radius, w.drag, w.kappa)
         if w.unequal:
@@ -91,12 +92,19 @@ class Track:
         """Motion over a step; `signal` (4,) of the plane's centre, `rates` (3,) of w'."""
         ends = [np.empty(self.weights.count) for _ in range(3)]
         moved = self.core.structures.Moved(*(_pointer(values) for values in ends))
-        self.core.demand(
-            "track_advance", byref(self.native), *_arrays(angles, speeds, contacts),
-            np.array(signal, complex), float(rotor_speed),
-            np.array([angular_acceleration, *rates], float), float(step), stop, byref(moved),
-            self._scratch,
-        )  # fmt: skip
+        spin_up = np.array([angular_acceleration, *rates], float)
+        centre = self.core.shifted(signal, self.offset, rotor_speed, spin_up)
+        if not self.native.eventful:
+            ends[2][:], moved.reached = contacts, step
+            self.core.demand(
+                "weights_advance", byref(self.native.weights), *_arrays(angles, speeds), centre, 4,
+                spin_up, float(step), *ends[:2], byref(self.core("quadrature_empty")), None,
+            )  # fmt: skip
+        else:
+            self.core.demand(
+                "track_advance", byref(self.native), *_arrays(angles, speeds, contacts), centre,
+                float(rotor_speed), spin_up, float(step), stop, byref(moved), self._scratch,
+            )  # fmt: skip
         impulse = complex(moved.impulse.re, moved.impulse.im)
         return Moved(*(e.tolist() for e in ends), impulse, moved.events, moved.reached)
 
@@ -108,17 +116,23 @@ class Track:
         acceleration: complex,
         slope: complex,
         rotor_speed: float,
-        angular_acceleration: float,
-        change: float = 0.0,
-    ) -> tuple[complex, complex]:
-        """Force on the rotor and its slope, rotor frame, without N m a and without impulses."""
-        found = Complex(), Complex()
+        *spin_up: float,
+        second: complex | None = None,
+    ) -> list[complex]:
+        """Force on the rotor and its slope, rotor frame, without N m a and without impulses.
+
+        With the second derivative of the acceleration that of the force, too.
+        """
+        motion = [acceleration, slope, *([] if second is None else [second])]
+        found, now = (
+            np.empty(len(motion), complex),
+            self.core.instant(motion, 0.0, rotor_speed, *spin_up),
+        )
         self.core.demand(
-            "track_reaction", byref(self.native), *_arrays(angles, speeds, contacts),
-            complex(acceleration), complex(slope), float(rotor_speed), float(angular_acceleration),
-            float(change), *map(byref, found), self._scratch,
+            "track_reaction", byref(self.native), *_arrays(angles, speeds, contacts), byref(now),
+            len(motion), found, None, self._scratch,
         )  # fmt: skip
-        return complex(found[0].re, found[0].im), complex(found[1].re, found[1].im)
+        return found.tolist()
 
     def first_contacts(self, angles: Sequence[float], speeds: Sequence[float]) -> list[float]:
         """Contacts of weights that touch and move alike."""
@@ -160,8 +174,8 @@ def pooled(core: Core, drives: Sequence[float], limits: Sequence[float] | None) 
     pools = Pools(0, *((c_int * n)() for _ in range(2)), *((c_double * n)() for _ in range(4)))
     values = np.empty(n)
     held = None if limits is None else np.array(limits, float)
-    core("pool", byref(pools), np.array(drives, float), held, None, n, 0.0)
-    core("expand", byref(pools), values)
+    core("pool_violators", byref(pools), np.array(drives, float), held, None, n, 0.0)
+    core("expand_pools", byref(pools), values)
     return values.tolist()
 
 
@@ -180,15 +194,6 @@ class Drive(NamedTuple):
     spin_up: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 0.0)
 
 
-class _Drive(ctypes.Structure):
-    _fields_ = (
-        ("forces", POINTER(c_double)),
-        ("angle", c_double),
-        ("speed", c_double),
-        ("spin_up", POINTER(c_double)),
-    )
-
-
 class _Slider(ctypes.Structure):
     _fields_ = (("station", c_int), ("axis", c_int), ("limit", c_double), ("stiffness", c_double))
 
@@ -196,36 +201,23 @@ class _Slider(ctypes.Structure):
 class Friction:
     """Step of a rotor with dry friction in its supports.
 
-    States are (q, v), x before y; `held` (m, 2) is the direction of slip and the force of every
-    slider.
+    States are (q, v), x and y alternating; `held` (m, 2) is the direction of slip and the force of
+    every slider.
     """
 
     def __init__(self, core: Core, rotor: LinearRotor, turning_force: bool = True) -> None:
-        self.core, self.dof = core, 2 * rotor.stations
-        sizes = rotor.stations, rotor.plane_count
+        self.core, self.dof, self.turning = core, 2 * rotor.stations, turning_force
         count, native = len(rotor.sliders), core.rotor_of(rotor)
         native.sliders = count
-        smooth = core.structures.VariableSpeedStep()
-        memory = np.empty(core("variable_speed_size", *sizes, 2))
-        scratch = np.empty(core("variable_speed_scratch", *sizes, 2))
-        core.demand(
-            "variable_speed_step", byref(native), int(turning_force), memory, scratch, byref(smooth)
-        )
         self._sliders = (_Slider * count)(
             *((s.station, s.axis, s.limit, s.stiffness) for s in rotor.sliders)
         )
-        own = np.empty(core("friction_size", *sizes, count))
-        self._native = (c_double * 64)()  # longer than the structure
-        core.demand(
-            "friction_step", byref(native), byref(smooth), self._sliders, count, own,
-            byref(self._native),
-        )  # fmt: skip
-        self._kept = native, smooth, memory, own
+        self._native = core.taylor_step(native, self._sliders, count)
 
     def at_start(self, state: NDArray) -> NDArray:
         """Sliders with slack springs; rigid ones slip with the rotor."""
         held, count = np.zeros((len(self._sliders), 2)), len(self._sliders)
-        rates = np.array(state, float)[self.dof :].reshape(2, -1).T.ravel()
+        rates = np.array(state, float)[self.dof :]
         self.core("friction_at_start", self._sliders, count, rates, held)
         return held
 
@@ -234,11 +226,10 @@ class Friction:
     ) -> tuple[NDArray, NDArray]:
         """State and sliders one step later."""
         state, held, forces = state.copy(), held.copy(), np.ascontiguousarray(drive.forces)
-        spin_up = np.array(drive.spin_up, float)
-        given = _Drive(_pointer(forces), drive.angle, drive.speed, _pointer(spin_up))
+        given = self.core.drive(forces, self.turning, drive.angle, drive.speed, *drive.spin_up)
         reached = c_double(step)
         self.core.demand(
-            "friction_advance", byref(self._native), state, held, byref(given), float(step), 0,
+            "taylor_advance", byref(self._native), state, held, byref(given), float(step), 0,
             byref(reached),
         )  # fmt: skip
         return state, held
@@ -251,7 +242,7 @@ class _Motor(ctypes.Structure):
         ("points", POINTER(c_double)),
         ("negligible", c_double),
         ("reached", c_double),
-        ("quadrature", c_double * 12),
+        ("quadrature", c_double * 16),
     )
 
 
@@ -284,31 +275,12 @@ def quintic_advance(
 ) -> tuple[list[float], list[float]]:
     """Angles and speeds of point weights after a step under a quintic signal (6,)."""
     ends = np.empty(weights.count), np.empty(weights.count)
-    memory = np.full(16, -1.0)  # of the response to a step: remembers nothing
     core.demand(
-        "quintic_weights_advance", byref(_points(core, weights)), *_arrays(angles, speeds),
-        np.array(signal, complex), np.array(spin_up, float), float(step), *ends, memory,
-        np.full((weights.count, 6), np.nan),
+        "weights_advance", byref(_points(core, weights)), *_arrays(angles, speeds),
+        np.array(signal, complex), 6, np.array(spin_up, float), float(step), *ends,
+        byref(core("quadrature_empty")), np.full((weights.count, 6), np.nan),
     )  # fmt: skip
     return ends[0].tolist(), ends[1].tolist()
-
-
-def quintic_reaction_second(
-    core: Core,
-    weights: Weights,
-    angles: Sequence[float],
-    speeds: Sequence[float],
-    motion: Sequence[complex],
-    rotor_speed: float,
-    spin_up: Sequence[float],
-) -> complex:
-    """Second derivative of the force of point weights."""
-    found = core(
-        "quintic_weights_reaction_second", byref(_points(core, weights)), *_arrays(angles, speeds),
-        np.array(motion, complex), float(rotor_speed), np.array(spin_up, float),
-        np.full((weights.count, 6), np.nan),
-    )  # fmt: skip
-    return complex(found.re, found.im)
 
 
 def _points(core: Core, w: Weights) -> Any:

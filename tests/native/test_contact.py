@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import cmath
-import json
 import math
 import random
 
@@ -133,39 +132,42 @@ def test_a_group_feels_the_mean_of_its_weights(core):
     alpha, n, z = 0.07, 9, cmath.rect(2.0, 0.4)
     drives = [(z * cmath.rect(1.0, -(2 * k - n + 1) * alpha)).imag for k in range(n)]
     assert core("group_factor", n, alpha) * z.imag == pytest.approx(sum(drives) / n, rel=1e-13)
-    pressures = np.cumsum(np.array(drives) - sum(drives) / n)[:-1]
-    factors = np.empty(n - 1, complex)
-    core("pressure_factors", n, alpha, factors)
-    assert (z * factors).imag == pytest.approx(pressures, abs=1e-13)
 
 
-def test_a_plastic_pair_moves_as_one_until_it_is_pulled_apart(track_of):
+@pytest.mark.parametrize(("resistance", "rate"), [(0.0, 0.0), (0.03, 0.8)])
+def test_a_plastic_pair_moves_as_one_until_it_is_pulled_apart(track_of, resistance, rate):
     """Driven by 0.5 e^{0.9 i t}: the pair opens where the pressure of its two weights ends."""
-    track = track_of(Weights(2, 0.1, 1.0, 0.3, 1.4), 0.25, 0.0)
+    track = track_of(Weights(2, 0.1, 1.0, 0.3, 1.4), 0.25, 0.0, resistance)
     signal = whirling(0.5, 0.9)
     reach, d = 2 * track.alpha, track.weights.damping_rate
     start = [3.0, 3.0 + reach]
     factor = math.cos(track.alpha)
 
-    def rhs(t, y):
-        return [y[1], -factor / 1.4 * (signal(t)[0] * cmath.exp(-1j * y[0])).imag - d * y[1]]
+    def seen(t, y):
+        return signal(t)[0] * cmath.exp(-1j * y[0])
+
+    def rhs(t, y):  # the pair slides forward; the race carries it on its outer side
+        z = factor * seen(t, y)
+        load = (3.0 + y[1]) ** 2 - z.real
+        return [y[1], -(z.imag + resistance * load) / 1.4 - d * y[1]]
 
     def pressure(t, y):  # drive of the first less that of the second, over two
-        return (signal(t)[0] * cmath.exp(-1j * y[0])).real
+        return seen(t, y).real + resistance * seen(t, y).imag
 
     # weights turn to where the driven force pulls them together (Re < 0) until the signal turns
     pressure.terminal, pressure.direction = True, 1
     alone = solve_ivp(
-        rhs, (0, 60), [3.0 + track.alpha, 0.0], "DOP853", events=pressure, rtol=1e-12, atol=1e-13
+        rhs, (0, 60), [3.0 + track.alpha, rate], "DOP853", events=pressure, rtol=1e-12, atol=1e-13
     )
     opened = alone.t[-1]
     assert 0.5 < opened < 20.0
-    before = run(track, start, [0, 0], signal, 3.0, opened - 1e-6, 100, [1.0, 0.0])
+    assert resistance == 0.0 or alone.y[1].min() > 0.0
+    before = run(track, start, [rate] * 2, signal, 3.0, opened - 1e-6, 100, [1.0, 0.0])
     assert before[2] == [1.0, 0.0]
     middle = (before[0][0] + before[0][1]) / 2.0
     assert middle == pytest.approx(alone.y[0, -1], abs=1e-5)
     assert before[0][1] - before[0][0] == pytest.approx(reach, abs=1e-12)
-    after = run(track, start, [0, 0], signal, 3.0, opened + 0.2, 100, [1.0, 0.0])
+    after = run(track, start, [rate] * 2, signal, 3.0, opened + 0.2, 100, [1.0, 0.0])
     assert after[2] == [0.0, 0.0]
     assert after[0][1] - after[0][0] > reach + 1e-5
 
@@ -222,17 +224,6 @@ def test_a_full_track_turns_as_one_body_under_drag_alone(track_of):
     assert speeds == pytest.approx([0.5 * math.exp(-2.0)] * n, rel=1e-12)
     turned = 0.5 * (1.0 - math.exp(-2.0))
     assert angles == pytest.approx([x + turned for x in start], rel=1e-12)
-
-
-def test_the_state_is_complete_and_survives_json(track_of):
-    track = track_of(Weights(4, 0.1, 1.0, 0.05, 1.4), 0.3, 0.5, 0.01)
-    signal = whirling(1.5, 1.0)
-    whole = run(track, [0.0, 1.0, 2.0, 4.0], [1.0, -1.0, 0.0, 0.5], signal, 3.0, 4.0, 80)
-    half = run(track, [0.0, 1.0, 2.0, 4.0], [1.0, -1.0, 0.0, 0.5], signal, 3.0, 2.0, 40)
-    angles, speeds, contacts = json.loads(json.dumps(half[:3]))
-    again = run(track, angles, speeds, lambda t: signal(t + 2.0), 3.0, 2.0, 40, contacts)
-    assert again[2] == whole[2]
-    assert again[0] == pytest.approx(whole[0], abs=1e-12)
 
 
 def test_force_of_a_group_is_that_of_its_weights_moved_by_hand(track_of):
@@ -306,6 +297,3 @@ def test_pulses_give_the_rotor_exactly_what_is_owed_whatever_the_steps(core):
     assert given == pytest.approx(struck, abs=1e-9)
     half = core("hat_half", 0.0)
     assert complex(half.re, half.im) == pytest.approx(0.5)
-
-
-# -- a rotor and two weights that collide ---------------------------------------------------------

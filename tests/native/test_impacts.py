@@ -148,13 +148,6 @@ def test_a_contact_that_lasts_pulls_as_well(core):
     assert after[1] == pytest.approx(after[0], abs=1e-15)
 
 
-def test_weights_that_part_are_left_alone(core):
-    rates = [-1.0, 0.5, 0.5, 2.0]
-    after, jump = collided(core, [0.0, 0.2, 0.4, 0.6], rates, [(0, 1), (1, 2), (2, 3)], 0.1, 0.3)
-    assert after.tolist() == rates
-    assert not jump.any()
-
-
 BALL = 0.03  # radius [m]
 ALPHA = math.asin(BALL / TRACK)
 MACHINE = {

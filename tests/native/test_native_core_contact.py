@@ -2,46 +2,11 @@
 
 from __future__ import annotations
 
-import math
-
-import numpy as np
 import pytest
 
 from autobalancer.models.weights import Weights
 
 STEP = 5e-3
-
-
-def _start(random, track):
-    """Weights apart by random gaps, some of which are closed."""
-    n, alpha = track.weights.count, track.alpha
-    gaps = random.dirichlet(np.ones(n)) * (math.tau - 2.0 * n * alpha)
-    if n > 2 and alpha and random.random() < 0.5:
-        gaps[random.integers(n)] += gaps[0]
-        gaps[0] = 0.0
-    angles = np.cumsum(gaps + 2.0 * alpha) + random.uniform(-20.0, 20.0)
-    speeds = np.where(random.random(n) < 0.3, 0.0, random.normal(size=n) * 20.0)
-    order = random.permutation(n)
-    angles, speeds = angles[order].tolist(), speeds[order].tolist()
-    return angles, speeds, track.first_contacts(angles, speeds)
-
-
-def _signal(random, size):
-    return (random.normal(size=(2, 2)) @ [1.0, 1.0j] * size * np.array([1.0, 30.0])).tolist()
-
-
-#: count, radius of the weights over the largest that fit, rolling resistance, offset
-TRACKS = {
-    "point": (3, 0.0, 0.0, 0j),
-    "offset": (3, 0.0, 0.0, 2e-5 - 1e-5j),
-    "plastic": (4, 0.4, 0.0, 0j),
-    "offset_packs": (4, 0.5, 0.0, 1e-5j),
-    "crowded": (8, 0.95, 0.0, 0j),
-    "full": (5, 1.0, 1e-3, 0j),
-    "sticking": (2, 0.0, 2e-3, 0j),
-    "sticking_alone": (1, 0.3, 2e-2, 1e-5 + 0j),
-    "sticking_packs": (6, 0.7, 2e-3, 1e-5j),
-}
 
 
 def test_a_step_may_end_behind_its_first_collision(track_of):
@@ -66,24 +31,6 @@ def test_weights_that_touch_and_move_alike_are_in_contact_from_the_start(track_o
     assert track.first_contacts([3.0 + reach, 0.5, 3.0], [1.0, 0.0, 1.0]) == [0.0, 0.0, 1.0]
     assert track.first_contacts([3.0 + reach, 0.5, 3.0], [1.0, 0.0, 1.5]) == [0.0] * 3
     assert track.first_contacts([3.0 + reach + 1e-9, 0.5, 3.0], [1.0, 0.0, 1.0]) == [0.0] * 3
-
-
-@pytest.mark.parametrize(
-    ("values", "code", "name"),
-    [
-        ({"weight_radius": -1.0}, "FAILURE_NEGATIVE", "weight_radius"),
-        ({"weight_radius": math.inf}, "FAILURE_NEGATIVE", "weight_radius"),
-        ({"weight_radius": 0.036}, "FAILURE_WEIGHT_RADIUS", "weight_radius"),
-        ({"restitution": 1.1}, "FAILURE_RESTITUTION", "restitution"),
-        ({"restitution": math.nan}, "FAILURE_RESTITUTION", "restitution"),
-        ({"rolling_resistance": -1e-9}, "FAILURE_NEGATIVE", "rolling_resistance"),
-        ({"offset": complex(0.0, math.inf)}, "FAILURE_NOT_FINITE", "offset"),
-    ],
-)
-def test_impossible_tracks_are_refused(core, track_of, values, code, name):
-    points = Weights(4, 0.01, 0.05, 0.05, 1.4)
-    found, failure = core.refusal(lambda: track_of(points, **values))
-    assert (found, failure.name.decode()) == (code, name)
 
 
 def test_weights_that_overlap_and_steps_that_fail_are_refused(core, track_of):

@@ -120,3 +120,16 @@ def test_nearest_and_powers_of_two_are_those_of_python_to_the_last_bit(core):
             except OverflowError:
                 exact = math.copysign(math.inf, a)
             assert core("scaled_by_power", a, power) == exact
+
+
+@pytest.mark.parametrize("parts", [1, 2])
+def test_systems_of_equations_are_solved_with_any_pivots(core, parts):
+    """Diagonals of zeros, real, imaginary and other ones."""
+    for n in (1, 2, 7):
+        a, b = (RANDOM.normal(size=(n, m, parts)) @ [1.0, 1.0j][:parts] for m in (n, 3))
+        for diagonal in (0.0, 5.0, 5.0j, 1.0 + 4.0j)[n == 1 : 2 * parts]:
+            np.fill_diagonal(a, diagonal)
+            expected, found = np.linalg.solve(a, b), b.copy()
+            assert core("matrix_solve", parts, n, 3, a.copy(), found) == 0
+            assert found == pytest.approx(expected, rel=1e-12)
+    assert core("matrix_solve", parts, 2, 1, np.zeros(4 * parts), np.zeros(2 * parts)) == 1

@@ -13,7 +13,7 @@ from scipy.integrate import solve_ivp
 
 from autobalancer.models.rotor import LinearRotor
 from autobalancer.models.steps.propagator import exponential, generator, step_matrix
-from autobalancer.models.steps.variable_speed import Drive
+from autobalancer.models.steps.variable_speed import Drive, VariableSpeedStep
 from tests.native.equations import STEADY
 
 KINDS = ("planar", "two_support", "flexible")
@@ -140,17 +140,6 @@ def test_exponential_keeps_a_soft_axis_beside_one_of_1e14(core):
     assert found[1, 3] == pytest.approx(math.sin(frequency * 1e-3) / frequency, rel=1e-14)
 
 
-def test_what_a_step_is_doubled_from_changes_no_bit(core):
-    """Of five families, up and down: some are written over, and some are too long to begin from."""
-    kept = core.doublings(14 * 14)
-    rotor = core.rotor_of(LinearRotor.planar(1.0, (1e4, 4e4), (3.0, 40.0)))
-    for power in (5, 3, 0, -2, 1, 4, -4):
-        for family in (1.0, 0.84, 0.7, 0.6, 0.55, 1.0):
-            step = 1e-3 * family * 2.0**-power
-            found = core.step_matrix(rotor, 250.0, step, True, kept=kept)
-            assert found.tobytes() == core.step_matrix(rotor, 250.0, step, True).tobytes()
-
-
 def test_a_matrix_that_is_not_finite_is_refused(core):
     rotor = LinearRotor.planar(1.0, 1e300, 1.0)
     with pytest.raises(core.Refused) as refused:
@@ -158,36 +147,62 @@ def test_a_matrix_that_is_not_finite_is_refused(core):
     assert refused.value.code == core.codes["FAILURE_MATRICES"]
 
 
-def _variable(core, draw):
+def _pairs(values, axes):
+    """Vectors x + i y, or blocks (x..., y...), as C has them: pairs."""
+    return values.view(float).copy() if axes == 1 else values.reshape(2, -1).T.ravel().copy()
+
+
+def _unpaired(pairs, axes):
+    """The reverse."""
+    return pairs.view(complex) if axes == 1 else pairs.reshape(-1, 2).T.ravel()
+
+
+def _at_any_speed(core, draw):
     """The C step of a rotor at varying speed: state after a step, and motion of the planes.
 
     `rates`: derivatives of the angular acceleration of order 1 to 3.
     """
-    rotor, axes = draw.native, 1 if draw.python.isotropic else 2
-    sizes = rotor.stations, rotor.plane_count, axes
-    made = core.structures.VariableSpeedStep()
-    memory = np.empty(core("variable_speed_size", *sizes))
-    scratch = np.full(core("variable_speed_scratch", *sizes), math.nan)
-    core.demand("variable_speed_step", byref(rotor), 1, memory, scratch, byref(made))
-    kept = memory, scratch
+    made, axes = core.taylor_step(draw.native), 1 if draw.python.isotropic else 2
 
-    def told(drive, rates):
-        return drive.angle, drive.speed, np.array([drive.angular_acceleration, *rates])
+    def driven(drive, rates):
+        w1 = drive.angular_acceleration
+        return core.drive(drive.forces, True, drive.angle, drive.speed, w1, *rates)
 
     def advance(state, drive, step, rates=STEADY):
-        state, name = state.copy(), "variable_speed_advance"
-        core.demand(name, byref(made), state, drive.forces, *told(drive, rates), step, kept[1])
-        return state
+        blocks = [_pairs(half, axes) for half in np.split(state, 2)]
+        pairs, reached = np.concatenate(blocks), np.empty(1)
+        moved_by = byref(driven(drive, rates))
+        core.demand("taylor_advance", byref(made), pairs, None, moved_by, step, 0, reached)
+        return np.concatenate([_unpaired(half, axes) for half in np.split(pairs, 2)])
 
     def plane_motion(state, drive, t, rates=STEADY):
-        acceleration, jerk = (np.empty(axes * rotor.plane_count, state.dtype) for _ in range(2))
-        core(
-            "variable_speed_plane_motion", byref(made), state, drive.forces,
-            *told(drive, rates), t, acceleration, jerk, scratch,
-        )  # fmt: skip
-        return acceleration, jerk
+        pairs = np.concatenate([_pairs(half, axes) for half in np.split(state, 2)])
+        seen = np.empty(4 * draw.planes)
+        moved_by = byref(driven(drive, rates))
+        core.demand("taylor_plane_motion", byref(made), pairs, None, moved_by, t, 3, seen)
+        return [_unpaired(half, axes) for half in np.split(seen, 2)]
 
     return advance, plane_motion
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_steps_at_changing_speed_are_those_of_python_in_many_parts(core, kind):
+    """Radau's method of order 5 in parts so short that it errs by rounding."""
+    for seed in range(4):
+        draw, h = Draw(core, kind, seed, stiffest=1e5), 2e-3
+        rotor, random, (advance, plane_motion) = draw.python, draw.random, _at_any_speed(core, draw)
+        size = 2 * (1 if rotor.isotropic else 2) * rotor.stations
+        state = random.normal(size=size) + (1j * random.normal(size=size) if rotor.isotropic else 0)
+        forces = (random.normal(size=(2, 4, draw.planes)).T @ [1.0, 1.0j]).T.copy()
+        turn = random.uniform(-9, 9), random.uniform(0, 900), random.uniform(-500, 500)
+        drive, method = Drive(forces, *turn), VariableSpeedStep(rotor)
+        expected = method.parts(state, drive, h, 400)
+        reached = advance(state, drive, h)
+        assert _largest_difference(reached, expected) < 1e-12
+        for seen, known in zip(
+            plane_motion(reached, drive, h), method.plane_motion(reached, drive, h), strict=True
+        ):
+            assert _largest_difference(seen, known) < 1e-12
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -195,7 +210,7 @@ def test_steps_at_changing_acceleration_are_those_of_scipy(core, kind):
     """State, acceleration and jerk under a cubic w', against the equation as it is written."""
     for seed in range(4):
         draw, h = Draw(core, kind, seed, stiffest=1e5, gravity=2.0 - 9.0j), 2e-3
-        rotor, random, (advance, plane_motion) = draw.python, draw.random, _variable(core, draw)
+        rotor, random, (advance, plane_motion) = draw.python, draw.random, _at_any_speed(core, draw)
         axes = 1 if rotor.isotropic else 2
         state = random.normal(size=2 * axes * rotor.stations)
         state = state + 1j * random.normal(size=state.shape) if axes == 1 else state
@@ -227,10 +242,10 @@ def test_steps_at_changing_acceleration_are_those_of_scipy(core, kind):
         times = [h - d, h, h + d]
         found = solve_ivp(rhs, (0, times[-1]), state, "DOP853", times, rtol=1e-12, atol=1e-14)
         before, here, after = found.y.T
-        reached = advance(state, drive, h, rates=rates)
-        assert _largest_difference(reached, here) < 1e-8
+        reached = advance(state, drive, h, rates)
+        assert _largest_difference(reached, here) < 1e-9
         lateral = np.kron(np.eye(axes), rotor.planes)
         jerk = (acceleration(h + d, after) - acceleration(h - d, before)) / (2.0 * d)
-        seen = plane_motion(reached, drive, h, rates=rates)
+        seen = plane_motion(reached, drive, h, rates)
         assert _largest_difference(seen[0], lateral @ acceleration(h, reached)) < 1e-10
         assert _largest_difference(seen[1], lateral @ jerk) < 1e-4

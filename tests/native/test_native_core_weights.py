@@ -38,7 +38,7 @@ def _advance(core, native, angles, speeds, signal, spin_up, step, memory=None):
     new_angles, new_speeds = np.empty_like(angles), np.empty_like(speeds)
     memory = memory or core("quadrature_empty")
     core.demand(
-        "weights_advance", byref(native), angles, speeds, np.array(signal, complex),
+        "weights_advance", byref(native), angles, speeds, np.array(signal, complex), 4,
         np.array([spin_up, *STEADY]), step, new_angles, new_speeds, byref(memory), None,
     )  # fmt: skip
     return new_angles, new_speeds
@@ -71,7 +71,7 @@ def test_a_step_may_overwrite_the_state_it_starts_from(core):
         speeds, signal = random.normal(size=native.count), _signal(random)
         apart = _advance(core, native, angles, speeds, signal, 3.0, 1e-3)
         core.demand(
-            "weights_advance", byref(native), angles, speeds, signal,
+            "weights_advance", byref(native), angles, speeds, signal, 4,
             np.array([3.0, *STEADY]), 1e-3, angles, speeds,
             byref(core("quadrature_empty")), None,
         )  # fmt: skip
@@ -98,5 +98,5 @@ def test_a_remembered_response_is_not_taken_for_another_step_or_drag(core):
     core.library.quadrature.restype = ctypes.POINTER(ctypes.c_double)
     for drag in (0.0, 2.0, 0.0, 1e5):
         for step in (1e-3, 1e-3, 1e-5):
-            found = core("quadrature", byref(memory), drag, step)[:10]
+            found = core("quadrature", byref(memory), 4, drag, step)[:10]
             assert found == pytest.approx(points.quadrature(drag, step), rel=1e-14)

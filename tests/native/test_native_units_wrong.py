@@ -24,6 +24,7 @@ TOGETHER = [  # every value is allowed by itself
     (BALLS, {}, {"weight_radius": 0.05}, "weight_radius = 0.05 m: such weights do"),
     (BALLS, {"weights": 3}, {"weight_radius": 0.049}, "the largest that fit have 0.0433013 m"),
     (BALLS, {}, {"restitution": 1.25}, "restitution = 1.25: must be within 0 to 1"),
+    (BALLS, {}, {"track_mobility": 50.0}, "track_mobility = 50.0 1/kg: must be 0 or more and less"),
     (BALLS, {}, {"weight_radius": 0.01, "weight[2].angle0": 0.3}, "weights overlap by 0.103"),
     (ROTOR, {"sliders": 1}, {"slider[1].support": 2.0}, r"slider[1].support = 2.0: must be 1"),
     (ROTOR, TWO | {"sliders": 1}, {"slider[1].support": 1.5}, "support = 1.5: must be 1 or 2"),

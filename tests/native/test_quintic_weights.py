@@ -12,7 +12,7 @@ from numpy.testing import assert_allclose
 from scipy.integrate import solve_ivp
 
 from autobalancer.models.weights import KAPPA, Weights
-from tests.native.equations import STEADY, quintic_advance, quintic_reaction_second
+from tests.native.equations import STEADY, quintic_advance
 
 pytestmark = pytest.mark.slow
 
@@ -76,14 +76,6 @@ def test_step_has_order_6(core, drag: float) -> None:
     assert np.log(errors[0] / errors[1]) / np.log(1.5) == pytest.approx(6.0, abs=0.3)
 
 
-def test_turns_behind_a_weight_change_nothing(core) -> None:
-    weights = Weights(1, 0.1, 1.0, 0.1)
-    turned = 2.0 * np.pi * 1e6
-    near = quintic_advance(core, weights, [0.3], [0.2], SIGNAL, STILL, 0.1)
-    far = quintic_advance(core, weights, [0.3 + turned], [0.2], SIGNAL, STILL, 0.1)
-    assert far[0][0] - turned == pytest.approx(near[0][0], abs=1e-8)
-
-
 def test_a_changing_speed_leaves_weights_behind_as_they_are_integrated(core) -> None:
     weights = Weights(2, 0.1, 0.5, 0.3, KAPPA["rollers"])
     angles, speeds = quintic_advance(core, weights, ANGLES, SPEEDS, SIGNAL, (SPIN_UP, *RATES), 0.1)
@@ -108,10 +100,10 @@ def test_second_derivative_is_that_of_the_reaction_along_the_motion(
     around = [slope_at(0.1 + k * h) for k in (-2, -1, 1, 2)]
     expected = (around[0] - 8.0 * around[1] + 8.0 * around[2] - around[3]) / (12.0 * h)
     angles, speeds = np.split(integrate(weights, 0.1, still=still), 2)
-    motion = derivative(0, 0.1), derivative(1, 0.1), derivative(2, 0.1)
-    w, *spin_up = driven(0.1)
-    found = quintic_reaction_second(core, weights, angles, speeds, motion, w, spin_up)
-    assert found == pytest.approx(expected, rel=1e-7)
+    motion, second = (derivative(0, 0.1), derivative(1, 0.1)), derivative(2, 0.1)
+    track = track_of(weights)
+    found = track.reaction(angles, speeds, [0.0, 0.0], *motion, *driven(0.1), second=second)
+    assert found[2] == pytest.approx(expected, rel=1e-7)
 
 
 def test_input_that_is_not_finite_is_refused(core) -> None:

@@ -187,13 +187,11 @@ class Group(ctypes.Structure):
 
 def drive_of(core, group, a, slope, angle, rate, speed, spin_up):
     """Drive of a sliding group and its slope, with the sides of the race that carry it then."""
-    sides, found = np.zeros(group.count), (c_double(), c_double())
-    count = core("find_sides", byref(group), a, angle, rate, speed, sides)
-    core(
-        "sliding_drive", byref(group), a, slope, angle, rate, speed, spin_up, sides, count,
-        *map(byref, found),
-    )  # fmt: skip
-    return found[0].value, found[1].value
+    sides, found = np.zeros(group.count), np.empty(2)
+    now = core.instant([a, slope], 0.0, speed, spin_up)
+    count = core("find_sides", byref(group), byref(now), angle, rate, sides)
+    core("find_sliding_drive", byref(group), byref(now), angle, rate, sides, count, found)
+    return found
 
 
 def test_a_sliding_group_feels_the_mean_of_its_weights_also_when_loads_change_sides(core):
@@ -263,13 +261,14 @@ def test_sliding_keeps_order_four_between_events(track_of):
     assert errors[1] / errors[2] > 8.0
 
 
-def test_an_offset_is_the_acceleration_of_the_shifted_centre(core):
-    offset, w, spin, t, cubic = 0.3 - 0.1j, 2.0, 0.7, 0.37, np.empty(4, complex)
-    given = np.array([1 + 1j, 2j, -1, 0.5])
-    core("shifted", given, offset, w, np.array([spin, 0.0, 0.0, 0.0]), cubic)
-    plane = 1 + 1j + 2j * t - t * t / 2 + t**3 / 12
-    found = cubic[0] + t * (cubic[1] + t * (cubic[2] / 2 + t * cubic[3] / 6))
-    assert found == pytest.approx(plane + (1j * spin - (w + spin * t) ** 2) * offset, rel=1e-14)
+def test_an_offset_adds_the_acceleration_of_its_turning_and_all_derivatives(core):
+    """(i w' - w^2) e, with a speed that is a polynomial of time."""
+    offset, rates = 0.3 - 0.1j, [0.7, -0.4, 1.1, -0.9]
+    speed = Polynomial(np.array([2.0, *rates]) / [1, 1, 2, 6, 24])
+    whirl = 1j * speed.deriv() - speed**2
+    given = np.array([1 + 1j, 2j, -1, 0.5, 3j, -2])
+    expected = given + offset * np.array([whirl.deriv(k)(0.0) for k in range(6)])
+    assert core.shifted(given, offset, 2.0, rates) == pytest.approx(expected, rel=1e-14)
 
 
 def test_an_offset_track_leaves_its_centre_on_the_axis_of_rotation(track_of):

@@ -2,27 +2,19 @@
 #ifndef AUTOBALANCER_FAILURE_H
 #define AUTOBALANCER_FAILURE_H
 
-/* The comment of a code gives the Python exception it stands for and what `value`, `where` and
-   `name` hold. */
+/* The comment of a code gives the Python exception it stands for and what `value` and `where` hold. */
 enum {
     FINE = 0,
     /* ValueError of the parameters; `value[0]` is the value refused */
-    FAILURE_NOT_POSITIVE,      /* `name`: must be a positive finite number */
-    FAILURE_NEGATIVE,          /* `name`: must be a finite number, 0 or more */
-    FAILURE_NOT_FINITE,        /* `name`: must be a finite number */
-    FAILURE_COUNT,             /* count: must be at least 1 */
-    FAILURE_KAPPA,             /* kappa: must be a finite number, 1 or more */
     FAILURE_FLOAT_RADIUS,      /* float_radius; value[1]: chamber_radius */
     FAILURE_POLAR_INERTIA,     /* polar_inertia; value[1]: twice the inertia */
     FAILURE_STATIONS,          /* stations: at least two, each beyond the last */
-    FAILURE_STATION_MASS,      /* masses; where: number of the station, from 1 */
     FAILURE_SUPPORTS,          /* supports value[0], value[1]; where: number of stations */
     FAILURE_UNBALANCE_PLACE,   /* unbalances: position, not on the shaft */
     FAILURE_COMPLIANCE,        /* compliance: must be finite and symmetric */
     FAILURE_NOT_ELASTIC,       /* compliance: must be positive definite */
     FAILURE_CANNOT_BEND,       /* internal_damping of a shaft with discs at its supports only */
     FAILURE_NOT_CARRIED,       /* gravity: the supports have no stiffness */
-    FAILURE_ADDED_MASS,        /* added_mass: must be at least 0 kg */
     FAILURE_WEIGHT_RADIUS,     /* weight_radius; value[1]: track radius; value[2]: largest */
     FAILURE_RESTITUTION,       /* restitution: must be within 0 to 1 */
     FAILURE_MOBILITY,          /* track_mobility; value[1]: 1/(N m), which it must stay below */
@@ -36,7 +28,6 @@ enum {
     FAILURE_MATRICES,          /* the rotor's matrices are not finite */
     FAILURE_SINGULAR,          /* a matrix is singular */
     /* ArithmeticError of the rotor */
-    FAILURE_FAST_VIBRATION,    /* value: step, error; where: parts of the step */
     FAILURE_STRETCHES,         /* value: step, time reached; where: largest number */
     /* ArithmeticError of the weights */
     FAILURE_ANGLES,            /* the weights' angles are not finite */
@@ -53,17 +44,11 @@ enum {
 typedef struct {
     int code;
     int where;
-    const char *name;
     double value[4];
 } Failure;
 
 /* Write a failure and return its code, so that a caller can return what this returns. */
-int fail(Failure *failure, int code, const char *name, int where, double first, double second,
-         double third, double fourth);
-
-/* FINE, or what is wrong with a value that has to be so. */
-int demand_positive(const char *name, double value, Failure *failure);
-int demand_not_negative(const char *name, double value, Failure *failure);
-int demand_finite(const char *name, double value, Failure *failure);
+int fail(Failure *failure, int code, int where, double first, double second, double third,
+         double fourth);
 
 #endif

@@ -2,18 +2,12 @@
 
 #include "base/elementary.h"
 
-/* In braces: n the name, w where, l all values; 0 to 3 a value as Python's repr writes it, or
+/* In braces: w where, l all values; 0 to 3 a value as Python's repr writes it, or
    rounded to the digits behind the point. */
 static const char *const WORDS[FAILURE_CROSSINGS + 1] = {
-    [FAILURE_NOT_POSITIVE] = "{n} = {0}: must be a positive finite number",
-    [FAILURE_NEGATIVE] = "{n} = {0}: must be a finite number, 0 or more",
-    [FAILURE_NOT_FINITE] = "{n} = {0}: must be a finite number",
-    [FAILURE_COUNT] = "{n} = {0}: must be at least 1",
-    [FAILURE_KAPPA] = "{n} = {0}: must be a finite number, 1 or more",
     [FAILURE_FLOAT_RADIUS] = "float_radius = {0} m: must be smaller than chamber_radius = {1} m",
     [FAILURE_POLAR_INERTIA] = "polar_inertia = {0} kg m^2: must be 0 to 2 inertia = {1.6}",
     [FAILURE_STATIONS] = "stations = {l}: must be at least two, each beyond the last [m]",
-    [FAILURE_STATION_MASS] = "masses = {0} at station {w}: must be a positive finite number [kg]",
     [FAILURE_SUPPORTS] = "supports = [{0.12}, {1.12}]: must be two different stations, 1 to {w}",
     [FAILURE_UNBALANCE_PLACE] = "unbalances: position = {0} m: must be a disc's, one of {l}, or "
                                 "between them on a uniform shaft",
@@ -22,7 +16,6 @@ static const char *const WORDS[FAILURE_CROSSINGS + 1] = {
         "internal_damping: a shaft with discs at its supports only cannot bend",
     [FAILURE_NOT_CARRIED] =
         "gravity: supports without stiffness cannot carry the rotor's weight",
-    [FAILURE_ADDED_MASS] = "added_mass = {0} kg: must be a finite number, at least 0 kg",
     [FAILURE_WEIGHT_RADIUS] = "weight_radius = {0} m: {w} weights do not fit on a track of radius "
                               "{1} m, the largest that fit have {2.6} m",
     [FAILURE_RESTITUTION] = "restitution = {0}: must be within 0 to 1",
@@ -40,11 +33,9 @@ static const char *const WORDS[FAILURE_CROSSINGS + 1] = {
     [FAILURE_OVERLAP] = "weights overlap by {0.3} rad: neighbours need {1.6} rad",
     [FAILURE_MATRICES] = "the rotor's matrices are not finite",
     [FAILURE_SINGULAR] = "Singular matrix",
-    [FAILURE_FAST_VIBRATION] = "the rotor vibrates too fast for a step of {0.6} s at changing "
-                               "speed: {w} parts of it still err by {1.6} m; use smaller "
-                               "communication steps",
-    [FAILURE_STRETCHES] = "more than {w} stretches and events of the sliders in {0.6} s, {1.6} s "
-                          "reached: use smaller communication steps",
+    [FAILURE_STRETCHES] = "the rotor vibrates too fast, or its sliders change too often, for a step "
+                          "of {0.6} s: {1.6} s reached in {w} stretches; use smaller communication "
+                          "steps",
     [FAILURE_ANGLES] = "the weights' angles {l} are not finite",
     [FAILURE_SUBSTEPS] = "the weights would need {0.3} substeps in {1.6} s: acceleration {2.6} "
                          "m/s^2, rate {3.6} rad/s",
@@ -110,9 +101,6 @@ void failure_words(Text *text, const Failure *failure, const double *values, siz
             return;
         }
         switch (*++words) {
-        case 'n':
-            text_put(text, failure->name);
-            break;
         case 'w':
             text_integer(text, (unsigned long)failure->where);
             break;

@@ -232,7 +232,7 @@ void matrix_per_axis(int parts, int axes, int m, int n, const double *a, double 
     for (axis = 0; axis < axes; axis++) {
         for (i = 0; i < m; i++) {
             for (j = 0; j < n; j++) {
-                const size_t at = (size_t)(axis * m + i) * (axes * n) + (axis * n + j);
+                const size_t at = (size_t)(axes * i + axis) * (axes * n) + (axes * j + axis);
                 result[at * parts] = a[i * n + j];
             }
         }

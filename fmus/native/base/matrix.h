@@ -27,7 +27,7 @@ void matrix_product(int parts, int rows, int inner, int columns, const double *a
    Returns 0, or 1 when a is singular. */
 int matrix_solve(int parts, int n, int columns, double *a, double *b);
 
-/* result (axes m, axes n) = unit matrix of `axes` (1 or 2) kron a real matrix a (m, n); its
+/* result (axes m, axes n) = a real matrix a (m, n) kron the unit matrix of `axes` (1 or 2); its
    elements have `parts` parts. */
 void matrix_per_axis(int parts, int axes, int m, int n, const double *a, double *result);
 

@@ -21,7 +21,7 @@ static double next_share(const double *x, const double *f, double edge)
     return smaller(larger(share, edge), 1.0 - edge);
 }
 
-double crossing(TimeFunction value, void *context, double begin, double upper, double width)
+double find_crossing(TimeFunction value, void *context, double begin, double upper, double width)
 {
     double x[3] = {upper, 0.0, 0.0}, f[3] = {0.0, begin, 0.0}; /* the last two, one before */
     double share = 0.5;
@@ -63,7 +63,7 @@ double crossing(TimeFunction value, void *context, double begin, double upper, d
     return f[0] < 0.0 ? x[0] : x[1];
 }
 
-double lowest(double f0, double s0, double f1, double s1, double step)
+double find_lowest(double f0, double s0, double f1, double s1, double step)
 {
     double second, third, root, time, least;
     const double doubt = 0.1 * step * (absolute(s0) + absolute(s1)); /* it is no better than this */

@@ -3,57 +3,39 @@
 #include "base/cubic.h"
 #include "base/quintic.h"
 
-void signal_orders(const double *signal, Complex *cubic)
+void signal_at(const Complex *signal, int orders, double t, Complex *derivatives)
 {
-    int k;
-    for (k = 0; k < SIGNAL_ORDERS; k++) {
-        cubic[k] = complex_of(signal[2 * k], signal[2 * k + 1]);
-    }
-}
-
-void signal_quintic(const double *signal, Complex *quintic)
-{
-    int k;
-    for (k = 0; k < QUINTIC_ORDERS; k++) {
-        quintic[k] = complex_of(signal[2 * k], signal[2 * k + 1]);
-    }
-}
-
-void signal_at(const Complex *cubic, double t, Complex *value, Complex *slope)
-{
-    *value = cubic_value(cubic, t);
-    *slope = cubic_slope(cubic, t);
-}
-
-void signal_derivatives(const double *signal, int order, double t, Complex *derivatives)
-{
-    if (order == 5) {
-        Complex quintic[QUINTIC_ORDERS];
-        signal_quintic(signal, quintic);
-        quintic_at(quintic, t, derivatives);
+    if (orders == QUINTIC_ORDERS) {
+        quintic_at(signal, t, derivatives);
     } else {
-        Complex cubic[SIGNAL_ORDERS];
-        signal_orders(signal, cubic);
-        signal_at(cubic, t, derivatives, derivatives + 1);
+        derivatives[0] = cubic_value(signal, t);
+        derivatives[1] = cubic_slope(signal, t);
     }
 }
 
-void signal_hermite(Complex start, Complex start_slope, Complex end, Complex end_slope,
-                    double step, Complex *cubic)
+void signal_hermite(const Complex *start, const Complex *end, int orders, double step,
+                    Complex *signal)
 {
-    cubic[0] = start;
-    cubic[1] = start_slope;
-    hermite(start.re, start_slope.re, end.re, end_slope.re, step, &cubic[2].re, &cubic[3].re);
-    hermite(start.im, start_slope.im, end.im, end_slope.im, step, &cubic[2].im, &cubic[3].im);
-}
-
-void signal_quintic_hermite(const Complex *start, const Complex *end, double step,
-                            Complex *quintic)
-{
+    const int half = orders / 2;
+    Complex *higher = signal + half;
     int k;
-    for (k = 0; k < 3; k++) {
-        quintic[k] = start[k];
+    if (orders == QUINTIC_ORDERS) {
+        quintic_hermite(&start->re, &end->re, 2, step, &higher->re);
+        quintic_hermite(&start->im, &end->im, 2, step, &higher->im);
+    } else {
+        hermite(start[0].re, start[1].re, end[0].re, end[1].re, step, &higher[0].re, &higher[1].re);
+        hermite(start[0].im, start[1].im, end[0].im, end[1].im, step, &higher[0].im, &higher[1].im);
     }
-    quintic_hermite(&start->re, &end->re, 2, step, &quintic[3].re);
-    quintic_hermite(&start->im, &end->im, 2, step, &quintic[3].im);
+    for (k = 0; k < half; k++) {
+        signal[k] = start[k];
+    }
+}
+
+void hermite_rates(const double *start, const double *end, int orders, double step, double *higher)
+{
+    if (orders == QUINTIC_ORDERS) {
+        quintic_hermite(start, end, 1, step, higher);
+    } else {
+        hermite(start[0], start[1], end[0], end[1], step, higher, higher + 1);
+    }
 }

@@ -1,33 +1,39 @@
-/* What a changing angular acceleration adds to what a constant one would have led to. */
+/* How the rotor turns within a step. */
 #ifndef AUTOBALANCER_SPIN_H
 #define AUTOBALANCER_SPIN_H
 
-/* Of the rotor: angle, speed and acceleration, and the slope of the acceleration itself. */
+/* Angle and speed of the rotor, its angular acceleration and the derivatives of that of order 1 to 3. */
 typedef struct {
-    double angle, speed, acceleration, slope;
-} Drift;
+    double angle, speed, rates[4];
+} Spin;
 
-/* Whether the angular acceleration changes within the step. */
-static inline int drifts(const double *spin_up)
+/* Whether the angular acceleration changes within the step; rates (4,) as of `Spin`. */
+static inline int drifts(const double *rates)
 {
-    return spin_up[1] != 0.0 || spin_up[2] != 0.0 || spin_up[3] != 0.0;
+    return rates[1] != 0.0 || rates[2] != 0.0 || rates[3] != 0.0;
 }
 
-/* The drift `time` after the start of a step; spin_up (4,): angular acceleration there and its
-   derivatives of order 1 to 3. */
-static inline Drift drift(const double *spin_up, double time)
+static inline Spin spin_of(double angle, double speed, const double *rates)
 {
-    const double first = spin_up[1], second = spin_up[2], third = spin_up[3];
-    Drift found = {0.0, 0.0, 0.0, 0.0};
-    if (!drifts(spin_up)) {
-        return found;
-    }
-    found.angle = time * time * time *
-                  (first / 6.0 + time * (second / 24.0 + time * third / 120.0));
-    found.speed = time * time * (first / 2.0 + time * (second / 6.0 + time * third / 24.0));
-    found.acceleration = time * (first + time * (second / 2.0 + time * third / 6.0));
-    found.slope = first + time * (second + time * third / 2.0);
-    return found;
+    Spin spin = {angle, speed, {rates[0], rates[1], rates[2], rates[3]}};
+    return spin;
+}
+
+/* The same `time` later, or before where it is negative [s]. */
+static inline Spin spin_after(const Spin *start, double time)
+{
+    const double *rates = start->rates;
+    const double w1 = rates[0], w2 = rates[1], w3 = rates[2], w4 = rates[3], t = time;
+    Spin end;
+    end.angle = start->angle +
+                t * (start->speed +
+                     t * (w1 / 2.0 + t * (w2 / 6.0 + t * (w3 / 24.0 + t * w4 / 120.0))));
+    end.speed = start->speed + t * (w1 + t * (w2 / 2.0 + t * (w3 / 6.0 + t * w4 / 24.0)));
+    end.rates[0] = w1 + t * (w2 + t * (w3 / 2.0 + t * w4 / 6.0));
+    end.rates[1] = w2 + t * (w3 + t * w4 / 2.0);
+    end.rates[2] = w3 + t * w4;
+    end.rates[3] = w4;
+    return end;
 }
 
 #endif

@@ -12,28 +12,13 @@ double group_factor(int count, double alpha)
     return sine(count * alpha) / (count * sine(alpha));
 }
 
-void pressure_factors(int count, double alpha, Complex *factors)
-{
-    Complex total = {0.0, 0.0}, mean = total;
-    int k;
-    for (k = 0; k < count; k++) {
-        mean = complex_sum(mean, rect(1.0, -(2 * k - count + 1) * alpha));
-    }
-    mean = complex_of(mean.re / count, mean.im / count);
-    for (k = 0; k < count - 1; k++) {
-        const Complex unit = rect(1.0, -(2 * k - count + 1) * alpha);
-        total = complex_sum(total, complex_difference(unit, mean));
-        factors[k] = total;
-    }
-}
-
 /* Least of (y - g)^2/2 + f |y|. */
 static double shrunk(double drive, double limit)
 {
     return larger(drive - limit, 0.0) + smaller(drive + limit, 0.0);
 }
 
-void pool(Pools *pools, const double *drives, const double *limits, const double *masses,
+void pool_violators(Pools *pools, const double *drives, const double *limits, const double *masses,
           int length, double slack)
 {
     int count = 0, k;
@@ -61,7 +46,7 @@ void pool(Pools *pools, const double *drives, const double *limits, const double
     pools->count = count;
 }
 
-void expand(const Pools *pools, double *values)
+void expand_pools(const Pools *pools, double *values)
 {
     int i, k;
     for (i = 0; i < pools->count; i++) {

@@ -16,19 +16,15 @@ typedef struct {
 /* sin(n alpha)/(n sin alpha): mean drive of a packed group in units of one weight's. */
 double group_factor(int count, double alpha);
 
-/* Factors q_1..q_{n-1} of a packed group about its middle angle t: the contact after weight j
-   carries Im(G a e^{-i t} q_j) kappa m R [N] of pressure. */
-void pressure_factors(int count, double alpha, Complex *factors);
-
 /* Set `pools` to the accelerations of a chain of touching weights: Gauss's principle.
 
    drives: (length,) free accelerations along increasing angle; limits: (length,) resistance of
    weights at rest, or NULL; both times the masses (length,), NULL: 1; slack: tension that is taken
    for rounding. */
-void pool(Pools *pools, const double *drives, const double *limits, const double *masses,
+void pool_violators(Pools *pools, const double *drives, const double *limits, const double *masses,
           int length, double slack);
 
 /* Give every weight of a chain the value of its pool. */
-void expand(const Pools *pools, double *values);
+void expand_pools(const Pools *pools, double *values);
 
 #endif

@@ -8,12 +8,10 @@
 #define DIP 1e-12      /* rad: more than rounding */
 
 /* Rounding of drives; never less than what find_groups leaves together. */
-static double slack_of(const WeightsInOrder *weights, int i, const Instant *now,
-                       double angular_acceleration)
+static double slack_of(const WeightsInOrder *weights, int i, const Instant *now)
 {
-    const Complex drive = complex_scaled(weights->track->lever, now->acceleration);
-    return PULL * weights->groups.runs.size[i] *
-           (magnitude(drive) + absolute(angular_acceleration));
+    const Complex drive = complex_scaled(weights->track->lever, now->motion[0]);
+    return PULL * weights->groups.runs.size[i] * (magnitude(drive) + absolute(now->spin.rates[0]));
 }
 
 /* Least of the sums of `count` values one after the other, and after which of them. */
@@ -32,49 +30,25 @@ static double least_sum(int count, const double *values, int *where)
     return least;
 }
 
-/* Least pressure in a group all of whose weights press on the same wall. */
-static double common_pressure(WeightsInOrder *weights, int i, double middle, Complex acceleration,
-                              int *where)
-{
-    const Track *track = weights->track;
-    const int size = weights->groups.runs.size[i];
-    const Complex lever = {track->lever, weights->groups.sign[i] * track->grip};
-    const Complex pull = complex_product(complex_product(lever, acceleration), rect(1.0, -middle));
-    double least = infinity();
-    int j;
-    if (weights->factor_count != size) {
-        pressure_factors(size, track->alpha, weights->factors);
-        weights->factor_count = size;
-    }
-    *where = 0;
-    for (j = 0; j < size - 1; j++) {
-        const double pressure = complex_product(pull, weights->factors[j]).im;
-        if (pressure < least) {
-            least = pressure;
-            *where = j;
-        }
-    }
-    return least;
-}
-
 /* Set `drives` to what pulls a group's weights apart: their mass times what they would be accelerated by
    beyond the group's mean. */
 static void fill_relative_drives(WeightsInOrder *weights, int i, double middle, double angle_rate,
-                                 double centrifugal, Complex acceleration, double spin_up)
+                                 const Instant *now)
 {
     const Track *track = weights->track;
     const Groups *groups = &weights->groups;
     const int first = groups->runs.first[i], size = groups->runs.size[i];
-    const double grip = groups->sign[i] * track->grip;
+    const double grip = groups->sign[i] * track->grip, turning = now->spin.speed + angle_rate;
+    const double centrifugal = track->weights.track_radius * (turning * turning);
     double mean = 0.0;
     int k;
     for (k = 0; k < size; k++) {
         const int j = (first + k) % weights->count;
         const double angle = -middle - weights->offset[first + k];
-        const Complex z = complex_product(acceleration, rect(1.0, angle));
+        const Complex z = complex_product(now->motion[0], rect(1.0, angle));
         weights->drives[k] = track->lever * z.im - grip * absolute(centrifugal - z.re) -
                              (weights->damping_rate[j] - groups->damping_rate[i]) * angle_rate -
-                             (weights->spin_share[j] - groups->spin_share[i]) * spin_up;
+                             (weights->spin_share[j] - groups->spin_share[i]) * now->spin.rates[0];
         mean += weights->mass[j] * weights->drives[k];
     }
     mean /= groups->mass[i];
@@ -89,37 +63,25 @@ static double pressure_of(const EventFunctions *functions, int i, double middle,
 {
     WeightsInOrder *weights = functions->weights;
     const Groups *groups = &weights->groups;
-    const int size = groups->runs.size[i];
-    const double turning = now->rotor_speed + angle_rate;
-    const double centrifugal = weights->track->weights.track_radius * (turning * turning);
-    double least;
     *where = 0;
     if (groups->resting[i]) {
         return 1.0;
     }
-    if (!weights->track->weights.each &&
-        (groups->sign[i] == 0.0 || magnitude(now->acceleration) < centrifugal)) {
-        least = common_pressure(weights, i, middle, now->acceleration, where);
-    } else {
-        fill_relative_drives(weights, i, middle, angle_rate, centrifugal, now->acceleration,
-                             functions->motion->angular_acceleration);
-        least = least_sum(size - 1, weights->drives, where);
-    }
-    return least + slack_of(weights, i, now, functions->motion->angular_acceleration);
+    fill_relative_drives(weights, i, middle, angle_rate, now);
+    return least_sum(groups->runs.size[i] - 1, weights->drives, where) + slack_of(weights, i, now);
 }
 
 /* What resistance has left to hold a resting group or a part of it; negative: it moves.
 
    A part moves when it can push all that is before it, so the ends of the group decide. */
-static double hold_of(WeightsInOrder *weights, int i, const Instant *now,
-                      double angular_acceleration)
+static double hold_of(WeightsInOrder *weights, int i, const Instant *now)
 {
     const double *drives = weights->drives, *limits = weights->limits;
     const int size = weights->groups.runs.size[i];
-    const double slack = slack_of(weights, i, now, angular_acceleration);
+    const double slack = slack_of(weights, i, now);
     double least = infinity(), forward = 0.0, backward = 0.0, drive = 0.0, limit = 0.0;
     int k;
-    fill_drives(weights, weights->groups.runs.first[i], size, now, angular_acceleration);
+    fill_drives(weights, weights->groups.runs.first[i], size, now);
     for (k = 0; k < size; k++) {
         limit += limits[k];
         drive += drives[k];
@@ -130,11 +92,10 @@ static double hold_of(WeightsInOrder *weights, int i, const Instant *now,
     return (weights->track->full ? limit - absolute(drive) : least) + slack;
 }
 
-static void state_after(const EventFunctions *functions, int i, const Instant *later, double time,
-                  double *middle, double *rate)
+static void find_state(const EventFunctions *functions, int i, const Instant *later, double time,
+                       double *middle, double *rate)
 {
-    group_moved(functions->weights, i, &functions->now, later, functions->motion->angular_acceleration,
-          time, middle, rate);
+    move_group(functions->weights, i, &functions->now, later, time, middle, rate);
 }
 
 double event_value(const EventFunction *event, double time)
@@ -142,20 +103,20 @@ double event_value(const EventFunction *event, double time)
     const EventFunctions *functions = event->functions;
     WeightsInOrder *weights = functions->weights;
     const Groups *groups = &weights->groups;
-    const Instant later = instant(functions->motion, functions->begin + time);
+    const Instant later = find_instant(functions->motion, functions->begin + time);
     const int i = event->group, j = (i + 1) % groups->runs.count;
     double middle, rate, following, following_rate, value;
     int where;
     if (event->kind == BREAKS_AWAY) {
-        return hold_of(weights, i, &later, functions->motion->angular_acceleration);
+        return hold_of(weights, i, &later);
     }
-    state_after(functions, i, &later, time, &middle, &rate);
+    find_state(functions, i, &later, time, &middle, &rate);
     if (event->kind == COMES_TO_REST) {
         value = groups->sign[i] * rate;
     } else if (event->kind == PULLED_OPEN) {
         value = pressure_of(functions, i, middle, rate, &later, &where);
     } else {
-        state_after(functions, j, &later, time, &following, &following_rate);
+        find_state(functions, j, &later, time, &following, &following_rate);
         value = event->start + (following - middle - (groups->middle[j] - groups->middle[i]));
     }
     return weights->failure->code ? not_a_number() : value;
@@ -188,7 +149,7 @@ static int gap_closes(EventFunction *event, double length)
         return 1;
     }
     return opening < 0.0 && 0.0 < final_opening &&
-           dips(event, lowest(event->start, opening, final, final_opening, length));
+           dips(event, find_lowest(event->start, opening, final, final_opening, length));
 }
 
 static int pulled_open(EventFunction *event, const Instant *later)
@@ -213,31 +174,28 @@ static int comes_to_rest(EventFunction *event, const Instant *later, double leng
     const EventFunctions *functions = event->functions;
     WeightsInOrder *weights = functions->weights;
     const Groups *groups = &weights->groups;
-    const double acceleration = functions->motion->angular_acceleration;
     const int i = event->group;
     const double sign = groups->sign[i], rate = groups->angle_rate[i];
     const double end_rate = groups->end_rate[i];
-    double start, final, unused;
+    double start[2], final[2];
     event->start = sign * rate;
     if (sign * end_rate < 0.0) {
         return 1;
     }
-    group_acceleration(weights, i, groups->middle[i], rate, &functions->now, acceleration, &start,
-                       &unused);
-    group_acceleration(weights, i, groups->end_middle[i], end_rate, later, acceleration, &final,
-                       &unused);
-    return sign * start < 0.0 && 0.0 < sign * final &&
-           dips(event, lowest(sign * rate, sign * start, sign * end_rate, sign * final, length));
+    find_group_acceleration(weights, i, groups->middle[i], rate, &functions->now, start);
+    find_group_acceleration(weights, i, groups->end_middle[i], end_rate, later, final);
+    return sign * start[0] < 0.0 && 0.0 < sign * final[0] &&
+           dips(event, find_lowest(sign * rate, sign * start[0], sign * end_rate, sign * final[0],
+                                   length));
 }
 
 static int breaks_away(EventFunction *event, const Instant *later)
 {
     const EventFunctions *functions = event->functions;
-    const double acceleration = functions->motion->angular_acceleration;
-    if (!(hold_of(functions->weights, event->group, later, acceleration) < 0.0)) {
+    if (!(hold_of(functions->weights, event->group, later) < 0.0)) {
         return 0;
     }
-    event->start = hold_of(functions->weights, event->group, &functions->now, acceleration);
+    event->start = hold_of(functions->weights, event->group, &functions->now);
     return 1;
 }
 

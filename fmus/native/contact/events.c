@@ -32,11 +32,11 @@ static int substeps_of(const EventStepper *stepper, double left, double step)
     double strongest;
     const double fastest =
         fastest_rate(weights->count, weights->angle_rate, motion->signal, track->lever,
-                     track->spin_share * motion->angular_acceleration, track->damping_rate, step,
+                     track->spin_share * motion->spin.rates[0], track->damping_rate, step,
                      &strongest);
     const double turns = left * fastest / TURN_PER_SUBSTEP;
     if (!(turns < MOST_SUBSTEPS)) {
-        fail(weights->failure, FAILURE_SUBSTEPS, "weights", 0, turns, left, strongest,
+        fail(weights->failure, FAILURE_SUBSTEPS, 0, turns, left, strongest,
              largest_of(weights->count, weights->angle_rate));
         return 0;
     }
@@ -49,21 +49,20 @@ static void move_groups(const EventFunctions *functions, const Instant *later, d
     Groups *groups = &functions->weights->groups;
     int i;
     for (i = 0; i < groups->runs.count; i++) {
-        group_moved(functions->weights, i, &functions->now, later,
-              functions->motion->angular_acceleration, length, &groups->end_middle[i],
-              &groups->end_rate[i]);
+        move_group(functions->weights, i, &functions->now, later, length, &groups->end_middle[i],
+                   &groups->end_rate[i]);
     }
 }
 
-static double value_of_candidate(void *event, double time)
+static double candidate_value(void *event, double time)
 {
     return event_value(event, time);
 }
 
 /* Time of the first event of those that show at the ends of a stretch, to `width`; `event->kind` is
    -1 when there is none. */
-static double earliest(EventFunctions *functions, const Instant *later, double length, double width,
-                       EventFunction *event)
+static double find_candidate(EventFunctions *functions, const Instant *later, double length,
+                             double width, EventFunction *event)
 {
     const WeightsInOrder *weights = functions->weights;
     double first = length;
@@ -80,25 +79,24 @@ static double earliest(EventFunctions *functions, const Instant *later, double l
                 event_value(&candidate, first) >= 0.0) {
                 continue;
             }
-            first = crossing(value_of_candidate, &candidate, candidate.start, smaller(candidate.upper, first),
-                             width);
+            first = find_crossing(candidate_value, &candidate, candidate.start,
+                                  smaller(candidate.upper, first), width);
             *event = candidate;
         }
     }
     return first;
 }
 
-static void settle_now(EventStepper *stepper, int closed)
+static void collide_at_time(EventStepper *stepper, int closed)
 {
-    const CentreMotion *motion = stepper->motion;
-    const Instant now = instant(motion, stepper->time);
-    const Complex blow = settle(stepper->weights, &now, motion->angular_acceleration, closed);
-    const Complex turn = rect(1.0, rotor_turned(motion, stepper->time));
+    const Instant now = find_instant(stepper->motion, stepper->time);
+    const Complex blow = collide_weights(stepper->weights, &now, closed);
+    const Complex turn = rect(1.0, now.spin.angle);
     stepper->impulse = complex_sum(stepper->impulse, complex_product(blow, turn));
 }
 
 /* Change what an event changes; breaking away changes nothing but the groups. */
-static void happen(EventStepper *stepper, const EventFunction *event)
+static void apply_event(EventStepper *stepper, const EventFunction *event)
 {
     WeightsInOrder *weights = stepper->weights;
     const Runs *groups = &weights->groups.runs;
@@ -107,7 +105,7 @@ static void happen(EventStepper *stepper, const EventFunction *event)
         if (stepper->stops & STOPS_AT_IMPACTS) {
             return; /* the rotor takes part, and the host lets both collide */
         }
-        settle_now(stepper, event->where);
+        collide_at_time(stepper, event->where);
     } else if (event->kind == PULLED_OPEN) {
         weights->joined[event->where] = 0;
     } else if (event->kind == COMES_TO_REST) {
@@ -119,13 +117,13 @@ static void happen(EventStepper *stepper, const EventFunction *event)
 }
 
 /* Move to the first event before `until`, or there; returns the kind of event, or -1. */
-static int part(EventStepper *stepper, double until)
+static int advance_substep(EventStepper *stepper, double until)
 {
     WeightsInOrder *weights = stepper->weights;
     const CentreMotion *motion = stepper->motion;
     const double begin = stepper->time, length = until - begin, width = LOCATED * length;
     const Groups *groups = &weights->groups;
-    Instant later = instant(motion, until);
+    Instant later = find_instant(motion, until);
     EventFunctions functions;
     EventFunction event, other;
     double first;
@@ -133,16 +131,16 @@ static int part(EventStepper *stepper, double until)
     functions.weights = weights;
     functions.motion = motion;
     functions.begin = begin;
-    functions.now = instant(motion, begin);
-    find_groups(weights, &functions.now, motion->angular_acceleration);
+    functions.now = find_instant(motion, begin);
+    find_groups(weights, &functions.now);
     move_groups(&functions, &later, length);
-    first = earliest(&functions, &later, length, width, &event);
+    first = find_candidate(&functions, &later, length, width, &event);
     while (event.kind >= 0 && !weights->failure->code) {
         double sooner;
-        later = instant(motion, begin + first);
+        later = find_instant(motion, begin + first);
         move_groups(&functions, &later, first);
         /* what came and went within the longer stretch may show only in the shorter one */
-        sooner = earliest(&functions, &later, first, width, &other);
+        sooner = find_candidate(&functions, &later, first, width, &other);
         if (other.kind < 0 || sooner >= first - width) {
             break;
         }
@@ -161,12 +159,12 @@ static int part(EventStepper *stepper, double until)
     stepper->time = event.kind < 0 ? until : begin + first;
     if (event.kind >= 0) {
         stepper->events++;
-        happen(stepper, &event);
+        apply_event(stepper, &event);
     }
     return event.kind;
 }
 
-int run(EventStepper *stepper, double step)
+int advance_events(EventStepper *stepper, double step)
 {
     const Failure *failure = stepper->weights->failure;
     int k;
@@ -174,13 +172,13 @@ int run(EventStepper *stepper, double step)
         if (stepper->stops & STOPS_AT_IMPACTS) {
             return failure->code;
         }
-        settle_now(stepper, -1);
+        collide_at_time(stepper, -1);
     }
     for (k = 0; k < MOST_SUBSTEPS && !failure->code; k++) {
         const double left = step - stepper->time;
         const int count = substeps_of(stepper, left, step);
         if (count) {
-            const int kind = part(stepper, count == 1 ? step : stepper->time + left / count);
+            const int kind = advance_substep(stepper, count == 1 ? step : stepper->time + left / count);
             const int stopped = (stepper->stops & STOPS_AT_EVENTS && kind >= 0) ||
                                 (stepper->stops & STOPS_AT_IMPACTS && kind == GAP_CLOSES);
             if (failure->code || stepper->time >= step || stopped) {
@@ -191,6 +189,6 @@ int run(EventStepper *stepper, double step)
     if (failure->code) {
         return failure->code;
     }
-    return fail(stepper->weights->failure, FAILURE_EVENTS, "weights", MOST_SUBSTEPS, step,
+    return fail(stepper->weights->failure, FAILURE_EVENTS, MOST_SUBSTEPS, step,
                 stepper->time, 0.0, 0.0);
 }

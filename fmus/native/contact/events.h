@@ -21,6 +21,6 @@ typedef struct {
 EventStepper event_stepper(WeightsInOrder *weights, const CentreMotion *motion, int stops);
 
 /* Move to the end of the step, or to an event that stops it; 0, or the code of what went wrong. */
-int run(EventStepper *stepper, double step);
+int advance_events(EventStepper *stepper, double step);
 
 #endif

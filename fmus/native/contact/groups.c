@@ -4,16 +4,15 @@
 
 #define INSTANT 1e-90 /* s: nothing moves, and cubes of shorter times are not told from 0 */
 
-void fill_drives(WeightsInOrder *weights, int first, int size, const Instant *now,
-                 double angular_acceleration)
+void fill_drives(WeightsInOrder *weights, int first, int size, const Instant *now)
 {
     const Track *track = weights->track;
     int j;
     for (j = 0; j < size; j++) {
         const int k = (first + j) % weights->count;
-        const Complex z = complex_product(now->acceleration, rect(1.0, -weights->angle[k]));
-        const double rate = weights->angle_rate[k], turning = now->rotor_speed + rate;
-        double g = track->lever * z.im - weights->spin_share[k] * angular_acceleration -
+        const Complex z = complex_product(now->motion[0], rect(1.0, -weights->angle[k]));
+        const double rate = weights->angle_rate[k], turning = now->spin.speed + rate;
+        double g = track->lever * z.im - weights->spin_share[k] * now->spin.rates[0] -
                    weights->damping_rate[k] * rate;
         double f = 0.0;
         if (track->grip != 0.0) {
@@ -75,12 +74,12 @@ static void append_group(WeightsInOrder *weights, int first, int size, double an
 
 /* Split a chain of touching weights into the groups in which it moves. */
 static void append_groups(WeightsInOrder *weights, int first, int size, const Instant *now,
-                          double angular_acceleration, double slack)
+                          double slack)
 {
     const Track *track = weights->track;
     Pools *pools = &weights->pools;
     int length = size, j;
-    fill_drives(weights, first, size, now, angular_acceleration);
+    fill_drives(weights, first, size, now);
     if (track->full) { /* a closed ring cannot open */
         for (j = 1; j < size; j++) {
             weights->drives[0] += weights->drives[j];
@@ -88,7 +87,7 @@ static void append_groups(WeightsInOrder *weights, int first, int size, const In
         }
         length = 1;
     }
-    pool(pools, weights->drives, weights->limits, weights->mass + first, length, slack);
+    pool_violators(pools, weights->drives, weights->limits, weights->mass + first, length, slack);
     for (j = 0; j < pools->count; j++) {
         const int begin = pools->first[j];
         if (begin) {
@@ -99,12 +98,12 @@ static void append_groups(WeightsInOrder *weights, int first, int size, const In
     }
 }
 
-void find_groups(WeightsInOrder *weights, const Instant *now, double angular_acceleration)
+void find_groups(WeightsInOrder *weights, const Instant *now)
 {
     const Track *track = weights->track;
     const Runs *chains = &weights->chains;
-    const double slack = PULL * (magnitude(complex_scaled(track->lever, now->acceleration)) +
-                                 absolute(angular_acceleration));
+    const double slack = PULL * (magnitude(complex_scaled(track->lever, now->motion[0])) +
+                                 absolute(now->spin.rates[0]));
     int i;
     weights->groups.runs.count = 0;
     find_chains(weights);
@@ -112,8 +111,7 @@ void find_groups(WeightsInOrder *weights, const Instant *now, double angular_acc
         if (chains->size[i] == 1 && track->grip == 0.0) {
             append_group(weights, chains->first[i], 1, 0.0);
         } else {
-            append_groups(weights, chains->first[i], chains->size[i], now, angular_acceleration,
-                          slack);
+            append_groups(weights, chains->first[i], chains->size[i], now, slack);
         }
     }
 }
@@ -141,13 +139,20 @@ static double group_lever(const WeightsInOrder *weights, int i)
     return weights->track->lever * weights->groups.factor[i];
 }
 
-void group_moved(WeightsInOrder *weights, int i, const Instant *now, const Instant *later,
-           double angular_acceleration, double step, double *middle, double *rate)
+/* What drives group i, which does not slide. */
+static Driven group_driven(const WeightsInOrder *weights, int i, const Instant *now)
+{
+    const Driven driven = {{now->motion[0], now->motion[1], {0.0, 0.0}},
+                           {weights->groups.spin_share[i] * now->spin.rates[0], 0.0, 0.0}};
+    return driven;
+}
+
+void move_group(WeightsInOrder *weights, int i, const Instant *now, const Instant *later,
+                double step, double *middle, double *rate)
 {
     const Groups *groups = &weights->groups;
-    const double lag[4] = {groups->spin_share[i] * angular_acceleration, 0.0, 0.0, 0.0};
+    const double damping_rate = groups->damping_rate[i];
     const double *response;
-    Complex ends[4];
     *middle = groups->middle[i];
     *rate = groups->angle_rate[i];
     if (groups->resting[i]) {
@@ -157,44 +162,37 @@ void group_moved(WeightsInOrder *weights, int i, const Instant *now, const Insta
     if (step < INSTANT) {
         return;
     }
-    ends[0] = now->acceleration;
-    ends[1] = now->slope;
-    ends[2] = later->acceleration;
-    ends[3] = later->slope;
-    response = quadrature(&weights->quadrature, groups->damping_rate[i], step);
+    response = quadrature(&weights->quadrature, SIGNAL_ORDERS, damping_rate, step);
     if (groups->sign[i] != 0.0) {
         const SlidingGroup group = sliding_group(weights, i);
-        sliding_substep(&group, middle, rate, ends, now->rotor_speed, angular_acceleration,
-                        response, step, weights->sides, weights->failure);
+        sliding_substep(&group, middle, rate, now, later, response, step, weights->sides,
+                        weights->failure);
     } else {
-        weights_substep(middle, rate, ends, group_lever(weights, i), rect(1.0, *middle), lag,
-                        response, step, weights->failure);
+        const Driven start = group_driven(weights, i, now), end = group_driven(weights, i, later);
+        weights_substep(middle, rate, &start, &end, SIGNAL_ORDERS, group_lever(weights, i),
+                        rect(1.0, *middle), damping_rate, response, step, weights->failure);
     }
 }
 
-void group_acceleration(WeightsInOrder *weights, int i, double middle, double angle_rate,
-                        const Instant *now, double angular_acceleration, double *acceleration,
-                        double *slope)
+void find_group_acceleration(WeightsInOrder *weights, int i, double middle, double angle_rate,
+                             const Instant *now, double *accelerations)
 {
     const double damping_rate = weights->groups.damping_rate[i];
-    double drive, drive_slope;
+    double drive[2];
     if (weights->groups.resting[i]) {
-        *acceleration = *slope = 0.0;
+        accelerations[0] = accelerations[1] = 0.0;
         return;
     }
     if (weights->groups.sign[i] != 0.0) {
         const SlidingGroup group = sliding_group(weights, i);
-        const int side_count = find_sides(&group, now->acceleration, middle, angle_rate,
-                                          now->rotor_speed, weights->sides);
-        sliding_drive(&group, now->acceleration, now->slope, middle, angle_rate, now->rotor_speed,
-                      angular_acceleration, weights->sides, side_count, &drive, &drive_slope);
+        const int side_count = find_sides(&group, now, middle, angle_rate, weights->sides);
+        find_sliding_drive(&group, now, middle, angle_rate, weights->sides, side_count, drive);
     } else {
-        along_track(now->acceleration, now->slope, middle, angle_rate, group_lever(weights, i),
-                    &drive, &drive_slope);
-        drive -= weights->groups.spin_share[i] * angular_acceleration;
+        const Driven by = group_driven(weights, i, now);
+        find_drive(&by, 2, rect(group_lever(weights, i), -middle), angle_rate, damping_rate, drive);
     }
-    *acceleration = drive - damping_rate * angle_rate;
-    *slope = drive_slope - damping_rate * *acceleration;
+    accelerations[0] = drive[0] - damping_rate * angle_rate;
+    accelerations[1] = drive[1] - damping_rate * accelerations[0];
 }
 
 /* How many times theta'' of group i counts in `weights_unhindered`. */
@@ -211,50 +209,33 @@ static double group_arm(const WeightsInOrder *weights, int i)
     return all->each ? sum : size;
 }
 
-void ring_turning(WeightsInOrder *weights, const Instant *now, double angular_acceleration,
-                  double *turned)
+void ring_turning(WeightsInOrder *weights, const Instant *now, double *turned)
 {
     const Groups *groups = &weights->groups;
     int i;
     turned[0] = turned[1] = 0.0;
-    find_groups(weights, now, angular_acceleration);
+    find_groups(weights, now);
     for (i = 0; i < groups->runs.count; i++) {
-        double acceleration, slope;
-        group_acceleration(weights, i, groups->middle[i], groups->angle_rate[i], now,
-                           angular_acceleration, &acceleration, &slope);
-        turned[0] += group_arm(weights, i) * acceleration;
-        turned[1] += group_arm(weights, i) * slope;
+        double accelerations[2];
+        find_group_acceleration(weights, i, groups->middle[i], groups->angle_rate[i], now,
+                                accelerations);
+        turned[0] += group_arm(weights, i) * accelerations[0];
+        turned[1] += group_arm(weights, i) * accelerations[1];
     }
 }
 
-void ring_reaction(WeightsInOrder *weights, const Instant *now, double angular_acceleration,
-                   Complex *force, Complex *force_slope)
+void ring_reaction(WeightsInOrder *weights, const Instant *now, Complex *force)
 {
     const Groups *groups = &weights->groups;
-    const double speed = now->rotor_speed;
-    const double scale = -weights->track->moment;
-    const Complex turn = {0.0, 2.0 * speed}, pull = {-speed * speed, angular_acceleration};
-    const Complex pull_slope = {pull.re, 3.0 * angular_acceleration};
-    Complex moment = {0.0, 0.0}, first = moment, second = moment, third = moment, sum;
+    Complex sums[4] = {{0.0, 0.0}, {0.0, 0.0}, {0.0, 0.0}, {0.0, 0.0}};
     int i;
-    find_groups(weights, now, angular_acceleration);
+    find_groups(weights, now);
     for (i = 0; i < groups->runs.count; i++) {
-        const double nu = groups->angle_rate[i];
         const Complex unit = rect(groups->mass[i] * groups->factor[i], groups->middle[i]);
-        double theta_2, theta_3;
-        group_acceleration(weights, i, groups->middle[i], nu, now, angular_acceleration, &theta_2,
-                           &theta_3);
-        moment = complex_sum(moment, unit);
-        first = complex_sum(first, complex_product(complex_of(0.0, nu), unit));
-        second = complex_sum(second, complex_product(complex_of(-nu * nu, theta_2), unit));
-        third = complex_sum(
-            third, complex_product(complex_of(-3.0 * nu * theta_2, theta_3 - nu * nu * nu), unit));
+        double rates[3];
+        rates[0] = groups->angle_rate[i];
+        find_group_acceleration(weights, i, groups->middle[i], rates[0], now, rates + 1);
+        add_derivatives(unit, rates, 4, sums);
     }
-    sum = complex_sum(second, complex_product(turn, first));
-    sum = complex_sum(sum, complex_product(pull, moment));
-    *force = complex_scaled(scale, sum);
-    sum = complex_sum(third, complex_product(turn, second));
-    sum = complex_sum(sum, complex_product(pull_slope, first));
-    sum = complex_difference(sum, complex_scaled(2.0 * speed * angular_acceleration, moment));
-    *force_slope = complex_scaled(scale, sum);
+    find_force(weights->track->moment, sums, &now->spin, 2, force);
 }

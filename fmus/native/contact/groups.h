@@ -19,30 +19,26 @@
 #define PULL 1e-12 /* of the largest drive: tension that is rounding */
 
 /* Set `drives` and `limits`: m g of a run of weights, m f of those at rest. */
-void fill_drives(WeightsInOrder *weights, int first, int size, const Instant *now,
-                 double angular_acceleration);
+void fill_drives(WeightsInOrder *weights, int first, int size, const Instant *now);
 
 /* Set `groups`: who moves together now; contacts that are pulled open are dropped. */
-void find_groups(WeightsInOrder *weights, const Instant *now, double angular_acceleration);
+void find_groups(WeightsInOrder *weights, const Instant *now);
 
 /* Group i as one that slides. */
 SlidingGroup sliding_group(const WeightsInOrder *weights, int i);
 
 /* Middle and rate of group i after `step`; on failure the weights' failure is set. */
-void group_moved(WeightsInOrder *weights, int i, const Instant *now, const Instant *later,
-           double angular_acceleration, double step, double *middle, double *rate);
+void move_group(WeightsInOrder *weights, int i, const Instant *now, const Instant *later,
+                double step, double *middle, double *rate);
 
 /* Angle acceleration of group i at `middle` and its time derivative [rad/s^2, rad/s^3]. */
-void group_acceleration(WeightsInOrder *weights, int i, double middle, double angle_rate,
-                        const Instant *now, double angular_acceleration, double *acceleration,
-                        double *slope);
+void find_group_acceleration(WeightsInOrder *weights, int i, double middle, double angle_rate,
+                             const Instant *now, double *accelerations);
 
 /* As weights_unhindered, of weights that touch and stick [rad/s^2, rad/s^3]. */
-void ring_turning(WeightsInOrder *weights, const Instant *now, double angular_acceleration,
-                  double *turned);
+void ring_turning(WeightsInOrder *weights, const Instant *now, double *turned);
 
 /* As weights_reaction: a group counts as its factor times one weight at its middle. */
-void ring_reaction(WeightsInOrder *weights, const Instant *now, double angular_acceleration,
-                   Complex *force, Complex *force_slope);
+void ring_reaction(WeightsInOrder *weights, const Instant *now, Complex *force);
 
 #endif

@@ -191,7 +191,7 @@ int impact_solve(Impact *impact, Failure *failure)
             break;
         }
     }
-    return fail(failure, FAILURE_IMPACT, "weights", impact->contacts, largest, 0.0, 0.0, 0.0);
+    return fail(failure, FAILURE_IMPACT, impact->contacts, largest, 0.0, 0.0, 0.0);
 }
 
 Complex impact_on_plane(const Impact *impact, int plane)

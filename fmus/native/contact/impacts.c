@@ -57,17 +57,17 @@ void impact_add(Impact *impact, const WeightsInOrder *weights, int plane, int cl
 }
 
 /* Accelerations of all weights with the contacts that are set, in weights->sides. */
-static const double *accelerations_of(WeightsInOrder *weights, const Instant *now,
-                                      double angular_acceleration)
+static const double *accelerations_of(WeightsInOrder *weights, const Instant *now)
 {
     const Runs *chains = &weights->chains;
     int i, j;
     find_chains(weights);
     for (i = 0; i < chains->count; i++) {
         const int first = chains->first[i], size = chains->size[i];
-        fill_drives(weights, first, size, now, angular_acceleration);
-        pool(&weights->pools, weights->drives, weights->limits, weights->mass + first, size, 0.0);
-        expand(&weights->pools, weights->drives);
+        fill_drives(weights, first, size, now);
+        pool_violators(&weights->pools, weights->drives, weights->limits, weights->mass + first,
+                       size, 0.0);
+        expand_pools(&weights->pools, weights->drives);
         for (j = 0; j < size; j++) {
             weights->sides[(first + j) % weights->count] = weights->drives[j];
         }
@@ -83,8 +83,7 @@ static int bounces_low(const WeightsInOrder *weights, int k, const double *accel
     return opening > 0.0 && opening * opening <= 2.0 * closing * LOWEST_BOUNCE;
 }
 
-int impact_take(Impact *impact, int first, WeightsInOrder *weights, const Instant *now,
-                double angular_acceleration)
+int impact_apply(Impact *impact, int first, WeightsInOrder *weights, const Instant *now)
 {
     const int n = weights->count;
     const double rounding = EQUAL_RATES * largest_of(n, impact->rate + first);
@@ -100,7 +99,7 @@ int impact_take(Impact *impact, int first, WeightsInOrder *weights, const Instan
             weights->joined[k] = 1;
         }
     }
-    accelerations = accelerations_of(weights, now, angular_acceleration);
+    accelerations = accelerations_of(weights, now);
     for (pair = 0; pair < impact->contacts; pair++) {
         k = impact->pairs[pair].behind - first;
         if (k >= 0 && k < n && !weights->joined[k] &&
@@ -112,7 +111,7 @@ int impact_take(Impact *impact, int first, WeightsInOrder *weights, const Instan
     return low;
 }
 
-Complex settle(WeightsInOrder *weights, const Instant *now, double angular_acceleration, int closed)
+Complex collide_weights(WeightsInOrder *weights, const Instant *now, int closed)
 {
     Impact impact = impact_begin(&weights->track->mobility, 1, weights->count, weights->impact);
     impact_add(&impact, weights, 0, closed, 0.0);
@@ -120,7 +119,7 @@ Complex settle(WeightsInOrder *weights, const Instant *now, double angular_accel
         if (impact_solve(&impact, weights->failure)) {
             return complex_of(0.0, 0.0);
         }
-    } while (impact_take(&impact, 0, weights, now, angular_acceleration));
-    align(weights);
+    } while (impact_apply(&impact, 0, weights, now));
+    align_chains(weights);
     return impact_on_plane(&impact, 0);
 }

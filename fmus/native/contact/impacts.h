@@ -17,12 +17,10 @@ void impact_add(Impact *impact, const WeightsInOrder *weights, int plane, int cl
 /* Take over the rates of weights that were added as the `first` and those behind it, and contacts.
    Returns the number of pairs that would bounce less than is followed: from then on they last, and
    the impact is to be solved again. */
-int impact_take(Impact *impact, int first, WeightsInOrder *weights, const Instant *now,
-                double angular_acceleration);
+int impact_apply(Impact *impact, int first, WeightsInOrder *weights, const Instant *now);
 
 /* Let the weights of one track on a rotor with the track's mobility collide; returns the impulse on
    the rotor in its axes [N s]. */
-Complex settle(WeightsInOrder *weights, const Instant *now, double angular_acceleration,
-               int closed);
+Complex collide_weights(WeightsInOrder *weights, const Instant *now, int closed);
 
 #endif

@@ -1,13 +1,9 @@
-/* What a unit calls: motion of a track's weights over a step, and their force on the rotor.
-
-   Without contact, resistance and offset these are the functions of weights.h. */
+/* What a unit calls: motion of a track's weights over a step, and their force on the rotor. */
 #ifndef AUTOBALANCER_MOTION_H
 #define AUTOBALANCER_MOTION_H
 
 #include <stddef.h>
 
-#include "base/complex_number.h"
-#include "base/failure.h"
 #include "contact/track.h"
 
 /* State at the end of a communication step. */
@@ -30,35 +26,29 @@ Complex track_static_moment(const Track *track, const double *angles, Turned *tu
 int track_first_contacts(const Track *track, const double *angles, const double *speeds,
                          double *contacts, double *scratch, Failure *failure);
 
-/* Move every weight over one communication step.
+/* Move the weights of an eventful track over one communication step.
 
    angles, speeds, contacts: state, contacts all 0 for a fresh start; the arrays of `moved` may be
-   the same, and have no meaning after a failure.  signal: (4,) acceleration of the plane's centre
+   the same, and have no meaning after a failure.  signal: (4,) acceleration of the track's centre
    in the rotor frame at the start of the step and its derivatives.  spin_up: (4,) angular
-   acceleration of the rotor likewise, constant where weights can touch or stick.  stops: as in track.h. */
+   acceleration of the rotor likewise, which must be constant.  stops: as in track.h. */
 int track_advance(const Track *track, const double *angles, const double *speeds,
                   const double *contacts, const Complex *signal, double rotor_speed,
                   const double *spin_up, double step, int stops, Moved *moved,
                   double *scratch, Failure *failure);
 
-/* Residual force on the rotor in the rotor frame and its slope, without impulses. */
+/* Residual force on the rotor in the rotor frame and its derivatives, `count` (2, or 3 of a track without
+   events) in all, without impulses; plane: how the plane's centre moves; turned: as of
+   weights_reaction. */
 int track_reaction(const Track *track, const double *angles, const double *speeds,
-                   const double *contacts, Complex acceleration, Complex slope, double rotor_speed,
-                   double angular_acceleration, double change, Complex *force,
-                   Complex *force_slope, double *scratch, Failure *failure);
-
-/* Second derivative of that force, of point weights; arguments as of quintic_weights_reaction_second,
-   `motion` of the plane's centre. */
-Complex track_reaction_second(const Track *track, const double *angles, const double *speeds,
-                              const Complex *motion, double rotor_speed, const double *spin_up,
-                              Turned *turned);
+                   const double *contacts, const Instant *plane, int count, Complex *force,
+                   Turned *turned, double *scratch, Failure *failure);
 
 /* Torque of the weights on the rotor about the plane's centre and its slope, without impulses.
 
-   motion, force: acceleration of the plane's centre, force of track_reaction, and their slopes. */
+   force: of track_reaction, and its slope. */
 int track_torque(const Track *track, const double *angles, const double *speeds,
-                 const double *contacts, const Complex *motion, const Complex *force,
-                 double rotor_speed, double angular_acceleration, double change, double *torque,
+                 const double *contacts, const Instant *plane, const Complex *force, double *torque,
                  double *scratch, Failure *failure);
 
 #endif

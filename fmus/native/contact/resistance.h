@@ -15,8 +15,7 @@
 #ifndef AUTOBALANCER_RESISTANCE_H
 #define AUTOBALANCER_RESISTANCE_H
 
-#include "base/complex_number.h"
-#include "base/failure.h"
+#include "weights/weights.h"
 
 /* A packed group that slides one way. */
 typedef struct {
@@ -33,20 +32,16 @@ typedef struct {
 
 /* Which wall of the race carries each weight: sides (count,) 1.0 outer, -1.0 inner.  Returns how
    many are set; 0: all are the outer one. */
-int find_sides(const SlidingGroup *group, Complex acceleration, double angle, double angle_rate,
-               double rotor_speed, double *sides);
+int find_sides(const SlidingGroup *group, const Instant *now, double angle, double angle_rate,
+               double *sides);
 
 /* Mean of g - grip |n| over the group, and its time derivative along the motion. */
-void sliding_drive(const SlidingGroup *group, Complex acceleration, Complex slope, double angle,
-                   double angle_rate, double rotor_speed, double angular_acceleration,
-                   const double *sides, int side_count, double *drive, double *drive_slope);
+void find_sliding_drive(const SlidingGroup *group, const Instant *now, double angle,
+                        double angle_rate, const double *sides, int side_count, double *drive);
 
-/* Angle and rate after `step`, in place; order 4 as weights_substep.
-
-   ends: acceleration of the track's centre and its slope at the start, and at the end; response:
-   of `quadrature`; sides: (count,) scratch. */
+/* Angle and rate after `step`, in place; as weights_substep of order 4.  sides: (count,) scratch. */
 int sliding_substep(const SlidingGroup *group, double *angle, double *angle_rate,
-                    const Complex *ends, double rotor_speed, double angular_acceleration,
-                    const double *response, double step, double *sides, Failure *failure);
+                    const Instant *now, const Instant *later, const double *response, double step,
+                    double *sides, Failure *failure);
 
 #endif

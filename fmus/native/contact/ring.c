@@ -9,7 +9,7 @@
 #define OVERLAP 1e-7  /* rad: of a start; rounding of angles after a million turns stays below */
 #define ALIGNED 1e-12 /* rad: contacts this exact are left alone, so that weights never creep */
 
-#define RING_DOUBLES 29 /* arrays of N doubles, and of N ints */
+#define RING_DOUBLES 27 /* arrays of N doubles, and of N ints */
 #define RING_INTS 9
 
 size_t ring_scratch(int count)
@@ -63,7 +63,6 @@ static void lay_out_scratch(int n, double *scratch, WeightsInOrder *w)
     w->drives = next_doubles(&d, n);
     w->limits = next_doubles(&d, n);
     w->sides = next_doubles(&d, n);
-    w->factors = (Complex *)(void *)next_doubles(&d, 2 * n);
     w->impact = d;
     w->order = next_ints(&i, n);
     w->joined = next_ints(&i, n);
@@ -77,7 +76,7 @@ static void lay_out_scratch(int n, double *scratch, WeightsInOrder *w)
 }
 
 /* Weights by their angle within a turn, those at one place as they were given. */
-static void sort(int n, const double *within, int *order)
+static void sort_by_angle(int n, const double *within, int *order)
 {
     int j, k;
     for (k = 1; k < n; k++) {
@@ -111,7 +110,7 @@ static void set_each(WeightsInOrder *w)
     }
 }
 
-int put_in_order(const Track *track, const double *angles, const double *speeds,
+int order_weights(const Track *track, const double *angles, const double *speeds,
                  const double *contacts, double *scratch, WeightsInOrder *weights, Failure *failure)
 {
     const int n = track->weights.count;
@@ -122,7 +121,6 @@ int put_in_order(const Track *track, const double *angles, const double *speeds,
     weights->track = track;
     weights->count = n;
     weights->chains.count = weights->groups.runs.count = weights->pools.count = 0;
-    weights->factor_count = 0;
     weights->quadrature = quadrature_empty();
     for (j = 0; j < n; j++) {
         weights->given[j] = angles[j];
@@ -130,7 +128,7 @@ int put_in_order(const Track *track, const double *angles, const double *speeds,
         weights->order[j] = j;
     }
     if (track->solid) {
-        sort(n, weights->angle, weights->order);
+        sort_by_angle(n, weights->angle, weights->order);
     }
     for (j = 0; j < n; j++) {
         const int k = weights->order[j];
@@ -140,10 +138,10 @@ int put_in_order(const Track *track, const double *angles, const double *speeds,
     }
     copy_doubles((size_t)n, weights->begin, weights->angle);
     set_each(weights);
-    return track->solid ? align(weights) : FINE;
+    return track->solid ? align_chains(weights) : FINE;
 }
 
-void as_given(const WeightsInOrder *weights, double *angles, double *speeds, double *contacts)
+void write_weights(const WeightsInOrder *weights, double *angles, double *speeds, double *contacts)
 {
     int j;
     for (j = 0; j < weights->count; j++) {
@@ -246,14 +244,14 @@ static void place_about_mean(WeightsInOrder *weights, int first, int size)
     place_group(weights, first, size, middle / size, rate / mass);
 }
 
-int align(WeightsInOrder *weights)
+int align_chains(WeightsInOrder *weights)
 {
     const Runs *chains = &weights->chains;
     int k, any = 0;
     for (k = 0; k < weights->count; k++) {
         const double opening = gap(weights, k);
         if (opening < -OVERLAP) {
-            return fail(weights->failure, FAILURE_OVERLAP, "weights", 0, -opening,
+            return fail(weights->failure, FAILURE_OVERLAP, 0, -opening,
                         2.0 * weights->track->alpha, 0.0, 0.0);
         }
         if (weights->joined[k] && opening > OVERLAP) {

@@ -48,8 +48,6 @@ typedef struct {
     Pools pools;
     double *drives, *limits, *sides; /* (N,) scratch */
     double *impact; /* of impact_law.h, for N weights */
-    Complex *factors;                       /* (N,) pressure factors of a group of this size: */
-    int factor_count;
     Quadrature quadrature;
     Failure *failure; /* first thing that went wrong; its code is FINE while nothing has */
 } WeightsInOrder;
@@ -59,12 +57,12 @@ size_t ring_scratch(int count);
 
 /* Weights as they stand on the track; `contacts` not 0 where a weight lastingly touches the next
    along increasing angle. */
-int put_in_order(const Track *track, const double *angles, const double *speeds,
+int order_weights(const Track *track, const double *angles, const double *speeds,
                  const double *contacts, double *scratch, WeightsInOrder *weights,
                  Failure *failure);
 
 /* Angles, rates and contacts in the order in which they were given. */
-void as_given(const WeightsInOrder *weights, double *angles, double *speeds, double *contacts);
+void write_weights(const WeightsInOrder *weights, double *angles, double *speeds, double *contacts);
 
 /* Free angle between weight k and the next [rad]. */
 double gap(const WeightsInOrder *weights, int k);
@@ -73,7 +71,7 @@ double gap(const WeightsInOrder *weights, int k);
 void find_chains(WeightsInOrder *weights);
 
 /* Exact distances and one rate in every chain of lasting contacts; refuse overlaps. */
-int align(WeightsInOrder *weights);
+int align_chains(WeightsInOrder *weights);
 
 /* Set the `offset` of a run of weights that touch; how many times the static moment of its mass at the
    middle it has.  The middle is where that points to; of weights that are alike, half way. */

@@ -3,37 +3,29 @@
 #include "base/elementary.h"
 #include "contact/spacing.h"
 
+/* 0, or what does not fit together; the variables' own limits hold. */
 static int check_options(const Track *track, Failure *failure)
 {
     const double radius = track->weights.track_radius, size = track->weight_radius;
     const int count = track->weights.count;
-    int k, code = demand_not_negative("weight_radius", size, failure);
-    code = code ? code
-                : demand_not_negative("rolling_resistance", track->rolling_resistance, failure);
-    if (code) {
-        return code;
-    }
-    if (!(track->restitution >= 0.0 && track->restitution <= 1.0)) {
-        return fail(failure, FAILURE_RESTITUTION, "restitution", 0, track->restitution, 0.0, 0.0,
+    int k;
+    if (track->restitution > 1.0) {
+        return fail(failure, FAILURE_RESTITUTION, 0, track->restitution, 0.0, 0.0,
                     0.0);
     }
-    if (!(track->mobility >= 0.0 && track->mobility * weights_added_mass(&track->weights) < 1.0)) {
-        return fail(failure, FAILURE_MOBILITY, "track_mobility", 0, track->mobility,
+    if (!(track->mobility * weights_added_mass(&track->weights) < 1.0)) {
+        return fail(failure, FAILURE_MOBILITY, 0, track->mobility,
                     1.0 / weights_added_mass(&track->weights), 0.0, 0.0);
-    }
-    if (!(is_finite(track->offset.re) && is_finite(track->offset.im))) {
-        return fail(failure, FAILURE_NOT_FINITE, "offset", 0, track->offset.re, track->offset.im,
-                    0.0, 0.0);
     }
     for (k = 0; track->weights.each && k < count; k++) {
         const Weights one = weights_single(&track->weights, k);
         if (!(one.radius < radius)) {
-            return fail(failure, FAILURE_WEIGHT_RADIUS, "weight_radius", 1, one.radius, radius,
+            return fail(failure, FAILURE_WEIGHT_RADIUS, 1, one.radius, radius,
                         radius, 0.0);
         }
     }
     if (!track->weights.each && !fits(count, size, radius)) {
-        return fail(failure, FAILURE_WEIGHT_RADIUS, "weight_radius", count, size, radius,
+        return fail(failure, FAILURE_WEIGHT_RADIUS, count, size, radius,
                     largest_radius(count, radius), 0.0);
     }
     return FINE;
@@ -44,15 +36,12 @@ int track_prepare(Track *track, Failure *failure)
     Weights *weights = &track->weights;
     int code, k, sizes_differ = 0;
     weights->radius = track->weight_radius;
-    code = weights_check(weights, failure);
-    if (!code) {
-        code = check_options(track, failure);
-    }
+    code = check_options(track, failure);
     if (code) {
         return code;
     }
     track->alpha = half_angle(track->weight_radius, weights->track_radius);
-    track->lever = -1.0 / (weights->kappa * weights->track_radius);
+    track->lever = weights_lever(weights);
     track->grip = -track->rolling_resistance * track->lever;
     track->damping_rate = weights_damping_rate(weights);
     track->moment = weights->mass * weights->track_radius;

@@ -67,7 +67,7 @@ static int read_track(Unit *unit, const Part *part, WeightsInOrder *weights)
     Failure *failure = &((Composite *)unit->own)->impacts->failure;
     const Balls *balls = part->unit->own;
     const double *angles = part->unit->memory, *speeds = angles + balls->count;
-    if (put_in_order(&balls->track, angles, speeds, speeds + balls->count, balls->scratch, weights,
+    if (order_weights(&balls->track, angles, speeds, speeds + balls->count, balls->scratch, weights,
                      failure)) {
         unit_failed(part->unit, failure, angles, (size_t)balls->count);
         return composite_part_failed(unit, part);
@@ -80,15 +80,15 @@ static Instant drive_of(const Composite *c, const Part *part)
 {
     const Course *course = c->course;
     const Balls *balls = part->unit->own;
+    const double spin_up[4] = {course->drive.acceleration, 0.0, 0.0, 0.0};
     Instant now;
-    now.rotor_speed = composite_speed(c, course->clock.time);
-    now.acceleration = complex_product(
-        complex_of(-now.rotor_speed * now.rotor_speed, course->drive.acceleration), balls->track.offset);
+    now.spin = spin_of(0.0, composite_speed(c, course->clock.time), spin_up);
+    now.motion[0] = now.motion[1] = now.motion[2] = complex_of(0.0, 0.0);
+    shift_signal(now.motion, 1, balls->track.offset, now.spin.speed, spin_up);
     if (part->exchange >= 0) {
         const Knot *plane = &c->accelerations[c->member_planes[part->exchange]].now;
-        now.acceleration = complex_sum(now.acceleration, plane->value);
+        now.motion[0] = complex_sum(now.motion[0], plane->value);
     }
-    now.slope = complex_of(0.0, 0.0);
     return now;
 }
 
@@ -122,7 +122,7 @@ static int apply_impact(Composite *c, Impact *impact)
         if (part_balls(part)) {
             const Instant now = drive_of(c, part);
             WeightsInOrder *weights = c->impacts->tracks + k;
-            low += impact_take(impact, first, weights, &now, c->course->drive.acceleration);
+            low += impact_apply(impact, first, weights, &now);
             first += weights->count;
         }
     }
@@ -139,11 +139,11 @@ static int write_tracks(Unit *unit)
         WeightsInOrder *weights = c->impacts->tracks + k;
         if (part_balls(c->parts + k)) {
             double *angles = part->memory, *speeds = angles + weights->count;
-            if (weights->track->solid && align(weights)) {
+            if (weights->track->solid && align_chains(weights)) {
                 unit_failed(part, weights->failure, angles, (size_t)weights->count);
                 return composite_part_failed(unit, c->parts + k);
             }
-            as_given(weights, angles, speeds, speeds + weights->count);
+            write_weights(weights, angles, speeds, speeds + weights->count);
         }
     }
     return 0;

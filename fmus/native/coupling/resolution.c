@@ -37,6 +37,13 @@ static void swap_masses(Composite *c)
     }
 }
 
+/* Element (i, j) of a real matrix whose element, or a pair of rows and columns, is this. */
+static double real_element(const double *element, int parts, int i, int j)
+{
+    /* a complex element is [re, -im; im, re] */
+    return parts == 1 || i % 2 == j % 2 ? element[0] : i % 2 ? element[1] : -element[1];
+}
+
 /* What is left after `step` [s] of the rotor's longest-lived vibration, at most 1. */
 static double left_of_vibration(Composite *c, double step)
 {
@@ -51,12 +58,8 @@ static double left_of_vibration(Composite *c, double step)
     swap_masses(c);
     for (i = 0; i < n && matrix; i++) {
         for (j = 0; j < n; j++) {
-            /* a complex element is [re, -im; im, re] */
-            const double *z = matrix + 2 * ((j / 2) * own->rows + i / 2);
-            c->decay[i * n + j] = own->axes == 2   ? matrix[j * own->rows + i]
-                                  : i % 2 == j % 2 ? z[0]
-                                  : i % 2          ? z[1]
-                                                   : -z[1];
+            const int parts = own->parts, element = (j / parts) * own->rows + i / parts;
+            c->decay[i * n + j] = real_element(matrix + parts * element, parts, i, j);
         }
     }
     return matrix ? smaller(1.0, spectral_radius(n, c->decay, c->decay + n * n)) : 1.0;
@@ -67,22 +70,28 @@ static double slowest_rate(Composite *c)
 {
     Unit *unit = c->parts->unit;
     const Rotor *own = unit->own;
-    const Rates *rates = &own->rates;
+    const TaylorStep *taylor = &own->taylor;
     const int n = 4 * own->stations;
+    const double speed = rotor_drive(unit)[0];
     double *inverse = c->decay + n * n, radius;
     int i, k, wrong;
     swap_masses(c);
-    wrong = rotor_rates(unit);
+    wrong = rotor_make_taylor(unit);
     swap_masses(c);
     if (wrong) {
         return 0.0;
     }
     memset(c->decay, 0, 2 * (size_t)(n * n) * sizeof(double));
     for (i = 0; i < n; i++) {
-        for (k = rates->first[i]; k < rates->first[i + 1]; k++) {
-            if (rates->column[k] < n) {
-                c->decay[i * n + rates->column[k]] = rates->value[k];
-            }
+        const int parts = taylor->parts, row = (i - n / 2) / parts * taylor->length;
+        for (k = 0; k < n && i >= n / 2; k++) {
+            const int element = row + k / parts * parts;
+            c->decay[i * n + k] =
+                real_element(taylor->still + element, parts, i, k) +
+                speed * real_element(taylor->per_speed + element, parts, i, k);
+        }
+        if (i < n / 2) {
+            c->decay[i * n + n / 2 + i] = 1.0;
         }
         inverse[i * n + i] = 1.0;
     }

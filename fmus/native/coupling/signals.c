@@ -1,5 +1,5 @@
 #include "base/elementary.h"
-#include "base/quintic.h"
+#include "base/signals.h"
 #include "coupling/composite.h"
 
 void knot_from_start(const Knot *start, int orders, Complex *signal)
@@ -21,11 +21,7 @@ void knot_held(const Knot *knot, int orders, Complex *signal)
 
 void knot_hermite(const Knot *start, const Knot *end, int orders, double step, Complex *signal)
 {
-    if (orders == QUINTIC_ORDERS) {
-        signal_quintic_hermite(&start->value, &end->value, step, signal);
-    } else {
-        signal_hermite(start->value, start->slope, end->value, end->slope, step, signal);
-    }
+    signal_hermite(&start->value, &end->value, orders, step, signal);
 }
 
 static Complex added(Complex a, double factor, Complex b)
@@ -44,19 +40,8 @@ void knot_leading(const Knot *end, double step, Complex *signal)
 Knot knot_end(const Complex *signal, int orders, double step)
 {
     Knot end;
-    if (orders == QUINTIC_ORDERS) {
-        Complex derivatives[3];
-        quintic_at(signal, step, derivatives);
-        end.value = derivatives[0];
-        end.slope = derivatives[1];
-        end.second = derivatives[2];
-    } else {
-        const double half = 0.5 * step, third = step / 3.0;
-        end.value =
-            added(signal[0], step, added(signal[1], half, added(signal[2], third, signal[3])));
-        end.slope = added(signal[1], step, added(signal[2], half, signal[3]));
-        end.second = complex_of(0.0, 0.0);
-    }
+    end.second = complex_of(0.0, 0.0);
+    signal_at(signal, orders, step, &end.value);
     return end;
 }
 

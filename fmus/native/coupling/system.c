@@ -12,23 +12,20 @@ static void outer_signal(const Composite *c, int plane, double step, Complex *si
 {
     const Unit *rotor = c->parts->unit;
     const double *drive = rotor->real + c->parts->drive;
-    const Drift more = drift(drive + SPIN_UP, step);
+    const Spin start = spin_of(rotor->memory[REST], drive[0], drive + SPIN_UP);
     const Complex force = complex_of(c->outer_forces[2 * plane], c->outer_forces[2 * plane + 1]);
-    const double speeds[2] = {drive[0], drive[0] + step * drive[1] + more.speed};
-    const double angle = rotor->memory[1];
-    const double angles[2] = {angle, angle + step * (drive[0] + 0.5 * drive[1] * step) +
-                                         more.angle};
+    const Spin spins[2] = {start, spin_after(&start, step)};
     Knot ends[2];
     int k;
     for (k = 0; k < 2; k++) {
-        const Complex seen = complex_product(force, rect(1.0, -angles[k]));
+        const Complex seen = complex_product(force, rect(1.0, -spins[k].angle));
+        const double speed = spins[k].speed;
         ends[k].value = seen;
-        ends[k].slope = complex_of(speeds[k] * seen.im, -speeds[k] * seen.re);
+        ends[k].slope = complex_of(speed * seen.im, -speed * seen.re);
         ends[k].second = complex_of(0.0, 0.0);
         if (c->orders == QUINTIC_ORDERS) {
-            const double spin_up = drive[1] + (k ? more.acceleration : 0.0);
             ends[k].second =
-                complex_product(complex_of(-speeds[k] * speeds[k], -spin_up), seen);
+                complex_product(complex_of(-speed * speed, -spins[k].rates[0]), seen);
         }
     }
     if (step > 0.0) {

@@ -79,7 +79,8 @@ static double capacity_of(const Balls *balls, const double *angles)
     Failure failure;
     int k;
     /* an overlap is refused in steps: order, masses and spacings are set before */
-    put_in_order(&balls->track, angles, angles + n, angles + 2 * (size_t)n, balls->scratch, &weights, &failure);
+    order_weights(&balls->track, angles, angles + n, angles + 2 * (size_t)n, balls->scratch,
+                  &weights, &failure);
     for (k = 0; k < n; k++) {
         mass += weights.mass[k];
         most = larger(most, find_offsets(&weights, k, n));

@@ -35,7 +35,7 @@ static void shift(const double *coefficients, int count, double s, double *shift
     }
 }
 
-/* As first_fall in an interval, halved until the polynomial or its slope has one sign. */
+/* As find_first_fall in an interval, halved until the polynomial or its slope has one sign. */
 static double fall_within(const double *coefficients, int count, double begin, double end)
 {
     const double width = end - begin, middle = 0.5 * (begin + end);
@@ -58,14 +58,14 @@ static double fall_within(const double *coefficients, int count, double begin, d
         if (polynomial_value(&polynomial, width) >= 0.0) {
             return infinity();
         }
-        return begin + crossing(polynomial_value, &polynomial, larger(here[0], 0.0), width,
+        return begin + find_crossing(polynomial_value, &polynomial, larger(here[0], 0.0), width,
                                 TO_ROUNDING * width);
     }
     found = fall_within(coefficients, count, begin, middle);
     return is_finite(found) ? found : fall_within(coefficients, count, middle, end);
 }
 
-double first_fall(const double *coefficients, int count, double until, const double *rounding)
+double find_first_fall(const double *coefficients, int count, double until, const double *rounding)
 {
     double others = 0.0;
     int first = 0, k;

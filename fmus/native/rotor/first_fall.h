@@ -9,6 +9,6 @@
 
    coefficients: (count,) of powers of s, count at most MOST_COEFFICIENTS.
    rounding: sizes up to which the first three count as 0. */
-double first_fall(const double *coefficients, int count, double until, const double *rounding);
+double find_first_fall(const double *coefficients, int count, double until, const double *rounding);
 
 #endif

@@ -1,36 +1,10 @@
-/* Matrices of the rigid rotor on two supports and of the flexible shaft with n discs. */
+/* Matrices of the rigid rotor on two supports and of the flexible shaft with n discs; the parameters
+   are within the limits of their variables. */
 #include "base/elementary.h"
 #include "base/matrix.h"
 #include "constants.h"
 #include "rotor/linear_rotor.h"
 #include "rotor/shaft.h"
-
-static int per_support(const char *stiffness_name, const double *stiffness,
-                       const char *damping_name, const double *damping, Failure *failure)
-{
-    int k, code = FINE;
-    for (k = 0; k < 4 && !code; k++) {
-        code = demand_positive(stiffness_name, stiffness[k], failure);
-    }
-    for (k = 0; k < 4 && !code; k++) {
-        code = demand_not_negative(damping_name, damping[k], failure);
-    }
-    return code;
-}
-
-static int check_unbalances(int count, const double *unbalances, Failure *failure)
-{
-    int k, code = FINE;
-    for (k = 0; k < count && !code; k++) {
-        const double *u = unbalances + 3 * k;
-        code = demand_not_negative("unbalances: amount", u[1], failure);
-        code = code ? code : demand_finite("unbalances: angle", u[2], failure);
-    }
-    for (k = 0; k < count && !code; k++) {
-        code = demand_finite("unbalances: position", unbalances[3 * k], failure);
-    }
-    return code;
-}
 
 static void add_unbalance(Complex moment, double share, double *to)
 {
@@ -46,33 +20,14 @@ static void line_row(double position, double span, double *row)
     row[1] = share;
 }
 
-static int check_two_support(const TwoSupport *v, int plane_count, Failure *failure)
-{
-    int k, code = demand_positive("mass", v->mass, failure);
-    code = code ? code : demand_positive("inertia", v->inertia, failure);
-    code = code ? code : demand_positive("span", v->span, failure);
-    code = code ? code : demand_finite("com", v->com, failure);
-    code = code ? code : demand_finite("polar_inertia", v->polar_inertia, failure);
-    if (!code && !(v->polar_inertia >= 0.0 && v->polar_inertia <= 2.0 * v->inertia)) {
-        code = fail(failure, FAILURE_POLAR_INERTIA, "polar_inertia", 0, v->polar_inertia,
-                    2.0 * v->inertia, 0.0, 0.0);
-    }
-    code = code ? code
-                : per_support("stiffness", v->stiffness, "damping", v->damping, failure);
-    for (k = 0; k < plane_count && !code; k++) {
-        code = demand_finite("planes", v->planes[k], failure);
-    }
-    return code ? code : check_unbalances(v->unbalance_count, v->unbalances, failure);
-}
-
 int linear_rotor_two_support(const TwoSupport *values, LinearRotor *rotor, Failure *failure)
 {
     const double tilt[2] = {-1.0 / values->span, 1.0 / values->span};
     double at_centre[2], row[2];
     int i, j, k;
-    const int code = check_two_support(values, rotor->plane_count, failure);
-    if (code) {
-        return code;
+    if (!(values->polar_inertia <= 2.0 * values->inertia)) {
+        return fail(failure, FAILURE_POLAR_INERTIA, 0, values->polar_inertia,
+                    2.0 * values->inertia, 0.0, 0.0);
     }
     line_row(values->com, values->span, at_centre);
     for (i = 0; i < 2; i++) {
@@ -101,33 +56,17 @@ int linear_rotor_two_support(const TwoSupport *values, LinearRotor *rotor, Failu
 
 static int check_discs(int n, const Flexible *v, Failure *failure)
 {
-    const int p = v->supports[0], q = v->supports[1];
-    int k, code = FINE;
-    for (k = 0; k < n && !code; k++) {
-        code = demand_finite("stations", v->stations[k], failure);
-    }
-    if (code) {
-        return code;
-    }
+    int k;
     for (k = 1; k < n; k++) {
         if (v->stations[k] - v->stations[k - 1] <= 0.0) {
-            return fail(failure, FAILURE_STATIONS, "stations", k + 1, v->stations[k], 0.0, 0.0,
+            return fail(failure, FAILURE_STATIONS, k + 1, v->stations[k], 0.0, 0.0,
                         0.0);
         }
     }
-    for (k = 0; k < n; k++) {
-        if (!(is_finite(v->masses[k]) && v->masses[k] > 0.0)) {
-            return fail(failure, FAILURE_STATION_MASS, "masses", k + 1, v->masses[k], 0.0, 0.0,
-                        0.0);
-        }
-    }
-    if (p == q || p < 1 || p > n || q < 1 || q > n) {
-        return fail(failure, FAILURE_SUPPORTS, "supports", n, p, q, 0.0, 0.0);
-    }
-    code = demand_not_negative("internal_damping", v->internal_damping, failure);
-    return code ? code
-                : per_support("support_stiffness", v->support_stiffness, "support_damping",
-                              v->support_damping, failure);
+    return v->supports[0] != v->supports[1]
+               ? FINE
+               : fail(failure, FAILURE_SUPPORTS, n, v->supports[0], v->supports[1], 0.0,
+                      0.0);
 }
 
 static int set_shaft_unbalance(const Flexible *v, LinearRotor *rotor, double *scratch,
@@ -136,10 +75,6 @@ static int set_shaft_unbalance(const Flexible *v, LinearRotor *rotor, double *sc
     const int n = rotor->stations;
     const double *z = v->stations;
     int k, j;
-    const int code = check_unbalances(v->unbalance_count, v->unbalances, failure);
-    if (code) {
-        return code;
-    }
     for (k = 0; k < v->unbalance_count; k++) {
         const double *u = v->unbalances + 3 * k;
         int station = 0;
@@ -153,7 +88,7 @@ static int set_shaft_unbalance(const Flexible *v, LinearRotor *rotor, double *sc
             continue;
         }
         if (v->compliance || u[0] < z[0] || u[0] > z[n - 1]) {
-            return fail(failure, FAILURE_UNBALANCE_PLACE, "unbalances: position", k + 1, u[0], 0.0,
+            return fail(failure, FAILURE_UNBALANCE_PLACE, k + 1, u[0], 0.0,
                         0.0, 0.0);
         }
         beam_shares(n, z, u[0], scratch, scratch + n);
@@ -184,9 +119,11 @@ int linear_rotor_flexible(const Flexible *values, LinearRotor *rotor, double *sc
     if (size > 0) {
         bending_rows(n, values->stations, ends[0], ends[1], rows);
     }
-    code = values->compliance ? given_compliance(size, values->compliance, delta, failure)
-                              : beam_compliance(n, values->stations, rows,
-                                                values->bending_stiffness, delta, work, failure);
+    if (values->compliance) {
+        code = given_compliance(size, values->compliance, delta, failure);
+    } else {
+        beam_compliance(n, values->stations, rows, values->bending_stiffness, delta, work);
+    }
     if (!code) {
         code = shaft_stiffness(n, delta, rows, rotor->stiffness_x, work, failure);
     }
@@ -194,7 +131,7 @@ int linear_rotor_flexible(const Flexible *values, LinearRotor *rotor, double *sc
         return code;
     }
     if (values->internal_damping != 0.0 && size == 0) {
-        return fail(failure, FAILURE_CANNOT_BEND, "internal_damping", 0, values->internal_damping,
+        return fail(failure, FAILURE_CANNOT_BEND, 0, values->internal_damping,
                     0.0, 0.0, 0.0);
     }
     /* Dubovik's p belongs to the stiffness 1/delta that a disc feels where the shaft is softest */

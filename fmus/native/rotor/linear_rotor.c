@@ -95,38 +95,11 @@ int linear_rotor_heavy(const LinearRotor *rotor)
     return rotor->gravity[0] != 0.0 || rotor->gravity[1] != 0.0;
 }
 
-void linear_rotor_falling(const LinearRotor *rotor, double *field)
+/* Mass, velocity and displacement matrices (dof, dof) at a constant speed. */
+static void set_coefficients(const LinearRotor *rotor, double speed, double *mass, double *damping,
+                             double *stiffness)
 {
     const int n = rotor->stations, isotropic = linear_rotor_isotropic(rotor);
-    int k;
-    for (k = 0; k < n; k++) {
-        field[isotropic ? 2 * k : k] = rotor->gravity[0];
-        field[isotropic ? 2 * k + 1 : n + k] = rotor->gravity[1];
-    }
-}
-
-int linear_rotor_sag(const LinearRotor *rotor, double speed, double *sag, double *scratch,
-                     Failure *failure)
-{
-    const int axes = linear_rotor_isotropic(rotor) ? 1 : 2, parts = 3 - axes;
-    const int dof = axes * rotor->stations;
-    const size_t square = (size_t)dof * dof * parts;
-    double *mass = scratch, *damping = mass + square, *stiffness = damping + square;
-    double *field = stiffness + square;
-    linear_rotor_coefficients(rotor, speed, mass, damping, stiffness);
-    linear_rotor_falling(rotor, field);
-    matrix_product(parts, dof, dof, 1, mass, field, sag);
-    return matrix_solve(parts, dof, 1, stiffness, sag)
-               ? fail(failure, FAILURE_NOT_CARRIED, "gravity", 0, rotor->gravity[0],
-                      rotor->gravity[1], 0.0, 0.0)
-               : FINE;
-}
-
-void linear_rotor_coefficients(const LinearRotor *rotor, double speed, double *mass,
-                               double *damping, double *stiffness)
-{
-    const int n = rotor->stations, wide = 2 * n;
-    const int isotropic = linear_rotor_isotropic(rotor);
     int i, j;
     matrix_per_axis(isotropic ? 2 : 1, isotropic ? 1 : 2, n, n, rotor->mass, mass);
     for (i = 0; i < n; i++) {
@@ -140,7 +113,7 @@ void linear_rotor_coefficients(const LinearRotor *rotor, double speed, double *m
                 stiffness[2 * k] = rotor->stiffness_x[k];
                 stiffness[2 * k + 1] = -followed;
             } else {
-                const int xx = i * wide + j, xy = xx + n, yx = xx + n * wide, yy = yx + n;
+                const int xx = 4 * i * n + 2 * j, xy = xx + 1, yx = xx + 2 * n, yy = yx + 1;
                 damping[xx] = rotor->damping_x[k] + rotor->internal_damping[k];
                 damping[xy] = turned;
                 damping[yx] = -turned;
@@ -150,6 +123,107 @@ void linear_rotor_coefficients(const LinearRotor *rotor, double speed, double *m
                 stiffness[yx] = -followed;
                 stiffness[yy] = rotor->stiffness_y[k];
             }
+        }
+    }
+}
+
+int linear_rotor_sag(const LinearRotor *rotor, double speed, double *sag, double *scratch,
+                     Failure *failure)
+{
+    const int axes = linear_rotor_isotropic(rotor) ? 1 : 2, parts = 3 - axes;
+    const int dof = axes * rotor->stations;
+    const size_t square = (size_t)dof * dof * parts;
+    double *mass = scratch, *damping = mass + square, *stiffness = damping + square;
+    double *field = stiffness + square;
+    int k;
+    set_coefficients(rotor, speed, mass, damping, stiffness);
+    for (k = 0; k < 2 * rotor->stations; k++) {
+        field[k] = rotor->gravity[k % 2];
+    }
+    matrix_product(parts, dof, dof, 1, mass, field, sag);
+    return matrix_solve(parts, dof, 1, stiffness, sag)
+               ? fail(failure, FAILURE_NOT_CARRIED, 0, rotor->gravity[0],
+                      rotor->gravity[1], 0.0, 0.0)
+               : FINE;
+}
+
+int linear_rotor_rows(const LinearRotor *rotor, double speed, double *rows, double *scratch,
+                      Failure *failure)
+{
+    const int axes = linear_rotor_isotropic(rotor) ? 1 : 2, parts = 3 - axes;
+    const int n = rotor->stations, p = rotor->plane_count, dof = axes * n;
+    const int width = 2 * dof + axes * (p + 1), e = 2 * dof + axes * p;
+    const size_t square = (size_t)dof * dof * parts, length = (size_t)width * parts;
+    const double squared = speed * speed;
+    double *mass = scratch, *damping = mass + square, *stiffness = damping + square, *row = rows;
+    int i, k;
+    set_coefficients(rotor, speed, mass, damping, stiffness);
+    fill_doubles(dof * length, 0.0, rows);
+    for (i = 0; i < dof; i++, row += length) {
+        const int station = i / axes, axis = i % axes;
+        const double x = squared * rotor->unbalance[2 * station];
+        const double y = squared * rotor->unbalance[2 * station + 1];
+        for (k = 0; k < dof * parts; k++) {
+            row[k] = -stiffness[i * dof * parts + k];
+            row[dof * parts + k] = -damping[i * dof * parts + k];
+        }
+        for (k = 0; k < p; k++) {
+            row[(2 * dof + axes * k + axis) * parts] = rotor->planes[k * n + station];
+        }
+        row[e * parts] = axis ? y : x;
+        row[e * parts + 1] = axes == 1 ? y : axis ? x : -y;
+    }
+    return matrix_solve(parts, dof, width, mass, rows)
+               ? fail(failure, FAILURE_SINGULAR, 0, 0.0, 0.0, 0.0, 0.0)
+               : FINE;
+}
+
+void combine_vectors(const double *rows, int count, int n, const double *vectors, double *result)
+{
+    int i, j;
+    for (i = 0; i < count; i++, result += 2) {
+        result[0] = result[1] = 0.0;
+        for (j = 0; j < n; j++) {
+            result[0] += rows[i * n + j] * vectors[2 * j];
+            result[1] += rows[i * n + j] * vectors[2 * j + 1];
+        }
+    }
+}
+
+/* Im(a* b). */
+static double crossed(Complex a, Complex b)
+{
+    return a.re * b.im - a.im * b.re;
+}
+
+/* a - i w b, the slope of a vector with value b in axes that turn at w. */
+static Complex seen_turning(Complex a, double w, Complex b)
+{
+    return complex_of(a.re + w * b.im, a.im - w * b.re);
+}
+
+void linear_rotor_torque(const LinearRotor *rotor, const double *state, const double *rates,
+                         const Spin *spin, double *torque)
+{
+    const int n = rotor->stations;
+    const Complex *q = (const Complex *)(const void *)state;
+    const Complex *v = (const Complex *)(const void *)rates, *a = v + n, *j = a + n;
+    const Complex turned = rect(1.0, spin->angle), gravity = {rotor->gravity[0], rotor->gravity[1]};
+    const double w = spin->speed, change = spin->rates[0];
+    int i, k;
+    torque[0] = torque[1] = 0.0;
+    for (i = 0; i < n; i++) {
+        const Complex unbalance = complex_product(
+            complex_of(rotor->unbalance[2 * i], rotor->unbalance[2 * i + 1]), turned);
+        const Complex falling = complex_difference(a[i], gravity);
+        torque[0] -= crossed(unbalance, falling);
+        torque[1] -= crossed(unbalance, seen_turning(j[i], w, falling));
+        for (k = 0; k < n; k++) {
+            const double internal = rotor->internal_damping[i * n + k];
+            const Complex sheared = seen_turning(v[k], w, q[k]);
+            const Complex shearing = seen_turning(seen_turning(a[k], w, v[k]), change, q[k]);
+            torque[0] += internal * crossed(q[i], sheared);
+            torque[1] += internal * (crossed(v[i], sheared) + crossed(q[i], shearing));
         }
     }
 }

@@ -1,12 +1,16 @@
 /* A rotor on viscous-elastic supports as one linear system.
 
-       M q'' + (C + C_i - w G J) q' + (K - w C_i J) q = u (w^2 - i w') e^{i beta} + S^T F */
+       M q'' + (C + C_i - w G J) q' + (K - w C_i J) q = u (w^2 - i w') e^{i beta} + S^T F
+
+   Vectors are pairs x, y.  An isotropic rotor has one axis of complex elements (axes 1, parts 2), any
+   other two axes of real ones (axes 2, parts 1), x and y alternating: the same doubles.  dof = axes n. */
 #ifndef AUTOBALANCER_LINEAR_ROTOR_H
 #define AUTOBALANCER_LINEAR_ROTOR_H
 
 #include <stddef.h>
 
 #include "base/failure.h"
+#include "base/spin.h"
 
 /* Matrices and planes of a rotor with n stations and p correction planes; see models/rotor.py. */
 typedef struct {
@@ -77,16 +81,26 @@ LinearRotor linear_rotor_with_added_mass(const LinearRotor *rotor, const double 
                                          double *mass);
 
 int linear_rotor_heavy(const LinearRotor *rotor);
-/* Gravity at every station, (axes n) elements: complex for an isotropic rotor, else x..., y.... */
-void linear_rotor_falling(const LinearRotor *rotor, double *field);
-/* Displacements at rest under gravity, ordered as the field; FAILURE_NOT_CARRIED where the supports
-   have no stiffness.  `scratch` is that of a step matrix. */
+/* Displacements at rest under gravity (n pairs); FAILURE_NOT_CARRIED where the supports have no
+   stiffness.  `scratch` is that of a step matrix. */
 int linear_rotor_sag(const LinearRotor *rotor, double speed, double *sag, double *scratch,
                      Failure *failure);
 
-/* Mass, velocity and displacement matrices at a constant speed [rad/s]: complex (n, n) for an
-   isotropic rotor, else real (2n, 2n) for (x, y). */
-void linear_rotor_coefficients(const LinearRotor *rotor, double speed, double *mass,
-                               double *damping, double *stiffness);
+/* Rows (dof, 2 dof + axes (p + 1)) of the acceleration by displacements, velocities, forces on the
+   planes and the unbalance's pull w^2 e^{i beta}, at a constant speed w [rad/s].  scratch: 3 parts
+   dof^2 doubles; FAILURE_SINGULAR. */
+int linear_rotor_rows(const LinearRotor *rotor, double speed, double *rows, double *scratch,
+                      Failure *failure);
+
+/* Rows (count, n) of real numbers times n vectors. */
+void combine_vectors(const double *rows, int count, int n, const double *vectors, double *result);
+
+/* Torque of unbalance and internal damping on the shaft and its slope [N m, N m/s];
+   models/steps/variable_speed.py has the equation.
+
+   state: displacements of the stations; rates: their derivatives of order 1 to 3; spin: of the rotor,
+   all of the same time. */
+void linear_rotor_torque(const LinearRotor *rotor, const double *state, const double *rates,
+                         const Spin *spin, double *torque);
 
 #endif

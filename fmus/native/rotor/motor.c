@@ -30,7 +30,7 @@ int motor_check(const Motor *motor, Failure *failure)
     int k;
     for (k = 1; k < motor->count; k++) {
         if (!(speed_at(motor, k) > speed_at(motor, k - 1))) {
-            return fail(failure, FAILURE_CHARACTERISTIC, "speed", k + 1, speed_at(motor, k), 0.0,
+            return fail(failure, FAILURE_CHARACTERISTIC, k + 1, speed_at(motor, k), 0.0,
                         0.0, 0.0);
         }
     }
@@ -75,7 +75,7 @@ static void on_line(const Line *line, double time, double *speed, double *angle)
 {
     Motor *motor = line->motor;
     const double rate = slope_of(motor, line->piece) / motor->inertia;
-    const double *s = quadrature(&motor->quadrature, -rate, time), *t = s + 5;
+    const double *s = quadrature(&motor->quadrature, SIGNAL_ORDERS, -rate, time), *t = s + 5;
     const double g0 = (torque_at(motor, line->piece) + line->torque[0]) / motor->inertia -
                       rate * speed_at(motor, line->piece);
     const double g1 = line->torque[1] / motor->inertia, g2 = line->torque[2] / motor->inertia;
@@ -110,7 +110,7 @@ int motor_advance(Motor *motor, double *speed, double *angle, const double *torq
     Line line;
     int k;
     if (!is_finite(sum)) {
-        return fail(failure, FAILURE_MOTOR, "speed", 0, *speed, 0.0, 0.0, 0.0);
+        return fail(failure, FAILURE_MOTOR, 0, *speed, 0.0, 0.0, 0.0);
     }
     motor->reached = step;
     line.motor = motor;
@@ -141,8 +141,8 @@ int motor_advance(Motor *motor, double *speed, double *angle, const double *torq
             return FINE;
         }
         line.bound = speed_at(motor, line.piece + (line.beyond > 0));
-        part = crossing(short_of, &line, larger(0.0, line.beyond * (line.bound - line.speed)), until,
-                        BRACKET * until);
+        part = find_crossing(short_of, &line, larger(0.0, line.beyond * (line.bound - line.speed)),
+                             until, BRACKET * until);
         on_line(&line, part, &end, &turned);
         *angle += turned;
         begin += part;
@@ -154,5 +154,5 @@ int motor_advance(Motor *motor, double *speed, double *angle, const double *torq
         line.speed = line.bound;
         line.piece += line.beyond;
     }
-    return fail(failure, FAILURE_CROSSINGS, "speed", 0, step, line.bound, 0.0, 0.0);
+    return fail(failure, FAILURE_CROSSINGS, 0, step, line.bound, 0.0, 0.0);
 }

@@ -1,7 +1,5 @@
 #include "rotor/propagator.h"
 
-#include <string.h>
-
 #include "base/elementary.h"
 #include "base/matrix.h"
 #include "constants.h"
@@ -65,7 +63,7 @@ static void sparse_product(int parts, int size, int upper, const double *a, cons
 }
 
 /* e^A - 1 = A (1 + A/2 (1 + A/3 (1 + ...))) of a small A, into `to`; `from` is scratch of that size. */
-static void series(int parts, int size, int upper, const double *a, double *from, double *to)
+static void sum_series(int parts, int size, int upper, const double *a, double *from, double *to)
 {
     const size_t count = (size_t)size * size * parts;
     int k;
@@ -84,66 +82,27 @@ static void series(int parts, int size, int upper, const double *a, double *from
     }
 }
 
-/* What has been doubled from this matrix, at most so often; else the one to be written over. */
-static Doubled *doubled_from(Doublings *cache, const double *scaled, size_t count, int most)
-{
-    int k;
-    for (k = 0; k < KEPT_DOUBLINGS; k++) {
-        Doubled *one = cache->doubled + k;
-        if (one->used && !memcmp(one->scaled, scaled, count * sizeof(double))) {
-            one->used = one->times <= most;
-            return one;
-        }
-    }
-    cache->next = (cache->next + 1) % KEPT_DOUBLINGS;
-    cache->doubled[cache->next].used = 0;
-    return cache->doubled + cache->next;
-}
-
-/* Keep this, of which all rows are known. */
-static void keep_doubled(Doubled *doubled, size_t count, const double *scaled, const double *grown, int times)
-{
-    copy_doubles(count, scaled, doubled->scaled);
-    copy_doubles(count, grown, doubled->grown);
-    doubled->times = times;
-    doubled->used = 1;
-}
-
-int exponential(int parts, int size, int upper, double *matrix, double *scratch, Doublings *cache,
-                Failure *failure)
+int exponential(int parts, int size, int upper, double *matrix, double *scratch, Failure *failure)
 {
     const size_t count = (size_t)size * size * parts;
     double *scaled = scratch, *product = scaled + count;
     const double norm = column_norm(parts, size, matrix);
     double part;
-    Doubled *doubled = NULL;
-    int doublings, before, known, j;
+    int doublings, j;
     size_t i;
     if (!is_finite(norm)) {
-        return fail(failure, FAILURE_MATRICES, "matrices", 0, norm, 0.0, 0.0, 0.0);
+        return fail(failure, FAILURE_MATRICES, 0, norm, 0.0, 0.0, 0.0);
     }
     doublings = binary_exponent(norm) + 1;
     doublings = doublings > 0 ? doublings : 0;
-    before = doublings > 0 ? doublings - 1 : 0;
     part = scaled_by_power(1.0, -doublings);
     for (i = 0; i < count; i++) {
         scaled[i] = part * matrix[i];
     }
-    if (doublings) {
-        doubled = doubled_from(cache, scaled, count, before);
-    }
-    known = doubled && doubled->used;
-    if (known) {
-        copy_doubles(count, doubled->grown, matrix);
-    } else if (norm > 0.0) {
-        series(parts, size, upper, scaled, product, matrix);
-    }
+    sum_series(parts, size, upper, scaled, product, matrix);
     /* E -> 2 E + E^2 instead of squaring e^A keeps slow modes exact next to fast ones */
-    for (j = known ? doubled->times : 0; j < doublings; j++) {
-        const int rows = j < before ? size : upper;
-        if (j == before) {
-            keep_doubled(doubled, count, scaled, matrix, before);
-        }
+    for (j = 1; j <= doublings; j++) {
+        const int rows = j < doublings ? size : upper;
         upper_product(parts, size, upper, rows, matrix, matrix, product);
         for (i = 0; i < (size_t)(rows * size * parts); i++) {
             matrix[i] = 2.0 * matrix[i] + product[i];
@@ -169,47 +128,7 @@ size_t step_matrix_scratch(int stations, int planes, int orders, int axes)
 {
     const size_t size = (size_t)step_matrix_columns(stations, planes, orders, axes);
     const size_t parts = axes == 1 ? 2 : 1;
-    return 5 * parts * size * size; /* Z, its exponential, and what that needs */
-}
-
-/* Rows (dof, 2 dof + axes p + axes) of M v' by q, v, f_0 and e. */
-static void set_right(const LinearRotor *rotor, int parts, int axes, double speed,
-                      const double *damping, const double *stiffness, double *right)
-{
-    const int n = rotor->stations, p = rotor->plane_count, dof = axes * n;
-    const int width = 2 * dof + axes * (p + 1), e = 2 * dof + axes * p;
-    const double squared = speed * speed;
-    int i, j, k, axis;
-    fill_doubles((size_t)dof * width * parts, 0.0, right);
-    for (i = 0; i < dof; i++) {
-        double *row = right + (size_t)i * width * parts;
-        for (k = 0; k < dof * parts; k++) {
-            row[k] = -stiffness[i * dof * parts + k];
-            row[dof * parts + k] = -damping[i * dof * parts + k];
-        }
-    }
-    for (axis = 0; axis < axes; axis++) {
-        for (i = 0; i < n; i++) {
-            double *row = right + (size_t)(axis * n + i) * width * parts;
-            for (j = 0; j < p; j++) {
-                row[(2 * dof + axis * p + j) * parts] = rotor->planes[j * n + i];
-            }
-        }
-    }
-    for (i = 0; i < n; i++) {
-        const double x = squared * rotor->unbalance[2 * i];
-        const double y = squared * rotor->unbalance[2 * i + 1];
-        double *row = right + ((size_t)i * width + e) * parts;
-        row[0] = x;
-        if (axes == 1) {
-            row[1] = y;
-        } else {
-            row[1] = -y;
-            row += (size_t)n * width;
-            row[0] = y;
-            row[1] = x;
-        }
-    }
+    return 4 * parts * size * size; /* Z, its exponential, and what that needs */
 }
 
 /* Turning e^{i w t} of `count` vectors, at rows and columns from `first` on: f' = i w f. */
@@ -217,42 +136,40 @@ static void set_turning(int parts, int size, int first, int count, double speed,
 {
     int k;
     for (k = 0; k < count; k++) {
-        const size_t x = first + k, y = x + count;
         if (parts == 2) {
+            const size_t x = first + k;
             z[(x * size + x) * 2 + 1] = speed;
         } else {
+            const size_t x = first + 2 * k, y = x + 1;
             z[x * size + y] = -speed;
             z[y * size + x] = speed;
         }
     }
 }
 
-int generator(const LinearRotor *rotor, double speed, int turning_force, int orders, double *z,
-              double *scratch, Failure *failure)
+/* Matrix Z (columns, columns) of the autonomous system (q, v, f_0.., e)' = Z (q, v, f_0.., e). */
+static int set_generator(const LinearRotor *rotor, double speed, int turning_force, int orders,
+                         double *z, double *scratch, Failure *failure)
 {
     const int axes = linear_rotor_isotropic(rotor) ? 1 : 2, parts = 3 - axes;
     const int p = rotor->plane_count, dof = axes * rotor->stations, forces = axes * p;
-    const int size = 2 * dof + orders * forces + axes, f = 2 * dof, e = size - axes;
-    const int width = 2 * dof + forces + axes;
-    const size_t square = (size_t)dof * dof * parts;
-    double *mass = scratch, *damping = mass + square, *stiffness = damping + square;
-    double *right = stiffness + square;
+    const int size = step_matrix_columns(rotor->stations, p, orders, axes), e = size - axes;
+    const size_t width = (size_t)(2 * dof + forces + axes) * parts;
+    double *rows = scratch, *work = rows + dof * width;
     int i, k;
-    linear_rotor_coefficients(rotor, speed, mass, damping, stiffness);
-    set_right(rotor, parts, axes, speed, damping, stiffness, right);
-    if (matrix_solve(parts, dof, width, mass, right)) {
-        return fail(failure, FAILURE_SINGULAR, "mass", 0, 0.0, 0.0, 0.0, 0.0);
+    const int code = linear_rotor_rows(rotor, speed, rows, work, failure);
+    if (code) {
+        return code;
     }
     fill_doubles((size_t)size * size * parts, 0.0, z);
-    for (i = 0; i < dof; i++) {
+    for (i = 0; i < dof; i++, rows += width) {
         double *row = z + (size_t)(dof + i) * size * parts;
-        const double *from = right + (size_t)i * width * parts;
         z[((size_t)i * size + dof + i) * parts] = 1.0;
-        copy_doubles((size_t)(2 * dof + forces) * parts, from, row);
-        copy_doubles((size_t)axes * parts, from + (2 * dof + forces) * parts, row + e * parts);
+        copy_doubles((size_t)(2 * dof + forces) * parts, rows, row);
+        copy_doubles((size_t)axes * parts, rows + (2 * dof + forces) * parts, row + e * parts);
     }
     for (k = 0; k < orders; k++) {
-        const int first = f + k * forces;
+        const int first = 2 * dof + k * forces;
         if (turning_force) {
             set_turning(parts, size, first, p, speed, z);
         }
@@ -265,7 +182,7 @@ int generator(const LinearRotor *rotor, double speed, int turning_force, int ord
 }
 
 int step_matrix(const LinearRotor *rotor, double speed, double step, int turning_force, int orders,
-                double *matrix, double *scratch, Doublings *cache, Failure *failure)
+                double *matrix, double *scratch, Failure *failure)
 {
     const int axes = linear_rotor_isotropic(rotor) ? 1 : 2, parts = 3 - axes;
     const int n = rotor->stations, p = rotor->plane_count, dof = axes * n, forces = axes * p;
@@ -274,14 +191,14 @@ int step_matrix(const LinearRotor *rotor, double speed, double step, int turning
     double *z = scratch, *propagated = z + count, *work = propagated + count;
     double *rates = work, *next = rates + dof * width, *planes = next + dof * width;
     size_t i;
-    int k, code = generator(rotor, speed, turning_force, orders, z, work, failure);
+    int k, code = set_generator(rotor, speed, turning_force, orders, z, work, failure);
     if (code) {
         return code;
     }
     for (i = 0; i < count; i++) {
         propagated[i] = z[i] * step;
     }
-    code = exponential(parts, size, 2 * dof, propagated, work, cache, failure);
+    code = exponential(parts, size, 2 * dof, propagated, work, failure);
     if (code) {
         return code;
     }

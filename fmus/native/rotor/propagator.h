@@ -1,7 +1,4 @@
-/* Exact step of the linear rotor at constant speed.
-
-   Axes and parts: an isotropic rotor has one axis of complex elements (parts 2), any other two axes
-   of real ones (parts 1). */
+/* Exact step of the linear rotor at constant speed. */
 #ifndef AUTOBALANCER_PROPAGATOR_H
 #define AUTOBALANCER_PROPAGATOR_H
 
@@ -10,25 +7,9 @@
 #include "base/failure.h"
 #include "rotor/linear_rotor.h"
 
-/* As many as a tolerance has steps between one and its half. */
-enum { KEPT_DOUBLINGS = 4 };
-
-/* e^A - 1 of a matrix A 2^times, that of one twice as large is doubled from; (size, size) each. */
-typedef struct {
-    int used, times;
-    double *scaled, *grown; /* A, and the e^A - 1 it has grown to */
-} Doubled;
-
-typedef struct {
-    int next; /* the last one written over */
-    Doubled doubled[KEPT_DOUBLINGS];
-} Doublings;
-
 /* The first `upper` rows of e^matrix (size, size), in place, by a Taylor series and doubling of e^A - 1;
-   rows from `upper` on have zeros in the columns before it.  scratch: 3 parts size^2 doubles.  What is
-   in `cache` saves time and changes no bit. */
-int exponential(int parts, int size, int upper, double *matrix, double *scratch, Doublings *cache,
-                Failure *failure);
+   rows from `upper` on have zeros in the columns before it.  scratch: 2 parts size^2 doubles. */
+int exponential(int parts, int size, int upper, double *matrix, double *scratch, Failure *failure);
 
 /* Elements in a row and rows of a step matrix; in doubles it has rows * columns * parts.
 
@@ -38,18 +19,12 @@ int step_matrix_columns(int stations, int planes, int orders, int axes);
 /* Doubles of scratch for step_matrix. */
 size_t step_matrix_scratch(int stations, int planes, int orders, int axes);
 
-/* Matrix Z (columns, columns) of the autonomous system (q, v, f_0..f_3, e)' =
-   Z (q, v, f_0..f_3, e), of quintics with f_0..f_5; the same scratch. */
-int generator(const LinearRotor *rotor, double speed, int turning_force, int orders, double *z,
-              double *scratch, Failure *failure);
-
 /* Matrix (rows, columns) that takes (q, v, f_0..f_3, e) to (q, v, a, j) one `step` [s] later, of
    quintics to the jerk's derivative as well.
 
-   a and j are acceleration and jerk of the p planes in fixed axes; blocks are (x..., y...) for an
-   anisotropic rotor, complex for an isotropic one.  With `turning_force` 0 the f_k are derivatives
-   in fixed axes.  With step = 0 it evaluates a and j at the start. */
+   a and j are acceleration and jerk of the p planes in fixed axes; axes and parts are those of
+   linear_rotor.h.  With `turning_force` 0 the f_k are derivatives in fixed axes.  With step = 0 it evaluates a and j at the start. */
 int step_matrix(const LinearRotor *rotor, double speed, double step, int turning_force, int orders,
-                double *matrix, double *scratch, Doublings *cache, Failure *failure);
+                double *matrix, double *scratch, Failure *failure);
 
 #endif

@@ -21,15 +21,11 @@ void bending_rows(int n, const double *z, int p, int q, double *rows)
     }
 }
 
-int beam_compliance(int n, const double *z, const double *rows, double bending_stiffness,
-                    double *delta, double *scratch, Failure *failure)
+void beam_compliance(int n, const double *z, const double *rows, double bending_stiffness,
+                     double *delta, double *scratch)
 {
     const int size = n - 2;
-    const int code = demand_positive("bending_stiffness", bending_stiffness, failure);
     int i, j, k;
-    if (code) {
-        return code;
-    }
     for (i = 0; i < size; i++) {
         for (j = 0; j < n; j++) {
             double sum = 0.0;
@@ -55,7 +51,6 @@ int beam_compliance(int n, const double *z, const double *rows, double bending_s
             delta[i * size + j] = delta[j * size + i] = mean;
         }
     }
-    return FINE;
 }
 
 void beam_shares(int n, const double *z, double position, double *shares, double *scratch)
@@ -112,7 +107,7 @@ int given_compliance(int size, const double *compliance, double *delta, Failure 
             delta[i * size + j] = delta[j * size + i] = (a + b) / 2.0;
         }
     }
-    return fits ? FINE : fail(failure, FAILURE_COMPLIANCE, "compliance", size, 0.0, 0.0, 0.0, 0.0);
+    return fits ? FINE : fail(failure, FAILURE_COMPLIANCE, size, 0.0, 0.0, 0.0, 0.0);
 }
 
 /* Lower triangle of delta scaled to a unit diagonal; 0, or 1 when it is not positive definite. */
@@ -148,7 +143,7 @@ int shaft_stiffness(int n, const double *delta, const double *rows, double *stif
         scale[i] = square_root(absolute(delta[i * size + i]));
     }
     if (cholesky(size, delta, scale, lower)) {
-        return fail(failure, FAILURE_NOT_ELASTIC, "compliance", size, 0.0, 0.0, 0.0, 0.0);
+        return fail(failure, FAILURE_NOT_ELASTIC, size, 0.0, 0.0, 0.0, 0.0);
     }
     for (i = 0; i < size; i++) {
         for (j = 0; j < n; j++) {

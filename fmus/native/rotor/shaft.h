@@ -8,8 +8,8 @@
 void bending_rows(int n, const double *z, int p, int q, double *rows);
 
 /* Euler-Bernoulli influence coefficients delta (n - 2, n - 2) [m/N]; scratch of n (n - 2). */
-int beam_compliance(int n, const double *z, const double *rows, double bending_stiffness,
-                    double *delta, double *scratch, Failure *failure);
+void beam_compliance(int n, const double *z, const double *rows, double bending_stiffness,
+                     double *delta, double *scratch);
 
 /* Shares (n,) of the discs in a force at a position between them; scratch of 2 n. */
 void beam_shares(int n, const double *z, double position, double *shares, double *scratch);

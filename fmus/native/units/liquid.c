@@ -66,7 +66,7 @@ static void liquid_put_outputs(Unit *unit, double t)
     const double clearance = liquid_clearance(&own->liquid, displacement);
     Complex motion[3];
     size_t k;
-    signal_derivatives(in, unit->layout.sizes.order, t, motion);
+    signal_at((const Complex *)(const void *)in, (int)orders_of(unit), t, motion);
     for (k = 0; k < orders_of(unit) / 2; k++, out += LIQUID_SIGNALS) {
         out[0] = own->sent != 0.0 ? -own->sent * motion[k].re : 0.0;
         out[1] = own->sent != 0.0 ? -own->sent * motion[k].im : 0.0;

@@ -13,41 +13,22 @@ static size_t rotor_memory_size(const Layout *layout)
     return MOTION + 4 * (size_t)layout->sizes.stations + 2 + 4 * (size_t)layout->sizes.sliders;
 }
 
-static double *doubles(Unit *unit, size_t count)
+static double *doubles(Unit *unit, size_t count, int *missing)
 {
-    return unit_allocate(unit, count, sizeof(double));
-}
-
-/* The larger of a size for one axis and for two. */
-static size_t larger_of(size_t (*size)(int, int, int), int n, int p)
-{
-    const size_t one = size(n, p, 1), two = size(n, p, 2);
-    return one > two ? one : two;
-}
-
-/* Doubles of a step matrix; the larger for one axis and for two. */
-static size_t matrix_doubles(int n, int p, int orders)
-{
-    size_t sizes[2];
-    int axes;
-    for (axes = 1; axes <= 2; axes++) {
-        sizes[axes - 1] = (size_t)step_matrix_rows(n, p, orders, axes) *
-                          (size_t)step_matrix_columns(n, p, orders, axes) * (axes == 1 ? 2 : 1);
-    }
-    return sizes[0] > sizes[1] ? sizes[0] : sizes[1];
+    double *block = unit_allocate(unit, count, sizeof(double));
+    *missing |= !block;
+    return block;
 }
 
 static int rotor_allocate(Unit *unit)
 {
     Rotor *own = unit->own;
     const Sizes *sizes = &unit->layout.sizes;
-    const int n = sizes->stations, p = sizes->planes;
+    const int n = sizes->stations, p = sizes->planes, orders = sizes->order + 1;
     const size_t stations = (size_t)n, planes = (size_t)p, free = n > 2 ? stations - 2 : 0;
-    const int orders = sizes->order + 1;
-    const size_t matrix = matrix_doubles(n, p, orders);
-    const size_t size = 4 * stations + 2 * (size_t)orders * planes + 2;
-    const size_t square = size * size;
-    const size_t one = step_matrix_scratch(n, p, orders, 1), two = step_matrix_scratch(n, p, orders, 2);
+    /* of two axes: half as much would do for one */
+    const size_t columns = (size_t)step_matrix_columns(n, p, orders, 2);
+    const size_t matrix = (size_t)step_matrix_rows(n, p, orders, 2) * columns;
     int k, missing = 0;
     own->kind = rotor_kind(&unit->layout);
     own->stations = n;
@@ -56,50 +37,27 @@ static int rotor_allocate(Unit *unit)
     own->unbalances = sizes->unbalances;
     own->turning = !sizes->fixed_frame;
     own->slider_count = 2 * sizes->sliders;
-    if (own->slider_count) {
-        own->sliders = unit_allocate(unit, (size_t)own->slider_count, sizeof(Slider));
-        own->friction_memory = doubles(unit, friction_size(n, p, own->slider_count));
-        own->slider_states = doubles(unit, 2 * (size_t)own->slider_count);
-        missing |= !own->sliders || !own->friction_memory || !own->slider_states;
-    }
-    own->rotor_memory = doubles(unit, linear_rotor_size(n, p));
-    own->loaded_mass = doubles(unit, stations * stations);
-    own->values = doubles(unit, 2 * stations + 3 * (size_t)sizes->unbalances + free * free +
-                                    linear_rotor_flexible_scratch(n));
+    own->sliders = unit_allocate(unit, (size_t)own->slider_count, sizeof(Slider));
     own->ports = unit_allocate(unit, planes, sizeof(int));
-    own->unsorted = doubles(unit, matrix);
-    own->matrix_scratch = doubles(unit, one > two ? one : two);
-    own->operand = doubles(unit, size);
-    own->result = doubles(unit, 4 * stations + (size_t)orders * planes);
-    own->sag = doubles(unit, 2 * stations);
-    own->sag_of.added_mass = doubles(unit, planes);
-    own->variable_of.added_mass = doubles(unit, planes);
-    own->variable_memory = doubles(unit, larger_of(variable_speed_size, n, p));
-    own->variable_scratch = doubles(unit, larger_of(variable_speed_scratch, n, p));
-    own->state = doubles(unit, 4 * stations);
-    own->acceleration = doubles(unit, 2 * planes);
-    own->jerk = doubles(unit, 2 * planes);
-    own->rates.of.added_mass = doubles(unit, planes);
-    own->rates.first = unit_allocate(unit, size + 1, sizeof(int));
-    own->rates.column = unit_allocate(unit, rotor_rates_doubles(n, p, orders), sizeof(int));
-    own->rates.value = doubles(unit, rotor_rates_doubles(n, p, orders));
-    own->rates.work = doubles(unit, 2 * size);
+    own->slider_states = doubles(unit, 2 * (size_t)own->slider_count, &missing);
+    own->taylor_memory = doubles(unit, taylor_step_size(n, p, own->slider_count), &missing);
+    own->taylor_of.added_mass = doubles(unit, planes, &missing);
+    own->motion = doubles(unit, 6 * stations, &missing);
+    own->rotor_memory = doubles(unit, linear_rotor_size(n, p), &missing);
+    own->loaded_mass = doubles(unit, stations * stations, &missing);
+    own->values = doubles(unit, 2 * stations + 3 * (size_t)sizes->unbalances + free * free +
+                                    linear_rotor_flexible_scratch(n), &missing);
+    own->unsorted = doubles(unit, matrix, &missing);
+    own->matrix_scratch = doubles(unit, step_matrix_scratch(n, p, orders, 2), &missing);
+    own->operand = doubles(unit, columns, &missing);
+    own->result = doubles(unit, 4 * stations + (size_t)orders * planes, &missing);
+    own->sag = doubles(unit, 2 * stations, &missing);
+    own->sag_of.added_mass = doubles(unit, planes, &missing);
     for (k = 0; k < KEPT_MATRICES; k++) {
-        own->kept[k].of.added_mass = doubles(unit, planes);
-        own->kept[k].matrix = doubles(unit, matrix);
-        missing |= !own->kept[k].of.added_mass || !own->kept[k].matrix;
+        own->kept[k].of.added_mass = doubles(unit, planes, &missing);
+        own->kept[k].matrix = doubles(unit, matrix, &missing);
     }
-    for (k = 0; k < KEPT_DOUBLINGS; k++) {
-        Doubled *doubled = own->doublings.doubled + k;
-        doubled->scaled = doubles(unit, square);
-        doubled->grown = doubles(unit, square);
-        missing |= !doubled->scaled || !doubled->grown;
-    }
-    return missing || !own->sag || !own->sag_of.added_mass || !own->rotor_memory || !own->loaded_mass || !own->values || !own->ports ||
-           !own->unsorted || !own->rates.of.added_mass || !own->rates.first || !own->rates.column ||
-           !own->rates.value || !own->rates.work || !own->matrix_scratch || !own->operand || !own->result ||
-           !own->variable_of.added_mass || !own->variable_memory || !own->variable_scratch ||
-           !own->state || !own->acceleration || !own->jerk;
+    return missing || !own->sliders || !own->ports;
 }
 
 static int rotor_parameters(Unit *unit)
@@ -117,16 +75,13 @@ static int rotor_parameters(Unit *unit)
     for (k = 0; k < KEPT_MATRICES; k++) {
         own->kept[k].of.made = 0;
     }
-    for (k = 0; k < KEPT_DOUBLINGS; k++) {
-        own->doublings.doubled[k].used = 0;
-    }
-    own->variable_of.made = own->rates.of.made = own->sag_of.made = 0;
+    own->taylor_of.made = own->sag_of.made = 0;
     own->turned[0].angle = own->turned[1].angle = not_a_number();
     if (linear_rotor_heavy(&own->rotor) &&
-        linear_rotor_sag(&own->rotor, 0.0, own->state, own->matrix_scratch, &failure)) {
+        linear_rotor_sag(&own->rotor, 0.0, own->sag, own->matrix_scratch, &failure)) {
         return unit_failed(unit, &failure, NULL, 0);
     }
-    return own->slider_count ? rotor_make_variable(unit) : 0;
+    return own->slider_count ? rotor_make_taylor(unit) : 0;
 }
 
 static int rotor_begin(Unit *unit)
@@ -143,24 +98,22 @@ static int rotor_begin(Unit *unit)
 static int rotor_step_unit(Unit *unit, double length)
 {
     Rotor *own = unit->own;
-    const double speed = rotor_drive(unit)[0], spin_up = rotor_drive(unit)[SPIN_UP];
     const size_t motion = 4 * (size_t)own->stations;
+    const Spin start = spin_of(0.0, rotor_drive(unit)[0], rotor_drive(unit) + SPIN_UP);
     double *end_speed = unit->memory + MOTION + motion;
-    Drift more;
+    Spin end;
     if (rotor_propagate(unit, length)) {
         return 1;
     }
     unit->made = length = own->reached;
-    more = drift(rotor_drive(unit) + SPIN_UP, length);
-    angle_turn(unit->memory, length * (speed + 0.5 * spin_up * length) + more.angle);
+    end = spin_after(&start, length);
+    angle_turn(unit->memory, end.angle);
     copy_doubles(motion, own->result, unit->memory + MOTION);
-    end_speed[0] = speed + spin_up * length + more.speed;
+    end_speed[0] = end.speed;
     end_speed[1] = length;
-    if (own->slider_count) {
-        memcpy(rotor_slider_states(unit), own->slider_states, 2 * (size_t)own->slider_count * sizeof(double));
-    }
-    rotor_put(own, own->result + motion, unit->memory[REST], *end_speed, spin_up + more.acceleration,
-        unit->real + unit->layout.computed.first);
+    copy_doubles(2 * (size_t)own->slider_count, own->slider_states, rotor_slider_states(unit));
+    rotor_put(own, own->result + motion, unit->memory[REST], end.speed, end.rates[0],
+              unit->real + unit->layout.computed.first);
     return 0;
 }
 
@@ -180,7 +133,7 @@ static double largest_bending(const Rotor *own, const double *stations)
     for (i = 0; i < rotor->deflections; i++) {
         double bending[2];
         const double *row = rotor->deflection + i * own->stations;
-        rotor_vectors_at(row, 1, own->stations, stations, bending);
+        combine_vectors(row, 1, own->stations, stations, bending);
         largest = larger(largest, magnitude(complex_of(bending[0], bending[1])));
     }
     return largest;
@@ -196,7 +149,7 @@ static void rotor_observe(Unit *unit)
     out[0] = angle_total(memory);
     memcpy(out + 1, motion, count * sizeof(double));
     out += 1 + count;
-    rotor_vectors_at(own->rotor.planes, own->planes, own->stations, motion, out);
+    combine_vectors(own->rotor.planes, own->planes, own->stations, motion, out);
     out += 2 * own->planes;
     *out++ = largest_bending(own, motion);
     for (k = 0; k < own->slider_count; k++) {
@@ -242,7 +195,7 @@ static int rotor_slope(Unit *unit, size_t reference, double *value)
     } else if (output > 2 * n && output <= 2 * n + p) {
         const size_t k = output - 2 * n - 1;
         double both[2];
-        rotor_vectors_at(own->rotor.planes + k / 2 * (n / 2), 1, own->stations, velocity, both);
+        combine_vectors(own->rotor.planes + k / 2 * (n / 2), 1, own->stations, velocity, both);
         *value = both[k % 2];
     }
     return 0;

@@ -5,10 +5,9 @@
 #include "base/elementary.h"
 #include "base/signals.h"
 #include "fmi/unit.h"
-#include "rotor/friction.h"
 #include "rotor/linear_rotor.h"
 #include "rotor/propagator.h"
-#include "rotor/variable_speed.h"
+#include "rotor/taylor_step.h"
 #include "units/angle.h"
 
 enum { PLANAR, TWO_SUPPORT, FLEXIBLE };
@@ -27,23 +26,13 @@ typedef struct {
     double speed, *added_mass;
 } MadeFor;
 
-/* A step matrix with x and y alternating in rows and columns, and what it is of. */
+/* A step matrix by columns, and what it is of. */
 typedef struct {
     MadeFor of;
     uint64_t last; /* when it was asked for */
     double step;
     double *matrix;
 } Kept;
-
-/* Z of the autonomous system that a step matrix is e^{Zt} of (propagator.h), and what it is of. */
-typedef struct {
-    MadeFor of;
-    int size;
-    double quickest;     /* rate of change of the state [rad/s] */
-    int *first, *column; /* (size + 1,) of the elements of each row, and their columns */
-    double *value;
-    double *work; /* (2, size) */
-} Rates;
 
 typedef struct {
     int kind, stations, planes, unbalances, turning;
@@ -55,23 +44,20 @@ typedef struct {
     double *values; /* scratch for making the rotor */
     int *ports;
     Kept kept[KEPT_MATRICES];
-    Doublings doublings; /* that others are made from */
     uint64_t clock;
     Turned turned[2]; /* the last two: passes ask for the ends of a step again and again */
     double *unsorted, *matrix_scratch;
     double *operand, *result; /* of a step matrix */
-    VariableSpeedStep variable;
-    MadeFor variable_of; /* whatever the speed */
-    double *variable_memory, *variable_scratch;
-    double *state, *acceleration, *jerk;
+    TaylorStep taylor;
+    MadeFor taylor_of; /* whatever the speed */
+    double *taylor_memory;
+    double *motion; /* (3, 2n) derivatives of the stations' displacements */
     double *sag; /* (2n,) of the stations under gravity */
     MadeFor sag_of;
     int lifted;
     int slider_count; /* two for each of the unit's: along x and y */
     Slider *sliders;
-    FrictionStep friction;
-    double *friction_memory, *slider_states; /* held: as it is after what was propagated last */
-    Rates rates;
+    double *slider_states; /* as they are after what was propagated last */
     double reached;  /* length of the step as far as it came: it ends behind an event of a slider [s] */
     double whole;    /* length of the step within which the unit is moved, 0: over all of it [s] */
 } Rotor;
@@ -98,15 +84,10 @@ int rotor_is_of(const Unit *unit, const MadeFor *of, double speed);
 LinearRotor rotor_anew(Unit *unit, MadeFor *of);
 /* It is made, of this speed and the present added masses. */
 void rotor_made(const Unit *unit, MadeFor *of, double speed);
-/* Where the k-th column of a matrix, x and y alternating, stands among (x..., y...) blocks. */
-int rotor_column(const Rotor *own, int k);
-/* Rows of a matrix (count, n) times vectors (x, y alternating). */
-void rotor_vectors_at(const double *rows, int count, int n, const double *vectors,
-                      double *result);
 
 /* -- rotor_step.c ----------------------------------------------------------------------- */
 
-/* Step matrix by columns, x and y alternating in rows and columns; NULL with the reason. */
+/* Step matrix by columns; NULL with the reason. */
 const double *rotor_matrix(Unit *unit, double speed, double step);
 /* own->result = matrix own->operand. */
 void rotor_apply(Rotor *own, const double *matrix);
@@ -116,8 +97,8 @@ void rotor_apply(Rotor *own, const double *matrix);
 int rotor_propagate(Unit *unit, double step);
 /* Directions and forces of the sliders in the unit's memory. */
 double *rotor_slider_states(const Unit *unit);
-/* The variable-speed step and the friction step for the masses that the planes carry now. */
-int rotor_make_variable(Unit *unit);
+/* Bring own->taylor up to date with the masses that the planes carry now; 1 with the reason. */
+int rotor_make_taylor(Unit *unit);
 /* Vectors (x, y alternating) turned by the angle with this cosine and sine; `to` may be `pairs`. */
 void rotor_rotated(const double *pairs, size_t count, double c, double s, double *to);
 /* Computed outputs from acceleration and jerk of the planes in fixed axes, with signals of order 5
@@ -128,8 +109,7 @@ void rotor_put(Rotor *own, const double *planes, double angle, double speed, dou
 int rotor_outputs_now(Unit *unit, double *out);
 /* Torque on the shaft and its slope at the present time; 1 with the reason. */
 int rotor_torque_now(Unit *unit, double *torque);
-/* Derivatives of angle, displacements and velocities at the present time, without friction; 1 with the
-   reason. */
+/* Derivatives of angle, displacements and velocities at the present time; 1 with the reason. */
 int rotor_derivatives(Unit *unit, double *rates);
 
 /* -- rotor_gravity.c --------------------------------------------------------------------- */
@@ -140,14 +120,5 @@ int rotor_lift(Unit *unit);
 /* Put it back on those in own->result, where it was taken off, and take gravity off the planes'
    acceleration. */
 void rotor_lower(Rotor *own);
-/* -- rotor_within.c ---------------------------------------------------------------------- */
-
-/* Elements of Z that are not 0, at most. */
-size_t rotor_rates_doubles(int stations, int planes, int orders);
-/* Bring own->rates up to date; 1 with the reason. */
-int rotor_rates(Unit *unit);
-/* As rotor_apply with the matrix of a step to `time` [s] within own->whole; 0 where the state
-   changes too fast for that, and own->operand is lost. */
-int rotor_within(Rotor *own, double time);
 
 #endif

@@ -1,25 +1,19 @@
 /* Gravity in the step of the rotor's unit: the sag about which it moves, and what its planes feel. */
 #include "units/rotor.h"
 
-/* Sag at the present speed and added masses in own->sag, x and y alternating. */
+/* Sag at the present speed and added masses in own->sag. */
 static int find_sag(Unit *unit)
 {
     Rotor *own = unit->own;
-    const int n = own->stations;
     const double speed = rotor_drive(unit)[0];
     LinearRotor loaded;
     Failure failure;
-    int k;
     if (rotor_is_of(unit, &own->sag_of, speed)) {
         return 0;
     }
     loaded = rotor_anew(unit, &own->sag_of);
-    if (linear_rotor_sag(&loaded, speed, own->state, own->matrix_scratch, &failure)) {
+    if (linear_rotor_sag(&loaded, speed, own->sag, own->matrix_scratch, &failure)) {
         return unit_failed(unit, &failure, NULL, 0);
-    }
-    for (k = 0; k < n; k++) {
-        own->sag[2 * k] = own->state[own->axes == 1 ? 2 * k : k];
-        own->sag[2 * k + 1] = own->state[own->axes == 1 ? 2 * k + 1 : n + k];
     }
     rotor_made(unit, &own->sag_of, speed);
     return 0;

@@ -12,27 +12,11 @@ int rotor_kind(const Layout *layout)
                                                                               : TWO_SUPPORT;
 }
 
-/* Displacement at j by a unit force at k of a uniform shaft supported at its ends. */
-static double start_compliance(const double *z, size_t step, int j, int k, int last)
+/* Displacement at a by a unit force at b >= a of a uniform shaft supported at 0 and span. */
+static double start_compliance(double a, double b, double span)
 {
-    const double zj = z[step * (size_t)j], zk = z[step * (size_t)k];
-    const double zp = z[0], zq = z[step * (size_t)last];
-    const double points[2][3] = {{zj, zp, zq}, {zk, zp, zq}};
-    double share[2][3], sum = 0.0;
-    int a, b;
-    for (a = 0; a < 2; a++) {
-        const double along = (points[a][0] - zp) / (zq - zp);
-        share[a][0] = 1.0;
-        share[a][1] = -(1.0 - along);
-        share[a][2] = -along;
-    }
-    for (a = 0; a < 3; a++) {
-        for (b = 0; b < 3; b++) {
-            const double far = absolute(points[0][a] - points[1][b]);
-            sum += share[0][a] * share[1][b] * (far * far * far);
-        }
-    }
-    return sum / (12.0 * STEEL_20_MM);
+    const double rest = span - b;
+    return a * rest * (span * span - rest * rest - a * a) / (6.0 * span * STEEL_20_MM);
 }
 
 static void flexible_starts(const Layout *layout, double *real)
@@ -56,7 +40,7 @@ static void flexible_starts(const Layout *layout, double *real)
     if (compliance < layout->real_count) {
         for (j = 1; j < n - 1; j++) {
             for (k = j; k < n - 1; k++) {
-                real[at++] = start_compliance(real + z, 2, j, k, n - 1);
+                real[at++] = start_compliance(SPACING * j, SPACING * k, SPACING * (n - 1));
             }
         }
     }

@@ -33,39 +33,3 @@ void rotor_made(const Unit *unit, MadeFor *of, double speed)
     of->speed = speed;
     of->made = 1;
 }
-
-/* Where the k-th element of blocks with x and y alternating stands when every block is
-   (x..., y...); `ends` are where the blocks end, in pairs. */
-static int alternating(const int *ends, int k)
-{
-    int block = 0, first, size;
-    while (k / 2 >= ends[block]) {
-        block++;
-    }
-    first = block ? ends[block - 1] : 0;
-    size = ends[block] - first;
-    return 2 * first + (k / 2 - first) + (k % 2) * size;
-}
-
-int rotor_column(const Rotor *own, int k)
-{
-    const int n = own->stations, p = own->planes, f = 2 * n;
-    int ends[QUINTIC_ORDERS + 3] = {n, f}, j;
-    for (j = 1; j <= own->orders; j++) {
-        ends[1 + j] = f + j * p;
-    }
-    ends[1 + j] = f + own->orders * p + 1;
-    return alternating(ends, k);
-}
-
-void rotor_vectors_at(const double *rows, int count, int n, const double *vectors, double *result)
-{
-    int i, j;
-    for (i = 0; i < count; i++, result += 2) {
-        result[0] = result[1] = 0.0;
-        for (j = 0; j < n; j++) {
-            result[0] += rows[i * n + j] * vectors[2 * j];
-            result[1] += rows[i * n + j] * vectors[2 * j + 1];
-        }
-    }
-}

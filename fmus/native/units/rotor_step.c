@@ -3,29 +3,10 @@
 
 #include "base/elementary.h"
 #include "base/matrix.h"
-#include "base/quintic.h"
 #include "base/spin.h"
-#include "rotor/propagator.h"
 #include "units/rotor.h"
 
-/* By columns, x and y alternating. */
-static void sort_matrix(const Rotor *own, const double *from, double *to)
-{
-    const int n = own->stations, p = own->planes;
-    const size_t wide = (size_t)own->columns;
-    int block, i, k;
-    for (k = 0; k < own->columns; k++) {
-        const double *x = from + rotor_column(own, k);
-        for (block = 0; block < 2 + own->orders / 2; block++) {
-            const size_t size = (size_t)(block < 2 ? n : p);
-            for (i = 0; i < (int)size; i++, x += wide) {
-                *to++ = x[0];
-                *to++ = x[size * wide];
-            }
-            x += size * wide; /* y have been taken with x */
-        }
-    }
-}
+enum { MOST_STRETCHES_WITHIN = 24 }; /* within a step: more cost as much as a matrix for that time */
 
 /* The kept matrix that was asked for longest ago, or one never used. */
 static Kept *oldest(Rotor *own)
@@ -58,42 +39,15 @@ const double *rotor_matrix(Unit *unit, double speed, double step)
     kept = oldest(own);
     loaded = rotor_anew(unit, &kept->of);
     if (step_matrix(&loaded, speed, step, own->turning, own->orders, own->unsorted,
-                    own->matrix_scratch, &own->doublings, &failure)) {
+                    own->matrix_scratch, &failure)) {
         unit_failed(unit, &failure, NULL, 0);
         return NULL;
     }
-    if (own->axes == 2) {
-        sort_matrix(own, own->unsorted, kept->matrix);
-    } else {
-        matrix_transposed(2, own->rows, own->columns, own->unsorted, kept->matrix);
-    }
+    matrix_transposed(own->parts, own->rows, own->columns, own->unsorted, kept->matrix);
     kept->step = step;
     kept->last = own->clock;
     rotor_made(unit, &kept->of, speed);
     return kept->matrix;
-}
-
-/* (x..., y...) a block from x and y alternating, or back; complex numbers stay as they are. */
-static void to_axes(const double *pairs, int axes, int blocks, int size, double *values)
-{
-    int b, k;
-    for (b = 0; b < blocks; b++, pairs += 2 * size, values += 2 * size) {
-        for (k = 0; k < size; k++) {
-            values[axes == 1 ? 2 * k : k] = pairs[2 * k];
-            values[axes == 1 ? 2 * k + 1 : size + k] = pairs[2 * k + 1];
-        }
-    }
-}
-
-static void from_axes(const double *values, int axes, int blocks, int size, double *pairs)
-{
-    int b, k;
-    for (b = 0; b < blocks; b++, pairs += 2 * size, values += 2 * size) {
-        for (k = 0; k < size; k++) {
-            pairs[2 * k] = values[axes == 1 ? 2 * k : k];
-            pairs[2 * k + 1] = values[axes == 1 ? 2 * k + 1 : size + k];
-        }
-    }
 }
 
 double *rotor_slider_states(const Unit *unit)
@@ -101,185 +55,120 @@ double *rotor_slider_states(const Unit *unit)
     return unit->memory + MOTION + 4 * ((const Rotor *)unit->own)->stations + 2;
 }
 
-int rotor_make_variable(Unit *unit)
+int rotor_make_taylor(Unit *unit)
 {
     Rotor *own = unit->own;
     LinearRotor loaded;
     Failure failure;
-    if (rotor_is_of(unit, &own->variable_of, 0.0)) {
+    if (rotor_is_of(unit, &own->taylor_of, 0.0)) {
         return 0;
     }
-    loaded = rotor_anew(unit, &own->variable_of);
-    if (variable_speed_step(&loaded, own->turning, own->variable_memory, own->variable_scratch,
-                            &own->variable, &failure) ||
-        (own->slider_count &&
-         friction_step(&loaded, &own->variable, own->sliders, own->slider_count,
-                       own->friction_memory, &own->friction, &failure))) {
+    loaded = rotor_anew(unit, &own->taylor_of);
+    if (taylor_step_in(own->taylor_memory, &loaded, own->sliders, own->slider_count,
+                       own->matrix_scratch, &own->taylor, &failure)) {
         return unit_failed(unit, &failure, NULL, 0);
     }
-    own->variable.orders = own->orders;
-    rotor_made(unit, &own->variable_of, 0.0);
+    rotor_made(unit, &own->taylor_of, 0.0);
     return 0;
 }
 
-/* Motion of the stations, and acceleration and jerk of the planes, after `step` [s], in
-   own->result; all in fixed axes, x and y alternating. */
-static int propagate_variable(Unit *unit, double step)
+/* What moves the rotor from where the inputs were set, `ago` [s]. */
+static Drive drive_since(Unit *unit, double ago)
 {
-    Rotor *own = unit->own;
-    const int n = own->stations, p = own->planes;
-    const double speed = rotor_drive(unit)[0], *spin_up = rotor_drive(unit) + SPIN_UP;
-    const double angle = unit->memory[REST];
-    const double *forces = rotor_drive(unit) + SPUN;
-    double *planes = own->result + 4 * n;
-    Failure failure;
-    if (rotor_make_variable(unit)) {
-        return 1;
-    }
-    to_axes(unit->memory + MOTION, own->axes, 2, n, own->state);
-    if (step != 0.0 &&
-        variable_speed_advance(&own->variable, own->state, forces, angle, speed, spin_up, step,
-                               own->variable_scratch, &failure)) {
-        return unit_failed(unit, &failure, NULL, 0);
-    }
-    variable_speed_plane_motion(&own->variable, own->state, forces, angle, speed, spin_up, step,
-                                own->acceleration, own->jerk, own->variable_scratch);
-    from_axes(own->state, own->axes, 2, n, own->result);
-    from_axes(own->acceleration, own->axes, 1, p, planes);
-    from_axes(own->jerk, own->axes, 1, p, planes + 2 * p);
-    if (own->orders == QUINTIC_ORDERS) {
-        variable_speed_plane_second(&own->variable, own->state, forces, angle, speed, spin_up, step,
-                                    own->jerk, own->variable_scratch);
-        from_axes(own->jerk, own->axes, 1, p, planes + 4 * p);
-    }
-    return 0;
-}
-
-/* What moves a rotor with friction, whose angle `ago` later is that in memory. */
-static Drive friction_drive(Unit *unit, const double *forces, const double *spin_up, double ago)
-{
+    const Rotor *own = unit->own;
+    const double *in = rotor_drive(unit);
+    const Spin start = spin_of(0.0, in[0], in + SPIN_UP);
     Drive drive;
-    drive.forces = forces;
-    drive.spin_up = spin_up;
-    drive.speed = rotor_drive(unit)[0];
-    drive.angle = unit->memory[REST] - ago * (drive.speed + 0.5 * spin_up[0] * ago) -
-                  drift(spin_up, ago).angle;
+    drive.forces = in + SPUN;
+    drive.orders = own->orders;
+    drive.planes = own->planes;
+    drive.turning_force = own->turning;
+    drive.spin = start;
+    drive.spin.angle = unit->memory[REST] - spin_after(&start, ago).angle;
     return drive;
 }
 
 /* Whether a step of this length ends at an event of a slider. */
 static int stops(const Unit *unit, double length)
 {
-    const double shortest = unit->real[rotor_shortest_stopped(unit)];
+    const Rotor *own = unit->own;
+    const double shortest = own->slider_count ? unit->real[rotor_shortest_stopped(unit)] : 0.0;
     return unit->may_end_early && shortest > 0.0 && length >= shortest;
 }
 
-/* The sliders in own->held as they are `step` after the inputs were set, own->state with them. */
-static int friction_move(Unit *unit, const Drive *drive, double step, Failure *failure)
+/* `rotor_propagate` by Taylor series, sliders in own->slider_states. */
+static int propagate_series(Unit *unit, double step)
 {
     Rotor *own = unit->own;
-    to_axes(unit->memory + MOTION, 2, 2, own->stations, own->state);
-    if (unit->frozen) {
-        return FINE;
-    }
-    memcpy(own->slider_states, rotor_slider_states(unit), 2 * (size_t)own->slider_count * sizeof(double));
-    return step != 0.0
-               ? friction_advance(&own->friction, own->state, own->slider_states, drive, step,
-                              stops(unit, step), &own->reached, failure)
-               : friction_resolve(&own->friction, own->state, own->slider_states, drive, 0.0, failure);
-}
-
-/* The same with friction, what it is after the step in own->held. */
-static int propagate_friction(Unit *unit, double step)
-{
-    Rotor *own = unit->own;
-    const int n = own->stations, p = own->planes;
-    const double *spin_up = rotor_drive(unit) + SPIN_UP;
-    const Drive drive = friction_drive(unit, rotor_drive(unit) + SPUN, spin_up, 0.0);
-    double *planes = own->result + 4 * n;
+    const size_t motion = 4 * (size_t)own->stations;
+    const Drive drive = drive_since(unit, 0.0);
+    double *state = own->result, *slider_states = own->slider_states;
     Failure failure;
-    if (rotor_make_variable(unit)) {
+    int code = FINE;
+    if (rotor_make_taylor(unit)) {
         return 1;
     }
-    if (friction_move(unit, &drive, step, &failure) ||
-        friction_plane_motion(&own->friction, own->state, own->slider_states, &drive, own->reached,
-                              own->acceleration, own->jerk, &failure)) {
-        return unit_failed(unit, &failure, NULL, 0);
-    }
-    from_axes(own->state, 2, 2, n, own->result);
-    from_axes(own->acceleration, 2, 1, p, planes);
-    from_axes(own->jerk, 2, 1, p, planes + 2 * p);
-    return 0;
-}
-
-/* rotor_torque_now of a rotor with friction. */
-static int friction_torque(Unit *unit, double ago, double *torque)
-{
-    Rotor *own = unit->own;
-    const double *spin_up = rotor_drive(unit) + SPIN_UP;
-    const Drive drive = friction_drive(unit, rotor_drive(unit) + SPUN, spin_up, ago);
-    const Drift more = drift(spin_up, ago);
-    double *rates = own->variable_scratch, *jerks = rates + 4 * own->stations;
-    Failure failure;
-    to_axes(unit->memory + MOTION, 2, 2, own->stations, own->state);
+    copy_doubles(motion, unit->memory + MOTION, state);
     if (!unit->frozen) {
-        memcpy(own->slider_states, rotor_slider_states(unit), 2 * (size_t)own->slider_count * sizeof(double));
+        copy_doubles(2 * (size_t)own->slider_count, rotor_slider_states(unit), slider_states);
+        code = step != 0.0 ? taylor_advance(&own->taylor, state, slider_states, &drive, step,
+                                            stops(unit, step), &own->reached, &failure)
+                           : taylor_resolve(&own->taylor, state, slider_states, &drive, 0.0, &failure);
     }
-    if ((ago == 0.0 && !unit->frozen &&
-         friction_resolve(&own->friction, own->state, own->slider_states, &drive, 0.0, &failure)) ||
-        friction_motion(&own->friction, own->state, own->slider_states, &drive, ago, rates, jerks,
-                        &failure)) {
+    if (code || taylor_plane_motion(&own->taylor, state, slider_states, &drive, own->reached,
+                                    1 + own->orders / 2, state + motion, &failure)) {
         return unit_failed(unit, &failure, NULL, 0);
     }
-    shaft_torque(&own->variable, &own->rotor, own->state, rates, jerks, unit->memory[REST],
-                 drive.speed + spin_up[0] * ago + more.speed, spin_up[0] + more.acceleration,
-                 torque);
     return 0;
 }
 
-/* Prepare own->variable and own->state for the present time; how long ago the inputs were set [s], and
-   the angle then. */
-static int stand_now(Unit *unit, double *ago, double *angle)
+/* Derivatives of the displacements at the present time, of order 1 to `orders`, in own->motion; how the
+   rotor turns. */
+static int find_motion(Unit *unit, int orders, Spin *spin)
 {
     Rotor *own = unit->own;
-    const double speed = rotor_drive(unit)[0], *spin_up = rotor_drive(unit) + SPIN_UP;
-    *ago = unit->memory[MOTION + 4 * own->stations + 1];
-    *angle = unit->memory[REST] - (*ago * (speed + 0.5 * spin_up[0] * *ago) + drift(spin_up, *ago).angle);
-    if (rotor_make_variable(unit)) {
+    const double *state = unit->memory + MOTION, ago = state[4 * own->stations + 1];
+    const Drive drive = drive_since(unit, ago);
+    Failure failure;
+    int code = FINE;
+    *spin = spin_after(&drive.spin, ago);
+    if (rotor_make_taylor(unit)) {
         return 1;
     }
-    to_axes(unit->memory + MOTION, own->axes, 2, own->stations, own->state);
+    if (!unit->frozen) {
+        copy_doubles(2 * (size_t)own->slider_count, rotor_slider_states(unit), own->slider_states);
+        code = ago == 0.0 ? taylor_resolve(&own->taylor, state, own->slider_states, &drive, 0.0,
+                                           &failure)
+                          : FINE;
+    }
+    if (code || taylor_motion(&own->taylor, state, own->slider_states, &drive, ago, orders,
+                              own->motion, &failure)) {
+        return unit_failed(unit, &failure, NULL, 0);
+    }
     return 0;
 }
 
 int rotor_torque_now(Unit *unit, double *torque)
 {
-    Rotor *own = unit->own;
-    double ago, angle;
-    if (stand_now(unit, &ago, &angle)) {
+    const Rotor *own = unit->own;
+    Spin spin;
+    if (find_motion(unit, 3, &spin)) {
         return 1;
     }
-    if (own->slider_count) {
-        return friction_torque(unit, ago, torque);
-    }
-    variable_speed_torque(&own->variable, &own->rotor, own->state, rotor_drive(unit) + SPUN, angle,
-                          rotor_drive(unit)[0], rotor_drive(unit) + SPIN_UP, ago, torque,
-                          own->variable_scratch);
+    linear_rotor_torque(&own->rotor, unit->memory + MOTION, own->motion, &spin, torque);
     return 0;
 }
 
 int rotor_derivatives(Unit *unit, double *rates)
 {
-    Rotor *own = unit->own;
-    const size_t n = (size_t)own->stations;
-    double *moved = own->variable_scratch, *jerks = moved + 4 * n, ago, angle;
-    if (stand_now(unit, &ago, &angle)) {
+    const Rotor *own = unit->own;
+    const size_t motion = 4 * (size_t)own->stations;
+    Spin spin;
+    if (find_motion(unit, 2, &spin)) {
         return 1;
     }
-    variable_speed_motion(&own->variable, own->state, rotor_drive(unit) + SPUN, angle, rotor_drive(unit)[0],
-                          rotor_drive(unit) + SPIN_UP, ago, moved, jerks, jerks + 2 * n);
-    rates[0] = unit->memory[MOTION + 4 * n];
-    from_axes(moved, own->axes, 2, (int)n, rates + 1);
+    rates[0] = unit->memory[MOTION + motion];
+    copy_doubles(motion, own->motion, rates + 1);
     return 0;
 }
 
@@ -353,25 +242,21 @@ static int propagate(Unit *unit, double step)
 {
     Rotor *own = unit->own;
     const double *matrix;
-    if (own->slider_count) {
-        return propagate_friction(unit, step);
+    if (own->slider_count || unit->exchanges || rotor_drive(unit)[SPIN_UP] != 0.0 ||
+        drifts(rotor_drive(unit) + SPIN_UP)) {
+        return propagate_series(unit, step);
     }
-    if (unit->exchanges || rotor_drive(unit)[SPIN_UP] != 0.0 || drifts(rotor_drive(unit) + SPIN_UP)) {
-        return propagate_variable(unit, step);
+    if (own->whole > 0.0) {
+        const Drive drive = drive_since(unit, 0.0);
+        if (rotor_make_taylor(unit)) {
+            return 1;
+        }
+        if (step <= MOST_STRETCHES_WITHIN * taylor_stretch(&own->taylor, &drive, 0.0)) {
+            return propagate_series(unit, step);
+        }
     }
     if (set_operand(unit)) {
         return 1;
-    }
-    if (own->whole > 0.0) {
-        if (rotor_rates(unit)) {
-            return 1;
-        }
-        if (rotor_within(own, step)) {
-            return 0;
-        }
-        if (set_operand(unit)) {
-            return 1;
-        }
     }
     matrix = rotor_matrix(unit, rotor_drive(unit)[0], step);
     if (!matrix) {

@@ -4,8 +4,6 @@
 #include "units/weights.h"
 #include "base/elementary.h"
 #include "constants.h"
-#include "base/quintic.h"
-#include "base/spin.h"
 #include "contact/centre.h"
 #include "contact/pulse.h"
 
@@ -78,7 +76,6 @@ static int weights_parameters(Unit *unit)
     track->rolling_resistance = real[ROLLING];
     track->offset = complex_of(real[OFFSET_XI], real[OFFSET_ETA]);
     own->quadrature = quadrature_empty();
-    own->quintic = quintic_quadrature_empty();
     for (k = 0; k < 2 * own->count; k++) {
         own->turned[k].angle = not_a_number();
     }
@@ -88,9 +85,8 @@ static int weights_parameters(Unit *unit)
     if (track_prepare(track, &failure)) {
         return unit_failed(unit, &failure, NULL, 0);
     }
-    own->plain = !track->eventful && real[OFFSET_XI] == 0.0 && real[OFFSET_ETA] == 0.0;
     if (own->orders == QUINTIC_ORDERS && track->eventful) {
-        fail(&failure, FAILURE_QUINTIC_WEIGHTS, "order", 0, 5.0, 0.0, 0.0, 0.0);
+        fail(&failure, FAILURE_QUINTIC_WEIGHTS, 0, 5.0, 0.0, 0.0, 0.0);
         return unit_failed(unit, &failure, NULL, 0);
     }
     own->stop_at_contact = flag(unit, "stop_at_contact") && unit->may_end_early;
@@ -107,76 +103,50 @@ static int weights_begin(Unit *unit)
     Failure failure;
     memset(unit->memory, 0, unit->memory_count * sizeof(double));
     memcpy(angles, unit->real + FIRST_ANGLE, 2 * count * sizeof(double));
-    if (!own->plain && track_first_contacts(&own->track, angles, angles + count,
-                                            angles + 2 * count, own->scratch, &failure)) {
+    if (track_first_contacts(&own->track, angles, angles + count, angles + 2 * count,
+                             own->scratch, &failure)) {
         return unit_failed(unit, &failure, angles, count);
     }
     return 0;
 }
 
-/* Residual force of the weights on the rotor and its slope in its frame, without pulses; 1 with the
-   reason. */
-static int force_now(Unit *unit, const RotorMotion *now, Complex *force)
+/* Residual force of the weights on the rotor and its derivatives in its frame, without pulses; 1 with
+   the reason. */
+static int find_reaction(Unit *unit, const Instant *plane, Complex *force)
 {
     const Balls *own = unit->own;
     const size_t count = (size_t)own->count;
     const double *angles = unit->memory;
     Failure failure;
-    if (own->plain) {
-        weights_reaction(&own->track.weights, angles, angles + count, now->acceleration, now->slope,
-                         now->speed, now->spin_up, now->change, force, force + 1, own->turned);
-    } else if (track_reaction(&own->track, angles, angles + count, angles + 2 * count,
-                              now->acceleration, now->slope, now->speed, now->spin_up, now->change,
-                              force, force + 1, own->scratch, &failure)) {
+    if (track_reaction(&own->track, angles, angles + count, angles + 2 * count, plane,
+                       own->orders / 2, force, own->turned, own->scratch, &failure)) {
         return unit_failed(unit, &failure, angles, count);
     }
     return 0;
-}
-
-/* Second derivative of the force, whose value and slope are given in the rotor's axes. */
-static void put_second(Unit *unit, const RotorMotion *now, const Complex *force, double *out)
-{
-    const Balls *own = unit->own;
-    const Complex motion[3] = {now->acceleration, now->slope, now->second};
-    Complex second = track_reaction_second(&own->track, unit->memory, unit->memory + own->count,
-                                           motion, now->speed, &now->spin_up, own->turned);
-    second = complex_difference(second, complex_scaled(own->sent, now->second));
-    if (unit->layout.sizes.fixed_frame) {
-        second = weights_rotating_second(-now->angle, -now->speed, -now->spin_up, force[0], force[1], second);
-    }
-    out[0] = second.re;
-    out[1] = second.im;
 }
 
 /* Computed outputs. */
 static int weights_put_outputs(Unit *unit)
 {
     const Balls *own = unit->own;
-    const RotorMotion now = weights_motion_now(unit);
+    const int half = own->orders / 2;
     double *out = unit->real + unit->layout.computed.first;
-    Complex force[3];
-    if (force_now(unit, &now, force)) {
+    Complex pulse_acceleration, force[3];
+    Instant plane = find_plane_motion(unit, &pulse_acceleration);
+    int k;
+    if (find_reaction(unit, &plane, force)) {
         return 1;
     }
     force[0] = complex_sum(force[0], weights_pulse(unit));
-    if (own->sent != 0.0) {
-        const Complex whole = complex_sum(now.acceleration, now.pulse_acceleration);
-        force[0] = complex_difference(force[0], complex_scaled(own->sent, whole));
-        force[1] = complex_difference(force[1], complex_scaled(own->sent, now.slope));
-    }
-    if (own->orders == QUINTIC_ORDERS) {
-        out += 2;
-        put_second(unit, &now, force, out + FORCE_SLOPE);
+    plane.motion[0] = complex_sum(plane.motion[0], pulse_acceleration);
+    for (k = 0; k < half && own->sent != 0.0; k++) {
+        force[k] = complex_difference(force[k], complex_scaled(own->sent, plane.motion[k]));
     }
     if (unit->layout.sizes.fixed_frame) {
-        weights_rotating(-now.angle, -now.speed, force, force + 1);
+        rotate_derivatives(force, half, &plane.spin, 1);
     }
-    out[ADDED_MASS] = own->carried;
-    out = unit->real + unit->layout.computed.first;
-    out[FORCE] = force[0].re;
-    out[FORCE + 1] = force[0].im;
-    out[FORCE_SLOPE] = force[1].re;
-    out[FORCE_SLOPE + 1] = force[1].im;
+    memcpy(out, force, (size_t)half * sizeof *force);
+    out[2 * half] = own->carried;
     return 0;
 }
 
@@ -185,11 +155,11 @@ static int weights_put_outputs(Unit *unit)
 static void take_off_answer(double mobility, Complex pulse, Complex given, double length,
                             Complex *cubic)
 {
-    const Complex none = {0.0, 0.0};
+    const Complex start[2] = {complex_scaled(mobility, pulse), {0.0, 0.0}};
+    const Complex end[2] = {complex_scaled(mobility, given), {0.0, 0.0}};
     Complex answer[SIGNAL_ORDERS];
     int k;
-    signal_hermite(complex_scaled(mobility, pulse), none, complex_scaled(mobility, given), none,
-                   length, answer);
+    signal_hermite(start, end, SIGNAL_ORDERS, length, answer);
     for (k = 0; k < SIGNAL_ORDERS; k++) {
         cubic[k] = complex_difference(cubic[k], answer[k]);
     }
@@ -206,8 +176,8 @@ static int stops_of(const Unit *unit, double length)
            (unit->leaves_impacts ? STOPS_AT_IMPACTS : 0);
 }
 
-/* One step of weights that may touch, stick or run off centre. */
-static int meet(Unit *unit, Complex *cubic, double speed, const double *spin_up, double length)
+/* One step of weights that may touch or stick. */
+static int step_with_events(Unit *unit, Complex *cubic, double speed, const double *spin_up, double length)
 {
     Balls *own = unit->own;
     const size_t count = (size_t)own->count;
@@ -242,67 +212,40 @@ static int meet(Unit *unit, Complex *cubic, double speed, const double *spin_up,
     return 0;
 }
 
-/* Move point weights under a quintic signal. */
-static int step_quintic(Unit *unit, double length)
+/* The acceleration of the track's centre over a step of this length, in the rotor frame. */
+static void find_centre_signal(const Unit *unit, double length, Complex *signal)
+{
+    const Balls *own = unit->own;
+    const double *in = weights_drive(unit);
+    const Spin start = spin_of(in[ANGLE], in[SPEED], in + ACCELERATION);
+    memcpy(signal, weights_signal(unit), (size_t)own->orders * sizeof *signal);
+    if (unit->layout.sizes.fixed_frame) {
+        Complex ends[2][3];
+        int k;
+        for (k = 0; k < 2; k++) {
+            const Spin spin = spin_after(&start, k * length);
+            signal_at(weights_signal(unit), own->orders, k * length, ends[k]);
+            rotate_derivatives(ends[k], own->orders / 2, &spin, 0);
+        }
+        signal_hermite(ends[0], ends[1], own->orders, length, signal);
+    }
+    shift_signal(signal, own->orders, own->track.offset, in[SPEED], in + ACCELERATION);
+}
+
+static int weights_step_unit(Unit *unit, double length)
 {
     Balls *own = unit->own;
     const double *in = weights_drive(unit), *spin_up = in + ACCELERATION;
     double *angles = unit->memory, *speeds = unit->memory + own->count;
     Complex signal[QUINTIC_ORDERS];
     Failure failure;
-    signal_quintic(unit->real + unit->layout.inputs.first, signal);
-    if (unit->layout.sizes.fixed_frame) {
-        Complex ends[2][3];
-        int k;
-        for (k = 0; k < 2; k++) {
-            const double t = k * length;
-            const Drift more = drift(spin_up, t);
-            const double angle = in[ANGLE] + t * (in[SPEED] + 0.5 * spin_up[0] * t) + more.angle;
-            const double speed = in[SPEED] + spin_up[0] * t + more.speed;
-            Complex *end = ends[k];
-            quintic_at(signal, t, end);
-            end[2] = weights_rotating_second(angle, speed, spin_up[0] + more.acceleration, end[0], end[1],
-                                     end[2]);
-            weights_rotating(angle, speed, end, end + 1);
-        }
-        signal_quintic_hermite(ends[0], ends[1], length, signal);
-    }
-    shift_quintic(signal, own->track.offset, in[SPEED], spin_up);
-    if (quintic_weights_advance(&own->track.weights, angles, speeds, signal, spin_up, length, angles,
-                                speeds, &own->quintic, own->turned, &failure)) {
-        return unit_failed(unit, &failure, unit->before, (size_t)own->count);
-    }
-    unit->memory[unit->memory_count - 1] = unit->made;
-    return weights_put_outputs(unit);
-}
-
-static int weights_step_unit(Unit *unit, double length)
-{
-    Balls *own = unit->own;
-    const double *in = unit->real + unit->layout.inputs.first, *spin_up = in + ACCELERATION;
-    const double speed = in[SPEED];
-    double *angles = unit->memory, *speeds = unit->memory + own->count;
-    Complex cubic[SIGNAL_ORDERS];
-    Failure failure;
-    if (own->orders == QUINTIC_ORDERS) {
-        return step_quintic(unit, length);
-    }
-    signal_orders(in, cubic);
-    if (unit->layout.sizes.fixed_frame) {
-        const Drift more = drift(spin_up, length);
-        const double angle = in[ANGLE] + (length * (speed + 0.5 * spin_up[0] * length) + more.angle);
-        Complex start = cubic[0], start_slope = cubic[1], end, end_slope;
-        signal_at(cubic, length, &end, &end_slope);
-        weights_rotating(angle, speed + spin_up[0] * length + more.speed, &end, &end_slope);
-        weights_rotating(in[ANGLE], speed, &start, &start_slope);
-        signal_hermite(start, start_slope, end, end_slope, length, cubic);
-    }
-    if (!own->plain) {
-        if (meet(unit, cubic, speed, spin_up, length)) {
+    find_centre_signal(unit, length, signal);
+    if (own->track.eventful) {
+        if (step_with_events(unit, signal, in[SPEED], spin_up, length)) {
             return 1;
         }
-    } else if (weights_advance(&own->track.weights, angles, speeds, cubic, spin_up, length,
-                               angles, speeds, &own->quadrature, own->turned, &failure)) {
+    } else if (weights_advance(&own->track.weights, angles, speeds, signal, own->orders, spin_up,
+                               length, angles, speeds, &own->quadrature, own->turned, &failure)) {
         return unit_failed(unit, &failure, unit->before, (size_t)own->count);
     }
     unit->memory[unit->memory_count - 1] = unit->made;
@@ -331,14 +274,13 @@ static void weights_observe_torques(Unit *unit)
 {
     const Balls *own = unit->own;
     const double *angles = unit->memory, *speeds = angles + own->count;
-    const RotorMotion now = weights_motion_now(unit);
-    const Complex motion[2] = {now.acceleration, now.slope};
     double *out = unit->real + unit->layout.real_count - 2;
-    Complex force[2];
+    Complex pulse_acceleration, force[3];
+    const Instant plane = find_plane_motion(unit, &pulse_acceleration);
     Failure failure;
-    if (force_now(unit, &now, force) ||
-        track_torque(&own->track, angles, speeds, speeds + own->count, motion, force, now.speed,
-                     now.spin_up, now.change, out, own->scratch, &failure)) {
+    if (find_reaction(unit, &plane, force) ||
+        track_torque(&own->track, angles, speeds, speeds + own->count, &plane, force, out,
+                     own->scratch, &failure)) {
         out[0] = out[1] = not_a_number();
     }
 }
@@ -363,15 +305,13 @@ static double weights_reach(const Unit *unit, size_t input)
 static double weight_acceleration(const Unit *unit, size_t k)
 {
     const Balls *own = unit->own;
-    const RotorMotion now = weights_motion_now(unit);
-    const double spin_up[4] = {now.spin_up, now.change, 0.0, 0.0};
-    const Complex none = {0.0, 0.0}, of_plane[SIGNAL_ORDERS] = {now.acceleration, now.slope, none, none};
     const Weights one = weights_single(&own->track.weights, (int)k);
     const double *angle = unit->memory + k;
-    Complex motion[SIGNAL_ORDERS];
+    Complex pulse_acceleration;
+    Instant now = find_plane_motion(unit, &pulse_acceleration);
     double turned[2];
-    shifted(of_plane, own->track.offset, now.speed, spin_up, motion);
-    weights_unhindered(&one, angle, angle + own->count, motion, now.spin_up, now.change, turned);
+    shift_signal(now.motion, 2, own->track.offset, now.spin.speed, now.spin.rates);
+    weights_unhindered(&one, angle, angle + own->count, &now, turned);
     return turned[0];
 }
 

@@ -1,6 +1,5 @@
 /* How the weights' plane moves, in the axes that turn with the rotor. */
 #include "base/elementary.h"
-#include "base/spin.h"
 #include "units/weights.h"
 
 double *weights_impulses(const Unit *unit)
@@ -13,55 +12,39 @@ Complex weights_pulse(const Unit *unit)
     return complex_of(weights_impulses(unit)[2], weights_impulses(unit)[3]);
 }
 
-Complex weights_rotating_second(double angle, double speed, double spin_up, Complex value,
-                                Complex slope, Complex second)
+void rotate_derivatives(Complex *derivatives, int count, const Spin *spin, int against)
 {
-    /* second - 2 i w slope - (w^2 + i w') value */
-    const Complex moved = complex_product(complex_of(speed * speed, spin_up), value);
-    const Complex seen = complex_of(second.re + 2.0 * speed * slope.im - moved.re,
-                                    second.im - 2.0 * speed * slope.re - moved.im);
-    return complex_product(seen, rect(1.0, -angle));
-}
-
-void weights_rotating(double angle, double speed, Complex *value, Complex *slope)
-{
-    const Complex turn = rect(1.0, -angle);
+    const double sign = against ? -1.0 : 1.0;
+    const double w = sign * spin->speed, spin_up = sign * spin->rates[0];
+    const Complex turn = rect(1.0, -sign * spin->angle);
+    const Complex value = derivatives[0], slope = derivatives[1];
+    int k;
     /* slope - i w value */
-    const Complex seen = complex_of(slope->re + speed * value->im, slope->im - speed * value->re);
-    *value = complex_product(*value, turn);
-    *slope = complex_product(seen, turn);
+    derivatives[1] = complex_of(slope.re + w * value.im, slope.im - w * value.re);
+    if (count == 3) { /* second - 2 i w slope - (w^2 + i w') value */
+        const Complex moved = complex_product(complex_of(w * w, spin_up), value);
+        derivatives[2].re += 2.0 * w * slope.im - moved.re;
+        derivatives[2].im -= 2.0 * w * slope.re + moved.im;
+    }
+    for (k = 0; k < count; k++) {
+        derivatives[k] = complex_product(derivatives[k], turn);
+    }
 }
 
-RotorMotion weights_motion_now(const Unit *unit)
+Instant find_plane_motion(const Unit *unit, Complex *pulse_acceleration)
 {
     const Balls *own = unit->own;
-    const double *in = weights_drive(unit), *spin_up = in + ACCELERATION;
+    const double *in = weights_drive(unit);
     const double ago = unit->memory[unit->memory_count - 1];
-    const Drift more = drift(spin_up, ago);
-    RotorMotion now;
-    now.second = complex_of(0.0, 0.0);
-    if (unit->layout.sizes.order == 5) {
-        Complex motion[3];
-        signal_derivatives(unit->real + unit->layout.inputs.first, 5, ago, motion);
-        now.acceleration = motion[0];
-        now.slope = motion[1];
-        now.second = motion[2];
-    } else {
-        Complex cubic[SIGNAL_ORDERS];
-        signal_orders(in, cubic);
-        signal_at(cubic, ago, &now.acceleration, &now.slope);
-    }
-    now.angle = in[ANGLE] + ago * (in[SPEED] + 0.5 * spin_up[0] * ago) + more.angle;
-    now.speed = in[SPEED] + spin_up[0] * ago + more.speed;
-    now.spin_up = spin_up[0] + more.acceleration;
-    now.change = more.slope;
-    now.curvature = spin_up[2] + ago * spin_up[3];
+    const Spin start = spin_of(in[ANGLE], in[SPEED], in + ACCELERATION);
+    Instant now;
+    now.motion[2] = complex_of(0.0, 0.0);
+    signal_at(weights_signal(unit), own->orders, ago, now.motion);
+    now.spin = spin_after(&start, ago);
     if (unit->layout.sizes.fixed_frame) {
-        now.second = weights_rotating_second(now.angle, now.speed, now.spin_up, now.acceleration, now.slope,
-                                     now.second);
-        weights_rotating(now.angle, now.speed, &now.acceleration, &now.slope);
+        rotate_derivatives(now.motion, own->orders / 2, &now.spin, 0);
     }
-    now.pulse_acceleration = complex_scaled(own->track.mobility, weights_pulse(unit));
-    now.acceleration = complex_difference(now.acceleration, now.pulse_acceleration);
+    *pulse_acceleration = complex_scaled(own->track.mobility, weights_pulse(unit));
+    now.motion[0] = complex_difference(now.motion[0], *pulse_acceleration);
     return now;
 }

@@ -4,15 +4,10 @@
 
 int liquid_check(const Liquid *liquid, Failure *failure)
 {
-    int code = demand_positive("chamber_radius", liquid->chamber_radius, failure);
-    code = code ? code : demand_positive("float_radius", liquid->float_radius, failure);
-    code = code ? code : demand_positive("height", liquid->height, failure);
-    code = code ? code : demand_positive("density", liquid->density, failure);
-    if (!code && liquid->float_radius >= liquid->chamber_radius) {
-        code = fail(failure, FAILURE_FLOAT_RADIUS, "float_radius", 0, liquid->float_radius,
-                    liquid->chamber_radius, 0.0, 0.0);
-    }
-    return code;
+    return liquid->float_radius < liquid->chamber_radius
+               ? FINE
+               : fail(failure, FAILURE_FLOAT_RADIUS, 0, liquid->float_radius,
+                      liquid->chamber_radius, 0.0, 0.0);
 }
 
 double liquid_gap(const Liquid *liquid)

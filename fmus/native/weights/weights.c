@@ -2,9 +2,7 @@
 
 #include <stddef.h>
 
-#include "base/cubic.h"
 #include "base/elementary.h"
-#include "base/spin.h"
 #include "constants.h"
 
 #define NEARBY 0.16 /* rad: the series of a turn by less leave out less than 1e-16 */
@@ -34,27 +32,6 @@ double weights_arm(const Weights *weights)
            (weights->track_radius - (weights->kappa - 1.0) * weights->radius);
 }
 
-int weights_check(const Weights *weights, Failure *failure)
-{
-    int code, k;
-    if (weights->count < 1) {
-        return fail(failure, FAILURE_COUNT, "count", 0, weights->count, 0.0, 0.0, 0.0);
-    }
-    code = demand_positive("mass", weights->mass, failure);
-    code = code ? code : demand_positive("track_radius", weights->track_radius, failure);
-    code = code ? code : demand_not_negative("drag", weights->drag, failure);
-    for (k = 0; weights->each && k < 3 * weights->count && !code; k++) {
-        const int what = k / weights->count;
-        code = what == 1 ? demand_not_negative("drag_ratio", weights->each[k], failure)
-                         : demand_positive(what ? "radius_ratio" : "mass_ratio", weights->each[k],
-                                           failure);
-    }
-    if (!code && !(is_finite(weights->kappa) && weights->kappa >= 1.0)) {
-        code = fail(failure, FAILURE_KAPPA, "kappa", 0, weights->kappa, 0.0, 0.0, 0.0);
-    }
-    return code;
-}
-
 double weights_added_mass(const Weights *weights)
 {
     return weights->each ? weights->mass * sum_of(weights->each, weights->count)
@@ -65,6 +42,11 @@ double weights_spin_share(const Weights *weights)
 {
     return (1.0 - (weights->kappa - 1.0) * weights->radius / weights->track_radius) /
            weights->kappa;
+}
+
+double weights_lever(const Weights *weights)
+{
+    return -1.0 / (weights->kappa * weights->track_radius);
 }
 
 double weights_damping_rate(const Weights *weights)
@@ -139,16 +121,16 @@ Quadrature quadrature_empty(void)
     return empty;
 }
 
-const double *quadrature(Quadrature *memory, double damping_rate, double step)
+const double *quadrature(Quadrature *memory, int orders, double damping_rate, double step)
 {
-    double phi[6], power = 1.0;
+    double phi[QUINTIC_ORDERS + 2], power = 1.0;
     int k;
     if (memory->damping_rate != damping_rate || memory->step != step) {
-        phi_functions(-damping_rate * step, 5, phi);
-        for (k = 0; k < 5; k++) {
-            memory->response[k] = power * phi[k]; /* of the rate: to rate, g0, g1, g2, g3 */
+        phi_functions(-damping_rate * step, orders + 1, phi);
+        for (k = 0; k <= orders; k++) {
+            memory->response[k] = power * phi[k];
             power *= step;
-            memory->response[5 + k] = power * phi[k + 1]; /* of the angle */
+            memory->response[orders + 1 + k] = power * phi[k + 1];
         }
         memory->damping_rate = damping_rate;
         memory->step = step;
@@ -156,22 +138,23 @@ const double *quadrature(Quadrature *memory, double damping_rate, double step)
     return memory->response;
 }
 
-/* Pull along the track in this direction, and its slope. */
-static void along(Complex a, Complex da, Complex direction, double speed, double *value,
-                  double *slope)
+void find_drive(const Driven *by, int count, Complex direction, double angle_rate,
+                double damping_rate, double *drive)
 {
-    const Complex seen = complex_product(a, direction);
-    *value = seen.im;
-    *slope = complex_product(da, direction).im - seen.re * speed;
+    const Complex along = complex_product(by->motion[0], direction);
+    const Complex slope = complex_product(by->motion[1], direction);
+    const double rate = angle_rate;
+    drive[0] = along.im - by->lag[0];
+    drive[1] = slope.im - along.re * rate - by->lag[1];
+    if (count == 3) {
+        drive[2] = complex_product(by->motion[2], direction).im - 2.0 * slope.re * rate -
+                   along.re * (drive[0] - damping_rate * rate) - along.im * rate * rate -
+                   by->lag[2];
+    }
 }
 
-void along_track(Complex a, Complex da, double angle, double speed, double lever, double *value,
-                 double *slope)
-{
-    along(a, da, rect(lever, -angle), speed, value, slope);
-}
-
-Complex direction_at(Complex direction, double moved, double lever, double angle)
+/* rect(lever, -angle) from `direction`, the same `moved` radians before: a small turn is cheap. */
+static Complex direction_at(Complex direction, double moved, double lever, double angle)
 {
     const double z = moved * moved, zz = z * z;
     double c, s;
@@ -185,35 +168,36 @@ Complex direction_at(Complex direction, double moved, double lever, double angle
     return complex_product(direction, complex_of(c, -moved * s));
 }
 
-int weights_substep(double *angle, double *angle_rate, const Complex *ends, double lever,
-                    Complex unit, const double *lag, const double *response, double step,
-                    Failure *failure)
+/* A sum and 2 or 3 products. */
+static double add_weighted(double sum, int count, const double *weights, const double *values)
 {
-    const double *s = response + 1, *t = response + 6; /* to g0..g3 */
-    double g0, g1, free_rate, free_angle, new_rate, new_angle;
-    const double start = *angle;
+    sum = sum + weights[0] * values[0] + weights[1] * values[1];
+    return count == 3 ? sum + weights[2] * values[2] : sum;
+}
+
+int weights_substep(double *angle, double *angle_rate, const Driven *start, const Driven *end,
+                    int orders, double lever, Complex unit, double damping_rate,
+                    const double *response, double step, Failure *failure)
+{
     const Complex direction = complex_scaled(lever, complex_conjugate(unit));
+    const int half = orders / 2;
+    const double *s = response + 1, *t = s + orders + 1; /* to the drive's derivatives */
+    const double from = *angle;
+    double begin[3], reached[3], higher[3], free_rate, free_angle, new_rate, new_angle;
     double change = 1.0; /* a weight moves less than 0.15 rad in a substep: it contracts fast */
     int iteration;
-    along(ends[0], ends[1], direction, *angle_rate, &g0, &g1);
-    g0 -= lag[0];
-    free_rate = response[0] * *angle_rate + s[0] * g0 + s[1] * g1;
-    free_angle = *angle + response[5] * *angle_rate + t[0] * g0 + t[1] * g1;
-    if (drifts(lag)) {
-        free_rate -= s[1] * lag[1] + s[2] * lag[2] + s[3] * lag[3];
-        free_angle -= t[1] * lag[1] + t[2] * lag[2] + t[3] * lag[3];
-    }
+    find_drive(start, half, direction, *angle_rate, damping_rate, begin);
+    free_rate = add_weighted(response[0] * *angle_rate, half, s, begin);
+    free_angle = add_weighted(from + response[orders + 1] * *angle_rate, half, t, begin);
     new_angle = free_angle;
     new_rate = free_rate;
-    g0 += lag[0];
     for (iteration = 0; iteration < MAX_ITERATIONS; iteration++) {
         const double last_angle = new_angle, last_rate = new_rate, last_change = change;
-        double pull, slope, g2, g3;
-        along(ends[2], ends[3],
-              direction_at(direction, new_angle - start, lever, new_angle), new_rate, &pull, &slope);
-        hermite(g0, g1, pull, slope, step, &g2, &g3);
-        new_rate = free_rate + s[2] * g2 + s[3] * g3;
-        new_angle = free_angle + t[2] * g2 + t[3] * g3;
+        find_drive(end, half, direction_at(direction, new_angle - from, lever, new_angle),
+                   new_rate, damping_rate, reached);
+        hermite_rates(begin, reached, orders, step, higher);
+        new_rate = add_weighted(free_rate, half, s + half, higher);
+        new_angle = add_weighted(free_angle, half, t + half, higher);
         change = absolute(new_angle - last_angle) + absolute(new_rate - last_rate) * step;
         if (converged(change, last_change, new_angle)) {
             *angle = new_angle;
@@ -221,8 +205,8 @@ int weights_substep(double *angle, double *angle_rate, const Complex *ends, doub
             return FINE;
         }
     }
-    return fail(failure, FAILURE_NOT_CONVERGED, "weights", 0, step, *angle, *angle_rate,
-                magnitude(ends[0]));
+    return fail(failure, FAILURE_NOT_CONVERGED, 0, step, *angle, *angle_rate,
+                magnitude(start->motion[0]));
 }
 
 int converged(double change, double last_change, double angle)
@@ -252,210 +236,206 @@ double fastest_rate(int count, const double *speeds, const Complex *signal, doub
     return largest_of(count, speeds) + square_root(-strength * lever) + gained;
 }
 
-double weights_turns_behind(double angle)
+/* Whole turns that are taken off a far angle while a step is computed [rad]: the iteration's end is
+   judged by the angle, and turns behind a weight must not loosen it. */
+static double turns_behind(double angle)
 {
     return absolute(angle) > FAR_ANGLE ? TAU * nearest(angle / TAU) : 0.0;
 }
 
-int weights_substeps(int number, const double *angles, const double *speeds, const Complex *signal,
-                     double lever, double lag, double damping_rate, double step, int *count,
-                     Failure *failure)
+/* Substeps that a step is taken in; 0 for angles that are not finite, and for too many. */
+static int count_substeps(const Weights *weights, const double *angles, const double *speeds,
+                          const Complex *signal, double spin_up, double step, Failure *failure)
 {
+    const double lag = weights_spin_share(weights) * spin_up, lever = weights_lever(weights);
     double strongest, turns;
-    const double fastest =
-        fastest_rate(number, speeds, signal, lever, lag, damping_rate, step, &strongest);
-    if (!is_finite(sum_of(angles, number))) {
-        return fail(failure, FAILURE_ANGLES, "angles", 0, 0.0, 0.0, 0.0, 0.0);
+    const double fastest = fastest_rate(weights->count, speeds, signal, lever, lag,
+                                        weights_damping_rate(weights), step, &strongest);
+    if (!is_finite(sum_of(angles, weights->count))) {
+        fail(failure, FAILURE_ANGLES, 0, 0.0, 0.0, 0.0, 0.0);
+        return 0;
     }
     turns = step * fastest / TURN_PER_SUBSTEP;
     if (!(turns < MAX_SUBSTEPS)) {
-        return fail(failure, FAILURE_SUBSTEPS, "weights", 0, turns, step, strongest,
-                    largest_of(number, speeds));
+        fail(failure, FAILURE_SUBSTEPS, 0, turns, step, strongest,
+             largest_of(weights->count, speeds));
+        return 0;
     }
-    *count = 1 + (int)turns;
-    return FINE;
+    return 1 + (int)turns;
 }
 
-/* Move one weight over `count` substeps of h. */
-static int advance_substeps(double *angle, double *speed, int count, double h, const Complex *signal,
-                double lever, const double *lag, const double *response, Turned *turned,
-                Failure *failure)
+/* What drives weights `time` into a step. */
+static Driven driven_at(const Complex *signal, int orders, const Spin *spin, double share,
+                        double time)
 {
-    const int varies = drifts(lag);
-    double now[4] = {lag[0], lag[1], lag[2], lag[3]};
-    Complex ends[4];
-    int j, code = FINE;
-    ends[0] = signal[0];
-    ends[1] = signal[1];
-    for (j = 1; j <= count && !code; j++) {
-        ends[2] = cubic_value(signal, j * h);
-        ends[3] = cubic_slope(signal, j * h);
-        if (varies) {
-            const double time = (j - 1) * h;
-            const Drift more = drift(lag, time);
-            now[0] = lag[0] + more.acceleration;
-            now[1] = more.slope;
-            now[2] = lag[2] + time * lag[3];
-        }
-        code = weights_substep(angle, speed, ends, lever, turned_by(turned, *angle), now, response,
-                               h, failure);
-        ends[0] = ends[2];
-        ends[1] = ends[3];
+    const Spin now = spin_after(spin, time);
+    Driven driven;
+    int k;
+    signal_at(signal, orders, time, driven.motion);
+    for (k = 0; k < 3; k++) {
+        driven.lag[k] = share * now.rates[k];
     }
-    return code;
+    return driven;
 }
 
 int weights_advance(const Weights *weights, const double *angles, const double *speeds,
-                    const Complex *signal, const double *spin_up, double step,
+                    const Complex *signal, int orders, const double *spin_up, double step,
                     double *new_angles, double *new_speeds, Quadrature *memory, Turned *turned,
                     Failure *failure)
 {
-    const double lever = -1.0 / (weights->kappa * weights->track_radius);
+    const double lever = weights_lever(weights), share = weights_spin_share(weights);
     const double damping_rate = weights_damping_rate(weights);
-    const int n = weights->count;
+    const Spin spin = spin_of(0.0, 0.0, spin_up);
     const double *response;
+    Driven begin, first; /* at the end of the first substep, mostly the only one */
     double h;
-    const double share = weights_spin_share(weights);
-    const double lag[4] = {share * spin_up[0], share * spin_up[1], share * spin_up[2],
-                           share * spin_up[3]};
-    int k, count, far, code = FINE;
-    for (k = 0; weights->each && k < n && !code; k++) {
+    int k, j, count, code = FINE;
+    for (k = 0; weights->each && k < weights->count && !code; k++) {
         const Weights one = weights_single(weights, k);
-        code = weights_advance(&one, angles + k, speeds + k, signal, spin_up, step, new_angles + k,
-                               new_speeds + k, memory, turned ? turned + 2 * k : NULL, failure);
+        code = weights_advance(&one, angles + k, speeds + k, signal, orders, spin_up, step,
+                               new_angles + k, new_speeds + k, memory,
+                               turned ? turned + 2 * k : NULL, failure);
     }
     if (weights->each) {
         return code;
     }
-    code = weights_substeps(n, angles, speeds, signal, lever, lag[0], damping_rate, step, &count,
-                            failure);
-    if (code) {
-        return code;
+    count = count_substeps(weights, angles, speeds, signal, spin_up[0], step, failure);
+    if (!count) {
+        return failure->code;
     }
     h = count > 1 ? step / count : step;
-    response = quadrature(memory, damping_rate, h);
-    /* the iteration's end is judged by the angle: turns behind a weight must not loosen it */
-    far = largest_of(n, angles) > FAR_ANGLE;
-    for (k = 0; k < n && !code; k++) {
-        const double behind = far ? TAU * nearest(angles[k] / TAU) : 0.0;
+    response = quadrature(memory, orders, damping_rate, h);
+    begin = driven_at(signal, orders, &spin, share, 0.0);
+    first = driven_at(signal, orders, &spin, share, h);
+    for (k = 0; k < weights->count && !code; k++) {
+        const double behind = turns_behind(angles[k]);
         double angle = angles[k] - behind, speed = speeds[k];
-        code = advance_substeps(&angle, &speed, count, h, signal, lever, lag, response,
-                    turned ? turned + 2 * k : NULL, failure);
+        Driven ends[2];
+        const Driven *start = &begin, *end = &first;
+        for (j = 1; j <= count && !code; j++, start = end, end = ends + j % 2) {
+            const Complex unit = turned_by(turned ? turned + 2 * k : NULL, angle);
+            if (j > 1) {
+                ends[j % 2] = driven_at(signal, orders, &spin, share, j * h);
+            }
+            code = weights_substep(&angle, &speed, start, end, orders, lever, unit, damping_rate,
+                                   response, h, failure);
+        }
         new_angles[k] = angle + behind;
         new_speeds[k] = speed;
     }
     return code;
 }
 
-void weights_reaction(const Weights *weights, const double *angles, const double *speeds,
-                      Complex acceleration, Complex slope, double speed,
-                      double angular_acceleration, double change, Complex *force,
-                      Complex *force_slope, Turned *turned)
+void add_derivatives(Complex unit, const double *rates, int count, Complex *sums)
 {
-    const double lever = -1.0 / (weights->kappa * weights->track_radius);
-    const double damping_rate = weights_damping_rate(weights);
-    const double share = weights_spin_share(weights), lag = share * angular_acceleration;
-    const double scale = -weights->mass * weights->track_radius;
-    const Complex turn = {0.0, 2.0 * speed}, pull = {-speed * speed, angular_acceleration};
-    const Complex pull_slope = {pull.re, 3.0 * angular_acceleration};
-    Complex moment = {0.0, 0.0}, first = moment, second = moment, third = moment, sum;
+    const double nu = rates[0], nu_1 = rates[1], nu_2 = rates[2], squared = nu * nu;
+    const Complex factors[4] = { /* derivatives of e^{i theta} of order 1 to 3, over it */
+        {0.0, nu}, {-squared, nu_1}, {-3.0 * nu * nu_1, nu_2 - nu * squared}, {0.0, 0.0}};
     int k;
-    *force = *force_slope = moment;
-    for (k = 0; weights->each && k < weights->count; k++) {
-        const Weights one = weights_single(weights, k);
-        Complex part, part_slope;
-        weights_reaction(&one, angles + k, speeds + k, acceleration, slope, speed,
-                         angular_acceleration, change, &part, &part_slope,
-                         turned ? turned + 2 * k : NULL);
-        *force = complex_sum(*force, part);
-        *force_slope = complex_sum(*force_slope, part_slope);
+    sums[0] = complex_sum(sums[0], unit);
+    for (k = 1; k < 4; k++) {
+        sums[k] = complex_sum(sums[k], complex_product(factors[k - 1], unit));
     }
-    if (weights->each) {
-        return;
+    if (count == 5) {
+        const Complex fourth = {squared * squared - 3.0 * nu_1 * nu_1 - 4.0 * nu * nu_2,
+                                rates[3] - 6.0 * squared * nu_1};
+        sums[4] = complex_sum(sums[4], complex_product(fourth, unit));
     }
-    acceleration = complex_scaled(lever, acceleration);
-    slope = complex_scaled(lever, slope);
+}
+
+void find_force(double moment, const Complex *u, const Spin *spin, int count, Complex *force)
+{
+    const double w = spin->speed, w1 = spin->rates[0], w2 = spin->rates[1], w3 = spin->rates[2];
+    /* the k-th derivative of u'' + 2 i w u' + (i w' - w^2) u is u^(k + 2) + 2 i w u^(k + 1) and the sum
+       of factors[k][j] u^(j) */
+    const Complex factors[3][3] = {
+        {{-w * w, w1}, {0.0, 0.0}, {0.0, 0.0}},
+        {{-2.0 * w * w1, w2}, {-w * w, 3.0 * w1}, {0.0, 0.0}},
+        {{-2.0 * (w1 * w1 + w * w2), w3}, {-4.0 * w * w1, 4.0 * w2}, {-w * w, 5.0 * w1}}};
+    int k, j;
+    for (k = 0; k < count; k++) {
+        Complex sum = complex_product(complex_of(0.0, 2.0 * w), u[k + 1]);
+        sum = complex_sum(u[k + 2], sum);
+        for (j = k; j >= 0; j--) {
+            sum = complex_sum(sum, complex_product(factors[k][j], u[j]));
+        }
+        force[k] = complex_scaled(-moment, sum);
+    }
+}
+
+/* What drives one weight. */
+static Driven driven_now(const Instant *now, double share)
+{
+    Driven driven;
+    int k;
+    for (k = 0; k < 3; k++) {
+        driven.motion[k] = now->motion[k];
+        driven.lag[k] = share * now->spin.rates[k];
+    }
+    return driven;
+}
+
+void weights_reaction(const Weights *weights, const double *angles, const double *speeds,
+                      const Instant *now, int count, Complex *force, Turned *turned)
+{
+    const double lever = weights_lever(weights);
+    Complex sums[5] = {{0.0, 0.0}, {0.0, 0.0}, {0.0, 0.0}, {0.0, 0.0}, {0.0, 0.0}};
+    double damping_rate = 0.0;
+    Driven by;
+    int k, j;
     for (k = 0; k < weights->count; k++) {
-        const double nu = speeds[k], squared = nu * nu;
-        const Complex unit = unit_of(turned, angles, k);
-        const Complex back = complex_conjugate(unit);
-        const Complex along = complex_product(acceleration, back);
-        const double bend = along.im - lag - damping_rate * nu;
-        const double torque_slope = complex_product(slope, back).im - along.re * nu;
-        const Complex rates[3] = {
-            {0.0, nu},
-            {-squared, bend},
-            {-3.0 * nu * bend, torque_slope - damping_rate * bend - share * change - nu * squared}};
-        moment = complex_sum(moment, unit);
-        first = complex_sum(first, complex_product(rates[0], unit));
-        second = complex_sum(second, complex_product(rates[1], unit));
-        third = complex_sum(third, complex_product(rates[2], unit));
+        Complex unit = unit_of(turned, angles, k);
+        double drive[3], rates[4];
+        if (!k || weights->each) {
+            const Weights one = weights_single(weights, k);
+            damping_rate = weights_damping_rate(&one);
+            by = driven_now(now, weights_spin_share(&one));
+        }
+        find_drive(&by, count, complex_scaled(lever, complex_conjugate(unit)), speeds[k],
+                   damping_rate, drive);
+        rates[0] = speeds[k];
+        for (j = 0; j < count; j++) {
+            rates[j + 1] = drive[j] - damping_rate * rates[j];
+        }
+        if (weights->each) {
+            unit = complex_scaled(weights->each[k], unit);
+        }
+        add_derivatives(unit, rates, count + 2, sums);
     }
-    sum = complex_sum(second, complex_product(turn, first));
-    sum = complex_sum(sum, complex_product(pull, moment));
-    *force = complex_scaled(scale, sum);
-    sum = complex_sum(third, complex_product(turn, second));
-    sum = complex_sum(sum, complex_product(pull_slope, first));
-    sum = complex_difference(sum, complex_scaled(2.0 * speed * angular_acceleration, moment));
-    sum = complex_sum(sum, complex_product(complex_of(0.0, change), moment));
-    *force_slope = complex_scaled(scale, sum);
+    find_force(weights->mass * weights->track_radius, sums, &now->spin, count, force);
 }
 
 void weights_unhindered(const Weights *weights, const double *angles, const double *speeds,
-                        const Complex *motion, double angular_acceleration, double change,
-                        double *turned)
+                        const Instant *now, double *turned)
 {
-    const double lag = weights->count * weights_spin_share(weights);
-    const double lever = -1.0 / (weights->kappa * weights->track_radius);
-    const double damping_rate = weights_damping_rate(weights);
-    double rate = 0.0, sum = 0.0, jerk = 0.0;
     int k;
     turned[0] = turned[1] = 0.0;
-    for (k = 0; weights->each && k < weights->count; k++) {
-        const Weights one = weights_single(weights, k);
-        const double share = weights_arm(&one) / weights_arm(weights);
-        double part[2];
-        weights_unhindered(&one, angles + k, speeds + k, motion, angular_acceleration, change, part);
-        turned[0] += share * part[0];
-        turned[1] += share * part[1];
-    }
-    if (weights->each) {
-        return;
-    }
     for (k = 0; k < weights->count; k++) {
-        double drawn, drawn_slope;
-        along_track(motion[0], motion[1], angles[k], speeds[k], lever, &drawn, &drawn_slope);
-        rate += speeds[k];
-        sum += drawn;
-        jerk += drawn_slope;
+        const Weights one = weights_single(weights, k);
+        const double arm = weights_arm(&one) / weights_arm(weights);
+        const double damping_rate = weights_damping_rate(&one);
+        const Driven by = driven_now(now, weights_spin_share(&one));
+        double drive[2], bend;
+        find_drive(&by, 2, rect(weights_lever(&one), -angles[k]), speeds[k], damping_rate, drive);
+        bend = drive[0] - damping_rate * speeds[k];
+        turned[0] += arm * bend;
+        turned[1] += arm * (drive[1] - damping_rate * bend);
     }
-    turned[0] = sum - (lag * angular_acceleration + damping_rate * rate);
-    turned[1] = jerk - (lag * change + damping_rate * turned[0]);
 }
 
 void weights_torque(const Weights *weights, const double *angles, const double *speeds,
-                    const Complex *motion, double angular_acceleration, double change,
-                    double *torque)
+                    const Instant *now, double *torque)
 {
-    const double size = weights->track_radius, body = weights->radius, n = weights->count;
-    const double drag = weights->drag * size * size;
-    const double rolling = (weights->kappa - 1.0) * weights->mass * (size + body);
-    double rate = 0.0, turned[2];
+    const double size = weights->track_radius, *spin_up = now->spin.rates;
     int k;
     torque[0] = torque[1] = 0.0;
-    for (k = 0; weights->each && k < weights->count; k++) {
-        const Weights one = weights_single(weights, k);
-        weights_torque(&one, angles + k, speeds + k, motion, angular_acceleration, change, turned);
-        torque[0] += turned[0];
-        torque[1] += turned[1];
-    }
-    if (weights->each) {
-        return;
-    }
-    weights_unhindered(weights, angles, speeds, motion, angular_acceleration, change, turned);
     for (k = 0; k < weights->count; k++) {
-        rate += speeds[k];
+        const Weights one = weights_single(weights, k);
+        const double drag = one.drag * size * size, body = one.radius;
+        const double rolling = (one.kappa - 1.0) * one.mass * (size + body);
+        double turned[2];
+        weights_unhindered(&one, angles + k, speeds + k, now, turned);
+        torque[0] += drag * speeds[k] - rolling * (body * spin_up[0] - size * turned[0]);
+        torque[1] += drag * turned[0] - rolling * (body * spin_up[1] - size * turned[1]);
     }
-    torque[0] = drag * rate - rolling * (n * body * angular_acceleration - size * turned[0]);
-    torque[1] = drag * turned[0] - rolling * (n * body * change - size * turned[1]);
 }

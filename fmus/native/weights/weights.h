@@ -5,6 +5,8 @@
 #include "base/complex_number.h"
 #include "base/elementary.h"
 #include "base/failure.h"
+#include "base/signals.h"
+#include "base/spin.h"
 
 /* N weights on one circular track. */
 typedef struct {
@@ -17,10 +19,25 @@ typedef struct {
     const double *each;  /* (3, N) mass, drag and radius of each over those above; NULL: all alike */
 } Weights;
 
-/* Exact response of angle and rate over a step, remembered for one damping rate and step. */
+/* What drives weights at one time: acceleration of the track's centre in the rotor frame, its slope and,
+   of quintic signals, its second derivative; and how the rotor turns. */
+typedef struct {
+    Complex motion[3];
+    Spin spin;
+} Instant;
+
+/* The same of one weight, with its lag s w', by which it falls behind where it is free, and the lag's
+   derivatives in place of the rotor's. */
+typedef struct {
+    Complex motion[3];
+    double lag[3];
+} Driven;
+
+/* Exact response of angle and rate over a step, remembered for one damping rate and step: of the rate, to
+   itself and to the drive's derivatives of order 0 to orders - 1, then of the angle. */
 typedef struct {
     double damping_rate, step;
-    double response[10];
+    double response[2 * (QUINTIC_ORDERS + 1)];
 } Quadrature;
 
 /* Weight k alone, with its own mass, drag and radius. */
@@ -31,9 +48,8 @@ double weights_mass_ratio(const Weights *weights, int k);
    the body's own turning gives back, m R (R - (kappa - 1) r). */
 double weights_arm(const Weights *weights);
 
-/* 0, or what is not allowed. */
-int weights_check(const Weights *weights, Failure *failure);
 double weights_added_mass(const Weights *weights);   /* N m [kg] */
+double weights_lever(const Weights *weights);        /* -1/(kappa R) [1/m] */
 double weights_damping_rate(const Weights *weights); /* d = b/(kappa m) [1/s] */
 /* s: part of the track's angular acceleration by which a free weight falls behind. */
 double weights_spin_share(const Weights *weights);
@@ -47,20 +63,20 @@ double weights_alignment(int count, const double *angles, Turned *turned);
 void phi_functions(double z, int count, double *phi);
 /* A quadrature that remembers nothing, and the response for a damping rate and step. */
 Quadrature quadrature_empty(void);
-const double *quadrature(Quadrature *memory, double damping_rate, double step);
+const double *quadrature(Quadrature *memory, int orders, double damping_rate, double step);
 
-/* Im(a e^{-i theta}) times `lever` and its time derivative. */
-void along_track(Complex a, Complex da, double angle, double angle_rate, double lever,
-                 double *value, double *slope);
+/* Drive Im(a e^{-i theta}), with a direction lever e^{-i theta}, less the lag; and its time derivatives
+   along the motion, `count` (2 or 3) in all. */
+void find_drive(const Driven *by, int count, Complex direction, double angle_rate,
+                double damping_rate, double *drive);
 
-/* Angle and rate of one weight after `step`, in place; order 4.
+/* Angle and rate of one weight after `step`, in place: drag is integrated exactly, the drive as a cubic
+   (order 4) or quintic (order 6) with its exact derivatives at both ends.
 
-   ends: acceleration of the track's centre and its slope at the start, and at the end; lever:
-   -1/(kappa R), times a group's factor; unit: e^{i angle}; lag (4,): s w', by which a free weight falls behind, at
-   the start and its derivatives of order 1 to 3; response: of `quadrature`. */
-int weights_substep(double *angle, double *angle_rate, const Complex *ends, double lever,
-                    Complex unit, const double *lag, const double *response, double step,
-                    Failure *failure);
+   lever: -1/(kappa R), times a group's factor; unit: e^{i angle}; response: of `quadrature`. */
+int weights_substep(double *angle, double *angle_rate, const Driven *start, const Driven *end,
+                    int orders, double lever, Complex unit, double damping_rate,
+                    const double *response, double step, Failure *failure);
 
 /* Whether the next iteration of a substep would change no more than rounding: a linear one changes
    next by change^2/last_change.
@@ -77,46 +93,37 @@ double largest_of(int count, const double *values);
 double fastest_rate(int count, const double *speeds, const Complex *signal, double lever,
                     double lag, double damping_rate, double step, double *strongest);
 
-/* Substeps that a step of so many weights is taken in, whose angles must be finite. */
-int weights_substeps(int number, const double *angles, const double *speeds, const Complex *signal,
-                     double lever, double lag, double damping_rate, double step, int *count,
-                     Failure *failure);
-
-/* Whole turns that are taken off a far angle while a step is computed [rad]. */
-double weights_turns_behind(double angle);
-/* rect(lever, -angle) from `direction`, the same `moved` radians before: a small turn is cheap. */
-Complex direction_at(Complex direction, double moved, double lever, double angle);
-
 /* Move every weight over one communication step.
 
    angles, speeds: (N,), and new_angles, new_speeds (N,) for the result, which may be the same
    arrays; without meaning after a failure.  signal: acceleration of the track's centre in the rotor
-   frame at the start of the step and its derivatives of order 1 to 3; spin_up (4,) likewise; turned
+   frame over the step; spin_up (4,): angular acceleration of the rotor and its derivatives; turned
    (N, 2) as `turned_by` keeps them, or NULL. */
 int weights_advance(const Weights *weights, const double *angles, const double *speeds,
-                    const Complex *signal, const double *spin_up, double step,
+                    const Complex *signal, int orders, const double *spin_up, double step,
                     double *new_angles, double *new_speeds, Quadrature *memory, Turned *turned,
                     Failure *failure);
 
-/* Residual force on the rotor in the rotor frame and its exact slope; N m is not in it.
+/* Add a weight's e^{i theta} (`unit`, times its mass) and its time derivatives, `count` in all (4 or 5),
+   to their sums; rates: of theta, from order 1 on. */
+void add_derivatives(Complex unit, const double *rates, int count, Complex *sums);
+/* Force -(m R u e^{i beta})'' e^{-i beta} and its derivatives, `count` in all, from u and its derivatives
+   up to order count + 1. */
+void find_force(double moment, const Complex *u, const Spin *spin, int count, Complex *force);
 
-   acceleration, slope: of the track's centre in the rotor frame; speed, angular_acceleration: of
-   the rotor; turned: as above. */
+/* Residual force on the rotor in the rotor frame and its exact derivatives, `count` (2 or 3) in all;
+   N m is not in it. */
 void weights_reaction(const Weights *weights, const double *angles, const double *speeds,
-                      Complex acceleration, Complex slope, double speed,
-                      double angular_acceleration, double change, Complex *force,
-                      Complex *force_slope, Turned *turned);
+                      const Instant *now, int count, Complex *force, Turned *turned);
 
 /* Sum of theta'' and its slope, of weights that nothing but drag hinders; of unequal ones each times
    its arm over `weights_arm`. */
 void weights_unhindered(const Weights *weights, const double *angles, const double *speeds,
-                        const Complex *motion, double angular_acceleration, double change,
-                        double *turned);
+                        const Instant *now, double *turned);
 
 /* Torque on the rotor about the track's centre and its slope: drag, and what a body that rolls takes
-   to turn; contacts between weights take no part.  motion: acceleration of that centre, its slope. */
+   to turn; contacts between weights take no part. */
 void weights_torque(const Weights *weights, const double *angles, const double *speeds,
-                    const Complex *motion, double angular_acceleration, double change,
-                    double *torque);
+                    const Instant *now, double *torque);
 
 #endif

@@ -1,0 +1,493 @@
+#include "rotor/taylor_step.h"
+
+#include "base/elementary.h"
+#include "base/matrix.h"
+#include "rotor/first_fall.h"
+
+enum { TERMS = MOST_COEFFICIENTS - 1 }; /* 0.5^18/18! is far below rounding */
+enum { MOST_STRETCHES = 10000, MOST_SWEEPS = 10000, MOST_DERIVATIVES = 4 };
+static const double REACH = 0.5, SWEEP_CONVERGED = 1e-15;
+static const double LIMIT_ROUNDING = 1e-12; /* of a limit: a force so near to it has reached it */
+
+static int doubles_of_row(int stations, int planes)
+{
+    return 4 * stations + 2 * planes + 2;
+}
+
+size_t taylor_step_size(int stations, int planes, int count)
+{
+    const size_t half = 2 * (size_t)stations, m = (size_t)count, terms = TERMS + 1;
+    const size_t length = (size_t)doubles_of_row(stations, planes);
+    return 3 * half * length + half * m + terms * (length + m + 2) +
+           (MOST_DERIVATIVES + 2) * half + m * m + 5 * m;
+}
+
+static double *next_block(double **memory, size_t count)
+{
+    double *first = *memory;
+    *memory += count;
+    return first;
+}
+
+/* Largest sum of a row's absolute values by displacements, or by velocities. */
+static double row_norm(const TaylorStep *method, int velocities, const double *matrix)
+{
+    double norm = 0.0;
+    int i, k;
+    for (i = 0; i < method->dof; i++) {
+        const double *row = matrix + i * method->length + velocities * method->half;
+        double sum = 0.0;
+        for (k = 0; k < method->half; k++) {
+            sum += absolute(row[k]);
+        }
+        norm = larger(norm, sum);
+    }
+    return norm;
+}
+
+static void set_norms(TaylorStep *method)
+{
+    const int dof = method->dof, m = method->count;
+    int i, j;
+    copy_doubles((size_t)dof * method->length, method->still, method->matrix);
+    for (i = 0; i < dof; i++) {
+        for (j = 0; j < m; j++) {
+            method->matrix[i * method->length + slider_place(method->sliders + j)] -=
+                method->push[i * m + j] * method->sliders[j].stiffness;
+        }
+    }
+    method->norms[0] = row_norm(method, 0, method->matrix);
+    method->norms[1] = row_norm(method, 0, method->per_speed);
+    method->norms[2] = row_norm(method, 1, method->matrix);
+    method->norms[3] = row_norm(method, 1, method->per_speed);
+}
+
+/* The rows of linear_rotor.h in what no speed changes and what is proportional to it. */
+static int split_rows(const LinearRotor *rotor, TaylorStep *made, double *scratch, Failure *failure)
+{
+    const int unbalance = made->length - 2;
+    int i, k, code = linear_rotor_rows(rotor, 0.0, made->still, scratch, failure);
+    code = code ? code : linear_rotor_rows(rotor, 1.0, made->per_speed, scratch, failure);
+    for (i = 0; i < made->dof && !code; i++) {
+        double *still = made->still + i * made->length;
+        double *per_speed = made->per_speed + i * made->length;
+        for (k = 0; k < made->length; k++) {
+            if (k < unbalance) {
+                per_speed[k] -= still[k];
+            } else { /* its pull w^2 is among what it multiplies */
+                still[k] = per_speed[k];
+                per_speed[k] = 0.0;
+            }
+        }
+    }
+    return code;
+}
+
+/* Columns of M^-1 by which the sliders push. */
+static int set_push(const LinearRotor *rotor, TaylorStep *made, double *mass, Failure *failure)
+{
+    const int n = rotor->stations, m = made->count;
+    int j;
+    matrix_per_axis(1, 2, n, n, rotor->mass, mass);
+    fill_doubles((size_t)made->half * m, 0.0, made->push);
+    for (j = 0; j < m; j++) {
+        made->push[slider_place(made->sliders + j) * m + j] = 1.0;
+    }
+    return matrix_solve(1, 2 * n, m, mass, made->push)
+               ? fail(failure, FAILURE_SINGULAR, 0, 0.0, 0.0, 0.0, 0.0)
+               : FINE;
+}
+
+int taylor_step_in(double *memory, const LinearRotor *rotor, const Slider *sliders, int count,
+                   double *scratch, TaylorStep *made, Failure *failure)
+{
+    const int n = rotor->stations, p = rotor->plane_count, isotropic = linear_rotor_isotropic(rotor);
+    const size_t m = (size_t)count, half = 2 * (size_t)n, terms = TERMS + 1;
+    const size_t length = (size_t)doubles_of_row(n, p);
+    int i, j, code;
+    made->sliders = sliders;
+    made->count = count;
+    made->parts = isotropic ? 2 : 1;
+    made->dof = isotropic ? n : 2 * n;
+    made->half = 2 * n;
+    made->length = (int)length;
+    made->plane_count = p;
+    made->planes = rotor->planes;
+    made->gravity[0] = rotor->gravity[0];
+    made->gravity[1] = rotor->gravity[1];
+    made->still = next_block(&memory, half * length);
+    made->per_speed = next_block(&memory, half * length);
+    made->matrix = next_block(&memory, half * length);
+    made->push = next_block(&memory, half * m);
+    made->series = next_block(&memory, terms * length);
+    made->forces = next_block(&memory, terms * m);
+    made->turn = next_block(&memory, terms * 2);
+    made->rate = next_block(&memory, half);
+    made->faster = next_block(&memory, (MOST_DERIVATIVES + 1) * half);
+    made->mobility = next_block(&memory, m * m);
+    made->hold = next_block(&memory, 2 * m);
+    made->slider_states = next_block(&memory, 2 * m);
+    made->limits = next_block(&memory, m);
+    for (i = 0; i < count; i++) {
+        for (j = 0; j < i; j++) {
+            if (slider_is_rigid(sliders + i) && slider_is_rigid(sliders + j) &&
+                slider_place(sliders + i) == slider_place(sliders + j)) {
+                return fail(failure, FAILURE_RIGID_SLIDERS, 0, 0.0, 0.0, 0.0, 0.0);
+            }
+        }
+    }
+    code = split_rows(rotor, made, scratch, failure);
+    if (!code && count) {
+        code = set_push(rotor, made, scratch, failure);
+    }
+    if (!code) {
+        set_norms(made);
+    }
+    return code;
+}
+
+double taylor_stretch(const TaylorStep *method, const Drive *drive, double t)
+{
+    const Spin now = spin_after(&drive->spin, t);
+    const double *norms = method->norms, *rates = now.rates;
+    const double w = absolute(now.speed);
+    const double rate = square_root(norms[0] + w * norms[1]) + norms[2] + w * norms[3] + w;
+    double h = REACH / (rate + square_root(absolute(rates[0])));
+    while (h * h * h *
+               (absolute(rates[1]) +
+                h * (absolute(rates[2]) / 2.0 + h * absolute(rates[3]) / 6.0)) >
+           REACH * REACH * REACH) {
+        h *= 0.5;
+    }
+    return h;
+}
+
+/* Whether a slider is held by a constraint: rigid, and it sticks. */
+static int is_fixed(const TaylorStep *method, const double *slider_states, int j)
+{
+    return slider_is_rigid(method->sliders + j) && slider_states[2 * j + SLIPS] == 0.0;
+}
+
+/* Forces of rigid sliders that stick, from the rates without them, which become 0 there. */
+static int hold_fixed(TaylorStep *method, const double *slider_states, double *rate, double *forces)
+{
+    const int m = method->count;
+    int i, j, row = 0, fixed = 0;
+    for (j = 0; j < m; j++) {
+        fixed += is_fixed(method, slider_states, j);
+    }
+    for (i = 0; i < m && fixed; i++) {
+        const int place = slider_place(method->sliders + i);
+        int column = 0;
+        if (!is_fixed(method, slider_states, i)) {
+            continue;
+        }
+        for (j = 0; j < m; j++) {
+            if (is_fixed(method, slider_states, j)) {
+                method->mobility[row * fixed + column++] = method->push[place * m + j];
+            }
+        }
+        method->hold[row++] = -rate[place];
+    }
+    if (fixed && matrix_solve(1, fixed, 1, method->mobility, method->hold)) {
+        return 1;
+    }
+    for (j = 0, row = 0; j < m; j++) {
+        if (is_fixed(method, slider_states, j)) {
+            forces[j] = method->hold[row++];
+            for (i = 0; i < method->dof; i++) {
+                rate[i] += method->push[i * m + j] * forces[j];
+            }
+        }
+    }
+    for (j = 0; j < m; j++) {
+        if (is_fixed(method, slider_states, j)) {
+            rate[slider_place(method->sliders + j)] = 0.0;
+        }
+    }
+    return 0;
+}
+
+/* Coefficients k of the sliders' forces, but of those that `hold_fixed` finds. */
+static void set_forces(TaylorStep *method, const double *slider_states, int k, double *motion)
+{
+    double *forces = method->forces + k * method->count;
+    int j;
+    for (j = 0; j < method->count; j++) {
+        const Slider *slider = method->sliders + j;
+        const int sticks = slider_states[2 * j + SLIPS] == 0.0, place = slider_place(slider);
+        if (k) {
+            forces[j] = sticks ? -slider->stiffness * motion[place] : 0.0;
+        } else if (sticks && slider_is_rigid(slider)) {
+            forces[j] = motion[method->half + place] = 0.0;
+        } else {
+            forces[j] = slider_states[2 * j + HOLDS];
+        }
+    }
+}
+
+/* Coefficient k of the acceleration, without the sliders that stick. */
+static void set_rate(TaylorStep *method, const SpinSeries *spin, int k, const double *motion)
+{
+    const int parts = method->parts, dof = method->dof, m = method->count;
+    const int length = method->length, width = length / parts;
+    /* a rotor may be the same at every speed */
+    const int changes = method->norms[1] > 0.0 || method->norms[3] > 0.0;
+    const double *forces = method->forces + k * m;
+    double *rate = method->rate;
+    int i, j, back;
+    matrix_product(parts, dof, width, 1, method->matrix, motion, rate);
+    for (i = 0; i < method->half && !k; i++) {
+        rate[i] += method->gravity[i % 2];
+    }
+    for (i = 0; i < dof && m; i++) {
+        for (j = 0; j < m; j++) {
+            rate[i] += method->push[i * m + j] * forces[j];
+        }
+    }
+    for (back = 1; back < SPEED_TERMS && back <= k && changes; back++) {
+        if (spin->speed[back] != 0.0) {
+            matrix_product(parts, dof, width, 1, method->per_speed, motion - back * length,
+                           method->faster);
+            add_multiple(1, method->half, spin->speed + back, method->faster, rate);
+        }
+    }
+}
+
+/* Taylor coefficients of motion and friction over a stretch h from t on. */
+static int set_series(TaylorStep *method, const double *state, const double *slider_states,
+                      const Drive *drive, double t, double h, int terms, Failure *failure)
+{
+    const int half = method->half, length = method->length;
+    const SpinSeries spin = spin_series(&drive->spin, t, h);
+    double *motion = method->series;
+    int i, k;
+    fill_pushes(drive, &spin, t, h, terms, motion + 2 * half, length, method->turn);
+    copy_doubles((size_t)method->dof * length, method->still, method->matrix);
+    add_multiple(1, method->dof * length, spin.speed, method->per_speed, method->matrix);
+    copy_doubles(2 * (size_t)half, state, motion);
+    for (k = 0; k <= terms; k++, motion += length) {
+        const double factor = h / (k + 1);
+        set_forces(method, slider_states, k, motion);
+        set_rate(method, &spin, k, motion);
+        if (hold_fixed(method, slider_states, method->rate, method->forces + k * method->count)) {
+            return fail(failure, FAILURE_SINGULAR, 0, 0.0, 0.0, 0.0, 0.0);
+        }
+        for (i = 0; i < half && k < terms; i++) {
+            motion[length + i] = factor * motion[half + i];
+            motion[length + half + i] = factor * method->rate[i];
+        }
+    }
+    return FINE;
+}
+
+int taylor_resolve(TaylorStep *method, const double *state, double *slider_states,
+                   const Drive *drive, double t, Failure *failure)
+{
+    const int m = method->count, half = method->half;
+    double *found = method->hold, *free = method->hold + m, *without = method->slider_states;
+    int j, k, resting = 0, sweep, code, settled = 0;
+    copy_doubles(2 * (size_t)m, slider_states, without);
+    for (j = 0; j < m; j++) {
+        const Slider *slider = method->sliders + j;
+        method->limits[j] = 0.0;
+        if (slider_is_rigid(slider) && (slider_states[2 * j + SLIPS] == 0.0 ||
+                                        state[half + slider_place(slider)] == 0.0)) {
+            method->limits[j] = slider->limit;
+            without[2 * j + SLIPS] = 1.0; /* as if without them */
+            without[2 * j + HOLDS] = 0.0;
+            resting++;
+        }
+    }
+    if (!resting) {
+        return FINE;
+    }
+    code = set_series(method, state, without, drive, t, 1.0, 1, failure);
+    if (code) {
+        return code;
+    }
+    for (j = 0; j < m; j++) {
+        found[j] = 0.0;
+        free[j] = method->series[method->length + half + slider_place(method->sliders + j)];
+    }
+    for (sweep = 0; sweep < MOST_SWEEPS && !settled; sweep++) {
+        settled = 1;
+        for (j = 0; j < m; j++) {
+            const double *mobility = method->push + slider_place(method->sliders + j) * m;
+            const double limit = method->limits[j], before = found[j];
+            double rate = free[j];
+            for (k = 0; k < m; k++) {
+                rate += mobility[k] * found[k];
+            }
+            found[j] = smaller(larger(before - rate / mobility[j], -limit), limit);
+            settled &= absolute(found[j] - before) <= SWEEP_CONVERGED * limit;
+        }
+    }
+    for (j = 0; j < m; j++) {
+        if (method->limits[j] > 0.0) {
+            slider_states[2 * j + SLIPS] =
+                absolute(found[j]) < method->limits[j] ? 0.0 : -copy_sign(1.0, found[j]);
+            slider_states[2 * j + HOLDS] = found[j];
+        }
+    }
+    return FINE;
+}
+
+/* One quantity's coefficients, times `sign`, plus `base`. */
+static void read_column(const double *from, int stride, double sign, double base, double *to)
+{
+    int k;
+    for (k = 0; k <= TERMS; k++) {
+        to[k] = sign * from[k * stride];
+    }
+    to[0] += base;
+}
+
+/* Acceleration by all limits at the place of a slider. */
+static double limit_acceleration(const TaylorStep *method, int j)
+{
+    const int place = slider_place(method->sliders + j);
+    double limits = 0.0;
+    int k;
+    for (k = 0; k < method->count; k++) {
+        limits += slider_place(method->sliders + k) == place ? method->sliders[k].limit : 0.0;
+    }
+    return method->push[place * method->count + j] * limits;
+}
+
+/* When, as a fraction of a stretch [s], which slider changes first: -1 for none. */
+static double find_first_event(const TaylorStep *method, const double *slider_states,
+                               double stretch, int *which)
+{
+    const int m = method->count;
+    double function[TERMS + 1], first = 1.0;
+    int j, side;
+    *which = -1;
+    for (j = 0; j < m; j++) {
+        const double limit = method->sliders[j].limit, slips = slider_states[2 * j + SLIPS];
+        /* where a slider starts from rest the first acceleration may be rounding, too */
+        const double still = LIMIT_ROUNDING * stretch * limit_acceleration(method, j);
+        const double sticking[3] = {LIMIT_ROUNDING * limit, 0.0,
+                                    0.5 * still * stretch * method->sliders[j].stiffness};
+        const double slipping[3] = {0.0, still, 0.0};
+        for (side = 0; side < (slips != 0.0 ? 1 : 2) && limit > 0.0; side++) {
+            double found;
+            if (slips != 0.0) {
+                const int rate = method->half + slider_place(method->sliders + j);
+                read_column(method->series + rate, method->length, slips, 0.0, function);
+            } else {
+                read_column(method->forces + j, m, side ? 1.0 : -1.0, limit, function);
+            }
+            found = find_first_fall(function, TERMS + 1, first, slips != 0.0 ? slipping : sticking);
+            if (found < first) {
+                first = found;
+                *which = j;
+            }
+        }
+    }
+    return first;
+}
+
+/* The sliders after the event of slider j; `arrived`: by a motion, not at once. */
+static int change_sliders(TaylorStep *method, double *state, double *slider_states,
+                          const Drive *drive, double t, int j, int arrived, Failure *failure)
+{
+    const Slider *slider = method->sliders + j;
+    double *own = slider_states + 2 * j;
+    if (own[SLIPS] == 0.0) {
+        own[SLIPS] = -copy_sign(1.0, own[HOLDS]);
+        own[HOLDS] = -own[SLIPS] * slider->limit;
+        return FINE;
+    }
+    own[SLIPS] = 0.0;
+    state[method->half + slider_place(slider)] = 0.0;
+    return arrived && slider_is_rigid(slider)
+               ? taylor_resolve(method, state, slider_states, drive, t, failure)
+               : FINE;
+}
+
+static double value_at(const double *from, int stride, double s)
+{
+    double total = 0.0;
+    int k;
+    for (k = TERMS; k >= 0; k--) {
+        total = total * s + from[k * stride];
+    }
+    return total;
+}
+
+int taylor_advance(TaylorStep *method, double *state, double *slider_states, const Drive *drive,
+                   double step, int stops, double *reached, Failure *failure)
+{
+    const int m = method->count;
+    double time = 0.0;
+    int count, k, code = taylor_resolve(method, state, slider_states, drive, 0.0, failure);
+    for (count = 0; count < MOST_STRETCHES && !code; count++) {
+        /* no longer than what is left: forces of short steps may have any slope */
+        const double stretch = smaller(taylor_stretch(method, drive, time), step - time);
+        const int last = stretch == step - time;
+        double fraction;
+        int which;
+        code = set_series(method, state, slider_states, drive, time, stretch, TERMS, failure);
+        if (code) {
+            return code;
+        }
+        fraction = find_first_event(method, slider_states, stretch, &which);
+        for (k = 0; k < 2 * method->half; k++) {
+            state[k] = value_at(method->series + k, method->length, fraction);
+        }
+        for (k = 0; k < m; k++) {
+            slider_states[2 * k + HOLDS] = value_at(method->forces + k, m, fraction);
+        }
+        if (which < 0 && last) {
+            *reached = step;
+            return FINE;
+        }
+        time += fraction * stretch;
+        if (which >= 0) {
+            code = change_sliders(method, state, slider_states, drive, time, which, fraction > 0.0,
+                                  failure);
+            if (stops) {
+                *reached = time;
+                return code;
+            }
+        }
+    }
+    return code ? code
+                : fail(failure, FAILURE_STRETCHES, MOST_STRETCHES, step, time, 0.0, 0.0);
+}
+
+int taylor_motion(TaylorStep *method, const double *state, const double *slider_states,
+                  const Drive *drive, double t, int orders, double *rates, Failure *failure)
+{
+    const int half = method->half;
+    const double *velocity = method->series + half;
+    double factorial = 1.0;
+    int i, k;
+    const int code = set_series(method, state, slider_states, drive, t, 1.0, orders - 1, failure);
+    for (k = 0; k < orders && !code; k++, velocity += method->length, rates += half) {
+        factorial *= k ? k : 1;
+        for (i = 0; i < half; i++) {
+            rates[i] = factorial * velocity[i];
+        }
+    }
+    return code;
+}
+
+int taylor_plane_motion(TaylorStep *method, const double *state, double *slider_states,
+                        const Drive *drive, double t, int orders, double *planes,
+                        Failure *failure)
+{
+    const int p = method->plane_count, n = method->half / 2;
+    double *rates = method->faster + method->half;
+    int k;
+    const int code =
+        taylor_motion(method, state, slider_states, drive, t, orders, rates, failure);
+    for (k = 1; k < orders && !code; k++, planes += 2 * p) {
+        combine_vectors(method->planes, p, n, rates + k * method->half, planes);
+    }
+    for (k = 0; k < method->count && !code; k++) {
+        slider_states[2 * k + HOLDS] = method->forces[k];
+    }
+    return code;
+}
