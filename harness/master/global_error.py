@@ -1,16 +1,16 @@
 """A tolerance that is kept: the error of a whole run, from runs that meet at common points.
 
-What a step errs says little of the end: lightly damped motion gathers errors, motion that is not
-stable multiplies them.  So the run is done twice.  The first has few steps, in C chosen by what
-each of them errs; the second divides every one of them in two, and is the result.  At common points
-they differ by 2^p - 1 times the error of the second, where p is the order: 4, with quintic signals
-6.  It is taken for 1 where weights can collide, or a jump falls within a step; for 2 where weights
-or supports stick or slide, or a motor meets a corner of its characteristic, at the end of a step
-and two runs are all there are; for 1 from where steps at rest have held their signals.  Two runs
-state their error by an order less, under a motor by two; three runs by the order that they show,
-and as two do where it is higher than can be; all by order 1 where steps do not follow a vibration
-of the rotor that makes the speed of a motor vibrate.  If it is more than the tolerance, every step
-is divided again, into as many parts as it takes.
+The error of a step says little about the error at the end: lightly damped motion gathers errors,
+unstable motion multiplies them.  So the run is done twice.  The first run has few steps, in C
+chosen by their errors; the second divides each of them in two, and is the result.  At common points
+the two differ by 2^p - 1 times the error of the second, where p is the order: 4, with quintic
+signals 6.  It is 1 where weights can collide, where a jump falls within a step, and after steps at
+rest that hold their signals.  It is 2 at most where weights or supports stick or slide, or a motor
+meets a corner of its characteristic, at the end of a step.  Two runs state their error by one order
+less, under a motor by two; three runs by the order that they show, or as two do if that is higher
+than p.  All state it by order 1 where steps do not follow a vibration of the rotor that makes the
+speed of a motor vibrate.  If the error exceeds the tolerance, every step is divided again, into as
+many parts as it takes.
 
 Hairer, Norsett & Wanner 1993, II.4: Richardson's extrapolation, here of the run as a whole.
 """
@@ -40,8 +40,8 @@ ORDER = {3: 4, 5: 6}  # of the coupling, by that of the signals
 # forces or accelerations that jump within a step: three runs may show more by chance; motion with
 # collisions, met ones too, is no smooth function of the steps' errors
 ORDER_OF_JUMPS = 1
-# steps end where something sticks or a motor's slope jumps: where that is all but missed its time
-# errs by the root of what signals do
+# steps end where something sticks or a motor's slope jumps: the error in the time of a nearly
+# missed event is the root of the error of the signals
 ORDER_OF_EVENTS = 2
 ORDER_HELD = 1  # and all that follows
 LEFT = 2  # power of the parts with which what is left in the loop shrinks at least
@@ -60,7 +60,6 @@ CAUTION, MOTOR_CAUTION = 1, 2
 # motor, whose speed vibrates too, do not follow it: 6 of 400 runs erred by 3 to 12 times what they
 # stated
 FOLLOWED = 1.5
-STEEPER = 1.0  # than the highest order, by three runs: the first of them shows nothing
 MOST_TIMES = 4  # as many parts as in the run before, which is to be confirmed
 MOST_STEP_PARTS = 128  # of a step of the first run
 PARTING = 32  # parts that should be enough to see runs come together
@@ -172,9 +171,10 @@ class Controlled:
         if self._largest_difference and apart:  # three runs show by which order errors shrink
             shown = math.log1p(self._largest_difference / apart) / math.log(self._times)
             self.order = min(highest, max(shown, ORDER_OF_JUMPS))
-            # by a higher one than there is: the first was no run yet whose errors shrink so
-            steep = shown > highest + STEEPER
-            return self.order, min(self.order, stated) if steep else self.order, self.tolerance
+            # the first runs may show the errors of steps, and the last one those of events
+            order = min(self.order, ORDER_OF_EVENTS) if self._ends_at_events else self.order
+            # a higher order than there is: the errors of the first run did not shrink by order yet
+            return order, min(order, stated) if shown > highest else order, self.tolerance
         if highest == ORDER_OF_JUMPS:
             return highest, stated, self.tolerance
         if self._ends_at_events:
