@@ -187,6 +187,16 @@ class SpeedProfile:
         begin, last = self.times[k - 1], self.speeds[k - 1]
         return self._turned[k - 1] + (time - begin) * (last + self.speed(time)) / 2.0
 
+    def speeds_at(self, times: NDArray) -> NDArray:
+        """`speed` at each time [rad/s]."""
+        return np.interp(times, self.times, self.speeds)
+
+    def angles_at(self, times: NDArray) -> NDArray:
+        """`angle` at each time [rad]."""
+        k = np.maximum(np.searchsorted(self.times, times, side="right"), 1) - 1
+        last, passed = np.take(self.speeds, k), times - np.take(self.times, k)
+        return np.take(self._turned, k) + passed * (last + self.speeds_at(times)) / 2.0
+
     def time_of(self, angle: float) -> float:
         """When the rotor has turned by `angle` [rad] since the first corner; infinite: never."""
         k = max(1, bisect_right(self._turned, angle))

@@ -114,7 +114,7 @@ def _recorded(scene: Scene) -> Curve:
     sizes = np.array([np.hypot(run[f"{prefix}x"], run[f"{prefix}y"]) for prefix in prefixes])
     begins = RECORD * np.arange(int(run.time[-1] / RECORD * (1.0 + 1e-9)))
     amplitude = np.maximum.reduceat(sizes, np.searchsorted(run.time, begins), axis=1).mean(axis=0)
-    speeds = np.array([scene.profile().speed(t) for t in (begins + RECORD / 2.0).tolist()])
+    speeds = scene.profile().speeds_at(begins + RECORD / 2.0)
     order = np.argsort(speeds)
     return speeds[order] / RPM, 1e3 * amplitude[order]
 

@@ -43,8 +43,7 @@ def with_velocities(
 
 def revolutions_at(scene: Scene, time: Array) -> Array:
     """Revolutions turned at each time; with a motor those of its no-load speed."""
-    angle = scene.profile().angle
-    return np.array([angle(t) for t in time.tolist()]) / math.tau
+    return scene.profile().angles_at(time) / math.tau
 
 
 def _rms(time: Array, turned: Array, velocity: Array) -> Array:

@@ -242,4 +242,4 @@ def _displacement(rising: Scene) -> tuple[Array, Array]:
     outputs = [f"rotor.{name}" for name in _displacements(count)]
     result = cosimulate(rising, record=outputs)
     x, y = np.split(np.stack([result[name] for name in outputs], axis=1), 2, axis=1)
-    return np.array([rising.profile().speed(t) for t in result.time]), np.hypot(x, y)
+    return rising.profile().speeds_at(result.time), np.hypot(x, y)

@@ -49,7 +49,7 @@ class Motion:
         """
         if self.scene.operation.motor:
             return self.recorded["motor.speed"]
-        return np.array([self.scene.profile().speed(t) for t in self.time.tolist()])
+        return self.scene.profile().speeds_at(self.time)
 
     @cached_property
     def angle(self) -> Array:

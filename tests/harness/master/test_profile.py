@@ -41,6 +41,15 @@ def test_a_run_follows_its_profile_to_standstill_and_up_again(scene, separate, c
         assert error < (3.0 * max(run.estimated_error, own) if not coupling else 1e-5)
 
 
+def test_angles_at_many_times_are_the_integral_of_the_speed(scene):
+    times = np.linspace(0.0, 1.4, 1401)  # every corner is among them: trapezoids are exact
+    profile = scene.profile()
+    speeds = profile.speeds_at(times)
+    assert speeds.tolist() == pytest.approx([profile.speed(t) for t in times], abs=1e-9)
+    right = np.append(0.0, np.cumsum(0.5 * np.diff(times) * (speeds[1:] + speeds[:-1])))
+    assert profile.angles_at(times).tolist() == pytest.approx(right.tolist(), abs=1e-9)
+
+
 def test_one_file_follows_its_profile_whatever_the_steps_of_its_host(scene):
     """1.3 s in 80 steps or so: no corner is the end of one."""
     fine = scene.replace({"coupling.steps_per_rev": 80})
