@@ -10,7 +10,7 @@ from dataclasses import dataclass
 COMPILE = (
     *("-std=c99", "-ffp-contract=off", "-fno-math-errno", "-Wall", "-Wextra", "-Wpedantic"),
     "-Wno-unused-parameter",  # signatures are those of FMI or of a table
-    *("-O2", "-mllvm", "-inline-threshold=15"),
+    *("-O2", "-mllvm", "-inline-threshold=30"),
     *("-fno-unroll-loops", "-fno-vectorize", "-fno-slp-vectorize"),
     *("-fPIC", "-fvisibility=hidden", "-D_FORTIFY_SOURCE=0", "-g0"),
 )
