@@ -70,6 +70,7 @@ class Criterion:
         floor, near, far = low * low / span, b_low**2 / span, b_high**2 / span
 
         def scaled(t: float) -> float:
+            """P(w) of (19) over span^3, at w^2 = low^2 + span t."""
             return -t * (1.0 - t) * (1.0 - 2.0 * t) + (floor + t) * ((1.0 - t) * near - t * far)
 
         both = near + far

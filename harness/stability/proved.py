@@ -89,13 +89,13 @@ class Proof:
     def lines(self) -> Iterator[str]:
         """What the bands do not show."""
         if self.window is not None:
-            limits = self.window.as_json()
+            lower, upper = self.window.lower, self.window.upper
             yield (
-                f"the window is {limits['state']}: less bending than without liquid above "
-                f"{limits['less_bending_above']['ball']} rad/s"
+                f"the window is {self.window.state}: less bending than without liquid above "
+                f"{_enclosed(lower)} rad/s"
             )
-            if limits["stable_below"]:
-                yield f"stable below {limits['stable_below']['ball']} rad/s"
+            if upper is not None:
+                yield f"stable below {_enclosed(upper)} rad/s"
         else:
             boxes = f" and up to {self.boxes} boxes of parameters" if self.boxes > 1 else ""
             yield f"{self.certificates} certificates{boxes}; {self.undecided:.2g} of it undecided"
@@ -146,6 +146,11 @@ def prove(
         search = _Search(scene, changes, width, progress)
         bands = _merged(search.bands(low, high))
         return Proof(bands, width, search.certificates, search.most_boxes, within)
+
+
+def _enclosed(speed: flint.arb) -> str:
+    """A speed, or the two between which that of every machine within the tolerances lies."""
+    return " to ".join(dict.fromkeys(f"{end:.10g}" for end in ends(speed)))
 
 
 def _outside(limits: WindowBalls, low: float, high: float) -> tuple[Band, ...]:

@@ -6,7 +6,7 @@ drag or damping of any size; Hairer & Wanner 1996, IV.5).  Nodes lie at fixed an
 the rotor, the same for all speeds with equally many steps: one batched solve a step.
 
 Natural frequencies beyond `MOST_STEPS` are not followed turn by turn.  Collocation damps them away,
-and their own growth is taken from the eigenvalues with the rotor's angle held: in comparison with
+and their own growth is taken from the eigenvalues with the rotor's angle frozen: in comparison with
 such motions the rotor stands still.  The rotor's frame mixes the axes, so rounding moves the softer
 stiffness by 1e-16 of the stiffer one: with a ratio of 1e12 the growth rates keep three digits.
 """
@@ -27,7 +27,7 @@ STAGES = 6
 _RADIANS = 1.25  # of the fastest motion per step: collocation then damps it by 1e-10 a step
 _FEWEST = 8  # the harmonics of the anisotropy need them, whatever the natural frequencies
 MOST_STEPS = 2048  # resolves natural frequencies up to about 500 w
-_HELD_ANGLES = 8  # over half a turn, for the motions faster than that
+_FROZEN_ANGLES = 8  # over half a turn, for the motions faster than that
 _MODULUS_ROUNDING = 64.0 * np.finfo(float).eps  # of an eigenvalue's modulus
 _CHUNK = 256  # points a batch: its matrices stay in the cache
 
@@ -161,17 +161,18 @@ def one_turn_multipliers(
 def fast_growth(systems: list[Linearised], which: NDArray, speeds: NDArray) -> NDArray[np.float64]:
     """Largest growth rate (b,) [1/s] of motions too fast to be followed; -inf where all are.
 
-    Mean of the eigenvalue over the held angles: what a motion gains while the weights swing into
-    its axis it loses when they leave.  Motions are told apart by their frequencies.
+    Mean of each eigenvalue over the frozen angles: what a motion gains while the weights swing into
+    its axis it loses when they leave.  Eigenvalues of different angles are matched by sorting, by
+    imaginary part and then by real part.
     """
     growth = np.full(len(speeds), -math.inf)
     for i in np.flatnonzero(_radians(systems, which, speeds) > MOST_STEPS * _RADIANS):
         system, w = systems[which[i]], speeds[i]
         limit = MOST_STEPS * w / math.pi
-        angles = 2.0 * math.pi * np.arange(_HELD_ANGLES)[:, None, None] / _HELD_ANGLES
-        held = system.steady[0] + w * (system.steady[1] + system.turning + w * system.steady[2])
+        angles = 2.0 * math.pi * np.arange(_FROZEN_ANGLES)[:, None, None] / _FROZEN_ANGLES
+        frozen = system.steady[0] + w * (system.steady[1] + system.turning + w * system.steady[2])
         values = np.linalg.eigvals(
-            held + np.cos(angles) * system.cosine + np.sin(angles) * system.sine
+            frozen + np.cos(angles) * system.cosine + np.sin(angles) * system.sine
         )
         order = np.lexsort((values.real, values.imag), axis=1)
         means = np.take_along_axis(values, order, axis=1).mean(axis=0)

@@ -94,6 +94,16 @@ def test_dubovik_s_limits_have_30_digits():
     assert window["state"] == "open"
 
 
+def test_limits_within_tolerances_are_shown_as_two_speeds():
+    """Of Dubovik's (10): w^* = (1 + chi/p) sqrt(c/m), with both dampings off by 10 %."""
+    within = "rotor.damping=10%, rotor.internal_damping=10%"
+    scene = load_scene("liquid_disc")
+    *_, line = proof_of(scene, 100.0, 700.0, within=within).lines()
+    usual = 416.49697562027679 / (1.0 + 36.0 / 12.0)
+    low, high = (usual * (1.0 + 3.0 * ratio) for ratio in (0.9 / 1.1, 1.1 / 0.9))
+    assert line == f"stable below {low:.10g} to {high:.10g} rad/s"
+
+
 @pytest.mark.parametrize(
     ("name", "state"), [("liquid_closed", "empty"), ("liquid_no_internal", "unbounded")]
 )
