@@ -41,6 +41,9 @@ def command(
     min_max: Annotated[
         bool, typer.Option("--min-max", help="Make the largest reading least, not the squares.")
     ] = False,
+    largest_mass: Annotated[
+        str | None, typer.Option(help="Largest correction in g: 5, or 5,8 for each plane.")
+    ] = None,
     grade: Annotated[str | None, typer.Option(help="Of ISO 21940-11, for measured runs.")] = None,
     mass: Annotated[
         float | None, options.quantity("kg", "Of the rotor, kg, for --grade.", "--mass")
@@ -76,12 +79,18 @@ def command(
             mass=mass,
             service_speed=service_speed,
             min_max=min_max,
+            largest=largest_masses(largest_mass),
         )
         with page.keeping():
             print_correction(result, Path(scene).name)
     else:
         given: dict[str, object] = {"--angles": angles, "--min-max": min_max or None}
-        given |= {"--grade": grade, "--mass": mass, "--service-speed": service_speed}
+        given |= {
+            "--largest-mass": largest_mass,
+            "--grade": grade,
+            "--mass": mass,
+            "--service-speed": service_speed,
+        }
         if unfit := [option for option, value in given.items() if value is not None]:
             raise UserError(
                 f"{', '.join(unfit)}: belong to measured runs (FILE.csv), not to a scene"
@@ -127,3 +136,17 @@ def allowed_angles(text: str | None) -> list[list[float]]:
             )
         lists.append([math.radians(each) for each in numbers])
     return lists
+
+
+def largest_masses(text: str | None) -> list[float]:
+    """Largest corrections [g]: `5` is that of all planes, `5,8` those of each.
+
+    Raises:
+        UserError: it is not written like that.
+    """
+    try:
+        return [float(each) for each in text.split(",")] if text is not None else []
+    except ValueError:
+        raise UserError(
+            f"--largest-mass {text}: must be grams, one number or one per plane with commas: 5,8"
+        ) from None
