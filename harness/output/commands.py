@@ -106,8 +106,11 @@ def with_common_options(command: Callable[..., None]) -> Callable[..., None]:
     @functools.wraps(command)
     def run(*args: Any, units: Units | None = None, quiet: bool = False, **options: Any) -> None:
         engineering.set((units or _preferred()) is Units.ENGINEERING)
-        is_quiet.set(quiet)
-        command(*args, **options)
+        before = is_quiet.set(quiet)
+        try:
+            command(*args, **options)
+        finally:
+            is_quiet.reset(before)
 
     keyword = inspect.Parameter.KEYWORD_ONLY
     added = [
