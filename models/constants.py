@@ -10,7 +10,7 @@ SHAFT_SINGULAR = 1e-13  # pivot of the scaled compliance: below it rounding make
 TAYLOR_TERMS = 16  # 0.5^16/17! is far below rounding
 STAGES = 3  # of the Radau method, order 5: as good as the cubic forces
 STEP_ACCURACY = 1e-10  # of the largest displacement: 10,000 steps stay below 1e-6
-PART_HALVINGS = 12  # 4096 parts: modes 4000 times as fast as a rotor of 40 steps a turn
+PART_HALVINGS = 12  # 4096 parts: modes 4000 times as fast as a rotor of 40 steps per turn
 HALVED_ERRORS = 31.0  # 2^5 - 1: halved parts differ from whole ones by so many of their errors
 TURN_ROUNDING = 2.4492935982947064e-16  # 2 pi minus its floating-point value
 SPAN = 0.8  # m, between the supports of a rotor, by default
@@ -27,7 +27,7 @@ FAR_ANGLE = 1e4  # rad: beyond, whole turns are taken off while a step is comput
 TRACK_SLACK = 1e-12  # relative: a full track may be a rounding too full
 
 # The loop of rotor and balancers
-FEWEST_CHOSEN = 8  # steps a revolution with a tolerance, until all rests: a record shows one
+FEWEST_CHOSEN = 8  # steps per revolution with a tolerance, until all rests: a record shows one
 WEAK_LOOP = 0.1  # gain: one corrector pass then leaves 1 % of the prediction's error
 START_TOLERANCE = 1e-12  # of the largest force: start values are as exact as the units
 START_ROUNDING = 1e-13  # of the largest force, times the gain: what the loop makes of rounding

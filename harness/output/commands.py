@@ -100,7 +100,9 @@ def with_common_options(command: Callable[..., None]) -> Callable[..., None]:
                 help="Show rpm, mm, g mm, deg and Hz; default: SI units, or as in config.toml."
             ),
         ],
-        "quiet": Annotated[bool, typer.Option("--quiet", help="No line on the scene, no warning.")],
+        "quiet": Annotated[
+            bool, typer.Option("--quiet", help="Print no summary of the scene and no warnings.")
+        ],
     }
 
     @functools.wraps(command)

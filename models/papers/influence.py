@@ -68,8 +68,8 @@ def from_runs(responses: NDArray, mounted: NDArray) -> Complex:
     k, _, rank, _ = np.linalg.lstsq(changes / sizes, effects, rcond=_SMALLEST_SINGULAR_VALUE)
     if rank < changes.shape[1]:
         raise ValueError(
-            f"{len(changes)} runs beside the reference tell {rank} of {changes.shape[1]} planes "
-            "apart: each plane needs a run of its own in which its mass differs"
+            f"{len(changes)} runs beside the reference distinguish {rank} of {changes.shape[1]} "
+            "planes: each plane needs a run of its own in which its mass differs"
         )
     return (k / sizes[:, None]).T
 

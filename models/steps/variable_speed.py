@@ -116,7 +116,7 @@ class VariableSpeedStep:
             whole = halved
         raise ArithmeticError(
             f"the rotor vibrates too fast for a step of {step:.6g} s at changing speed: "
-            f"{2**PART_HALVINGS} parts of it still err by {error:.6g} m; use smaller "
+            f"{2**PART_HALVINGS} parts of it still have an error of {error:.6g} m; use smaller "
             "communication steps"
         )
 

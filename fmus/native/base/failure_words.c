@@ -41,7 +41,7 @@ static const char *const WORDS[FAILURE_CROSSINGS + 1] = {
     [FAILURE_MATRICES] = "the rotor's matrices are not finite",
     [FAILURE_SINGULAR] = "Singular matrix",
     [FAILURE_FAST_VIBRATION] = "the rotor vibrates too fast for a step of {0.6} s at changing "
-                               "speed: {w} parts of it still err by {1.6} m; use smaller "
+                               "speed: {w} parts of it still have an error of {1.6} m; use smaller "
                                "communication steps",
     [FAILURE_STRETCHES] = "more than {w} stretches and events of the sliders in {0.6} s, {1.6} s "
                           "reached: use smaller communication steps",

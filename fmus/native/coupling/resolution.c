@@ -302,8 +302,8 @@ int resolution_check(Unit *unit, double step)
         }
         if (worst >= STATED_ERROR) {
             unit_warn_once(unit, TOO_LONG, course->clock.time,
-                           "steps too long for signals that vary faster: coupling.error says by how "
-                           "much of itself the motion errs; use more coupling.steps_per_rev, or a "
+                           "steps too long for signals that vary faster: coupling.error is the "
+                           "relative error of the motion; use more coupling.steps_per_rev, or a "
                            "tolerance");
         }
     }

@@ -144,7 +144,7 @@ def test_what_readings_do_not_determine_is_refused_with_the_condition_number(tmp
         correct(measured)
     together = {k: v for k, v in both.items() if k[0] != "aft"}
     together = {k: v[:2] for k, v in together.items()}
-    with pytest.raises(UserError, match="tell 1 of 2 planes apart"):
+    with pytest.raises(UserError, match="distinguish 1 of 2 planes"):
         correct(read_measured(written(tmp_path / "together.csv", runs=together)))
     good = read_measured(written(tmp_path / "good.csv"))
     with pytest.raises(UserError, match="needs the radius of every plane"):
