@@ -105,7 +105,7 @@ class Unit:
         sizes: its build options.
         variables: all variables of a unit of these sizes, in the order parameters, inputs,
             outputs, observed outputs; raises ValueError where there is no unit of these sizes.
-        stop, step: of the run that a tool proposes [s]; by default 40 steps a revolution at the
+        stop, step: of the run that a tool proposes [s]; by default 40 steps per revolution at the
             start value of the speed, 300 rad/s.
         native: whether it exists in C alone, without a slave in Python.
     """

@@ -23,7 +23,7 @@ FAR_ANGLE = 1e4  # rad: beyond, whole turns are taken off while a step is comput
 TRACK_SLACK = 1e-12  # relative: a full track may be a rounding too full
 
 # The loop of rotor and balancers
-FEWEST_CHOSEN = 8  # steps a revolution with a tolerance, until all rests: a record shows one
+FEWEST_CHOSEN = 8  # steps per revolution with a tolerance, until all rests: a record shows one
 WEAK_LOOP = 0.1  # gain: one corrector pass then leaves 1 % of the prediction's error
 START_TOLERANCE = 1e-12  # of the largest force: start values are as exact as the units
 START_ROUNDING = 1e-13  # of the largest force, times the gain: what the loop makes of rounding

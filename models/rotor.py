@@ -161,7 +161,7 @@ class LinearRotor:
     def refuse_sliders(self, what: str) -> None:
         """Raise ValueError, where the supports have dry friction, for what knows none."""
         if self.sliders:
-            raise ValueError(f"sliders: {what} knows no dry friction in the supports")
+            raise ValueError(f"sliders: {what} does not support dry friction in the supports")
 
     def with_added_mass(self, added_mass: ArrayLike) -> LinearRotor:
         """The same rotor carrying `added_mass` [kg] (p,) rigidly at its planes."""

@@ -134,7 +134,7 @@ COMMAND_LINES = {
     "rotor": ["drum --campbell campbell.png --response response.png"],
     "balance": [
         "balancing_machine -o corrections.png",
-        "runs.csv --angles 12 --min-max --grade G2.5 --mass 8 -o corrections.png",
+        "runs.csv --angles 12 --min-max --largest-mass 5 --grade G2.5 --mass 8 -o corrections.png",
     ],
     "design": [
         "finite_weights --starts 6 --most 3 --track 250mm --width 50mm --material steel "

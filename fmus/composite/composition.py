@@ -110,7 +110,7 @@ class Composition:
         if any(motors[:-1]):
             raise ValueError("parts: a motor must be the last of them, and the only one")
         if motors[-1] and self.scheme == "compensated":
-            raise ValueError('coupling.scheme = "compensated": does not know a motor')
+            raise ValueError('coupling.scheme = "compensated": does not support a motor')
         for part in self.parts:
             if not part.name.isidentifier() or not part.name.isascii():
                 raise ValueError(

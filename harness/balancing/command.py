@@ -31,29 +31,41 @@ def command(
     output: Annotated[
         Path | None, options.picture("Draw the corrections.", "--output", "-o")
     ] = None,
-    json_file: Annotated[Path | None, options.json("all")] = None,
+    json_file: Annotated[Path | None, options.json("the results")] = None,
     changes: Annotated[list[str] | None, options.changes("balancing.grade=G1")] = None,
     at_most: Annotated[str, options.AT_MOST] = costs.DEFAULT,
     angles: Annotated[
         str | None,
-        typer.Option(help="Where masses fit: 12 (evenly) or 0,120,240 (deg); planes parted by /."),
+        typer.Option(
+            help="Where masses fit: 12 (evenly) or 0,120,240 (deg); planes separated by /."
+        ),
     ] = None,
     min_max: Annotated[
-        bool, typer.Option("--min-max", help="Make the largest reading least, not the squares.")
+        bool,
+        typer.Option(
+            "--min-max", help="Minimise the largest reading instead of the sum of squares."
+        ),
     ] = False,
-    grade: Annotated[str | None, typer.Option(help="Of ISO 21940-11, for measured runs.")] = None,
+    largest_mass: Annotated[
+        str | None, typer.Option(help="Largest correction in g: 5, or 5,8 for each plane.")
+    ] = None,
+    grade: Annotated[
+        str | None, typer.Option(help="Grade of ISO 21940-11, for measured runs.")
+    ] = None,
     mass: Annotated[
-        float | None, options.quantity("kg", "Of the rotor, kg, for --grade.", "--mass")
+        float | None, options.quantity("kg", "Mass of the rotor, kg, for --grade.", "--mass")
     ] = None,
     service_speed: Annotated[
         float | None,
         options.quantity(
-            "rad/s", "For --grade, rad/s; default: the fastest one measured.", "--service-speed"
+            "rad/s",
+            "Service speed, rad/s, for --grade; default: the fastest measured.",
+            "--service-speed",
         ),
     ] = None,
     report: Annotated[Path | None, options.REPORT] = None,
 ) -> None:
-    """Find correction masses, on a virtual machine or from runs.
+    """Find correction masses, on a virtual machine or from measured runs.
 
     Exit code 1 if the grade is not met.
     """
@@ -76,12 +88,18 @@ def command(
             mass=mass,
             service_speed=service_speed,
             min_max=min_max,
+            largest=largest_masses(largest_mass),
         )
         with page.keeping():
             print_correction(result, Path(scene).name)
     else:
         given: dict[str, object] = {"--angles": angles, "--min-max": min_max or None}
-        given |= {"--grade": grade, "--mass": mass, "--service-speed": service_speed}
+        given |= {
+            "--largest-mass": largest_mass,
+            "--grade": grade,
+            "--mass": mass,
+            "--service-speed": service_speed,
+        }
         if unfit := [option for option, value in given.items() if value is not None]:
             raise UserError(
                 f"{', '.join(unfit)}: belong to measured runs (FILE.csv), not to a scene"
@@ -123,7 +141,21 @@ def allowed_angles(text: str | None) -> list[list[float]]:
         elif len(numbers) == 1 or not all(map(math.isfinite, numbers)):
             raise UserError(
                 f"--angles {text}: must be a number of even places, 1 to {_MOST_ANGLES}, or angles "
-                "in degrees with commas; lists for the planes are parted by /"
+                "in degrees with commas; lists for the planes are separated by /"
             )
         lists.append([math.radians(each) for each in numbers])
     return lists
+
+
+def largest_masses(text: str | None) -> list[float]:
+    """Largest corrections [g]: `5` is that of all planes, `5,8` those of each.
+
+    Raises:
+        UserError: it is not written like that.
+    """
+    try:
+        return [float(each) for each in text.split(",")] if text is not None else []
+    except ValueError:
+        raise UserError(
+            f"--largest-mass {text}: must be grams, one number or one per plane with commas: 5,8"
+        ) from None

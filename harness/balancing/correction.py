@@ -16,12 +16,7 @@ import numpy as np
 from pydantic import ValidationError
 
 from ...models.arrays import Array, Complex
-from ...models.papers.influence import (
-    condition_number,
-    from_runs,
-    least_maximum_correction,
-    unbalance_from_response,
-)
+from ...models.papers.influence import condition_number, find_correction, from_runs
 from ..errors import UserError
 from ..output.outcome import Outcome
 from ..output.table import Sheet
@@ -49,7 +44,8 @@ class Grade:
         name: such as "G2.5".
         permissible: U_per.
         before: unbalance by the coefficients.
-        after: what the corrections are expected to leave of it: their standard uncertainty.
+        after: what the corrections are expected to leave of it: what a largest mass leaves, and
+            their standard uncertainty.
         reached: what `after` would be, as a grade [mm/s].
     """
 
@@ -76,8 +72,9 @@ class Correction(Outcome):
         exact: (p,) corrections [g] by `method`, at any angle.
         pieces: the same at allowed angles; one per plane where any angle is.
         before, after: (s,) complex amplitudes, measured and with the corrections expected.
-        uncertainty: (p,) standard uncertainty of the corrections [g], by what least squares leave;
-            NaN where there are no more readings than corrections, or another method.
+        uncertainty: (p,) standard uncertainty of the corrections without a largest mass [g], by
+            what least squares leave; NaN where there are no more readings than corrections, or
+            another method.
         method: what is least, in words.
         grade: None without a grade.
     """
@@ -120,6 +117,7 @@ def correct(
     mass: float | None = None,
     service_speed: float | None = None,
     min_max: bool = False,
+    largest: Sequence[float] = (),
 ) -> Correction:
     """Corrections by least squares, or those that make the largest reading least.
 
@@ -130,11 +128,13 @@ def correct(
         mass: of the rotor [kg], and
         service_speed: [rad/s]; default: the fastest one measured.
         min_max: the largest reading is to be least.
+        largest: largest correction [g] of every plane, or of all by one number, before it is split
+            onto allowed angles; default: any.
 
     Raises:
         UserError: the runs do not tell the planes apart, the readings do not determine the
-            corrections, allowed angles do not fit the planes, or something that the grade needs is
-            missing.
+            corrections, allowed angles or largest masses do not fit the planes, or something that
+            the grade needs is missing.
 
     >>> rows = ["run,sensor,amplitude_um,phase_lead_deg,mass_g[a],angle_deg[a]"]
     >>> rows += ["as found,A,10,0,,", "trial,A,8,60,5,90"]
@@ -156,17 +156,26 @@ def correct(
             f"in {planes} planes; needs at least {planes} readings and a condition number below "
             f"{_LARGEST_CONDITION:g}: leave out a plane, or add a sensor or a speed"
         )
+    if len(largest) not in (0, 1, planes) or not all(0.0 < mass < math.inf for mass in largest):
+        raise UserError(
+            f"largest mass {', '.join(f'{mass:g}' for mass in largest)}: must be grams above 0, "
+            f"one number for all planes or one for each of the {planes}"
+        )
     before = measured.responses[0]
-    if min_max:
-        exact = least_maximum_correction(coefficients, before)
-    else:
-        exact = -unbalance_from_response(coefficients, before)
-    after = before + coefficients @ exact
+    needed = exact = find_correction(coefficients, before, min_max=min_max)
+    if largest:
+        bounds = np.broadcast_to(largest, planes)
+        exact = find_correction(coefficients, before, bounds, min_max)
     spread = np.full(planes, math.nan)
     if readings > planes and not min_max:
-        variance = float((np.abs(after) ** 2).sum()) / (readings - planes)
+        left = before + coefficients @ needed
+        variance = float((np.abs(left) ** 2).sum()) / (readings - planes)
         inverse = np.linalg.inv(coefficients.conj().T @ coefficients)
         spread = np.sqrt(variance * inverse.diagonal().real)
+    graded = None
+    if grade:
+        left_over = np.abs(exact - needed) + np.nan_to_num(spread)
+        graded = _graded(measured, grade, np.abs(needed), left_over, mass, service_speed)
     return Correction(
         measured=measured,
         coefficients=coefficients,
@@ -174,10 +183,10 @@ def correct(
         exact=exact,
         pieces=split(measured.planes, exact, angles),
         before=before,
-        after=after,
+        after=before + coefficients @ exact,
         uncertainty=spread,
         method="least maximum" if min_max else "least squares",
-        grade=_graded(measured, grade, exact, spread, mass, service_speed) if grade else None,
+        grade=graded,
     )
 
 
@@ -227,8 +236,8 @@ def _two(plane: str, needed: complex, allowed: Sequence[float]) -> list[Piece]:
 def _graded(
     measured: MeasuredRuns,
     name: str,
-    exact: Complex,
-    spread: Array,
+    needed: Array,
+    left_over: Array,
     mass: float | None,
     service_speed: float | None,
 ) -> Grade:
@@ -245,6 +254,6 @@ def _graded(
     except ValidationError as error:
         raise UserError(f"grade {name!r}: {error.errors()[0]['msg']}") from error
     arms = 1e-6 * np.array(measured.radii)  # g mm to kg m
-    before, after = float(arms @ np.abs(exact)), float(arms @ np.nan_to_num(spread))
+    before, after = float(arms @ needed), float(arms @ left_over)
     permissible = mass * precession / speed
     return Grade(name, permissible, before, after, 1e3 * after * speed / mass)

@@ -205,7 +205,7 @@ def _cycles(
         note = str(error)
     actually_met = meets and bool(np.all(cycles[-1].actual_at_supports <= allowed))
     if meets and not actually_met:
-        note = "the control run is deceived: the actual unbalance is above what is permissible"
+        note = "the control run is wrong: the actual unbalance is above the permissible one"
     return Technology(name, used, tuple(cycles), meets, actually_met, note)
 
 

@@ -23,8 +23,8 @@ def command(
         list[str] | None,
         typer.Argument(
             metavar="SCENE...",
-            help="Scene files or bundled names; default: all but those that take long, which say "
-            "on_request, such as bristol.",
+            help="Scene files or bundled names; default: all except long ones (on_request = true), "
+            "such as bristol.",
         ),
     ] = None,
     json_file: Annotated[Path | None, options.json("the rows")] = None,

@@ -84,11 +84,11 @@ def check_contact_order(
         order = -float(np.polyfit(np.log(case.steps), np.log(column), 1)[0])
         label = ", ".join(f"{error:.1e}" for error in column)
         yield rows.number(
-            f"{case.name}: order, {name} (errors {label} at {settings} steps a revolution)",
+            f"{case.name}: order, {name} (errors {label} at {settings} steps per revolution)",
             ORDER,
             order,
             WITHIN,
-            f"the same with {reference} steps a revolution",
+            f"the same with {reference} steps per revolution",
             1.0,
         )
 

@@ -27,7 +27,7 @@ def command(
         str | None,
         typer.Option(
             metavar="[LOW..]HIGH",
-            help='That occurs, kg m or such as "0..300 g mm"; default: the scene\'s.',
+            help='Unbalance, kg m or such as "0..300 g mm"; default: the scene\'s.',
         ),
     ] = None,
     race: Annotated[
@@ -46,9 +46,9 @@ def command(
             "--material", "--density", help=f"{', '.join(MATERIALS)}; or a density, kg/m^3."
         ),
     ] = "steel",
-    reserve: Annotated[float, typer.Option(help="Capacity over the largest unbalance.")] = 1.0,
-    starts: Annotated[int, typer.Option(min=6, help="Random starts for every number.")] = 200,
-    most: Annotated[int, typer.Option(min=2, max=64, help="Compare 2 to this many.")] = 8,
+    reserve: Annotated[float, typer.Option(help="Ratio of capacity to largest unbalance.")] = 1.0,
+    starts: Annotated[int, typer.Option(min=6, help="Random starts for each number.")] = 200,
+    most: Annotated[int, typer.Option(min=2, max=64, help="Largest number to compare.")] = 8,
     output: Annotated[
         Path | None, options.picture("Picture (png, svg, pdf).", "--output", "-o")
     ] = None,

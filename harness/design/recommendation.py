@@ -71,7 +71,7 @@ def _recommendation(data: Design) -> list[str]:
     ]
     if others:
         named = ", ".join(f"{c.count} ({c.count * c.mass:.3g} kg in all)" for c in others)
-        lines.append(f"As good, as far as {len(best.runs)} starts tell: {named}.")
+        lines.append(f"As good, within the accuracy of {len(best.runs)} starts: {named}.")
     fewest = data.with_capacity[0]
     if fewest.count < best.count:
         settles = math.isfinite(fewest.median)

@@ -16,7 +16,7 @@ def command(
         float | None, options.quantity("m", "Diameter of the ball, m or such as 10mm.", "--ball")
     ] = None,
     density: Annotated[
-        float, options.quantity("kg/m^3", "Of the ball, kg/m^3.", "--density")
+        float, options.quantity("kg/m^3", "Density of the ball, kg/m^3.", "--density")
     ] = 7800.0,
     decay: Annotated[
         tuple[str, str, str] | None,
@@ -26,8 +26,10 @@ def command(
             "or speeds of a ball that runs around the level race, such as 90rpm 30rpm 2s.",
         ),
     ] = None,
-    oil: Annotated[str | None, typer.Option(help='Such as "ISO VG 46".')] = None,
-    temperature: Annotated[str, typer.Option(help="Of the oil, such as 60degC.")] = "40degC",
+    oil: Annotated[str | None, typer.Option(help='Oil, such as "ISO VG 46".')] = None,
+    temperature: Annotated[
+        str, typer.Option(help="Temperature of the oil, such as 60degC.")
+    ] = "40degC",
 ) -> None:
     """Find the drag of a ball, from a measured decay or from the oil."""
     if ball is None:

@@ -13,12 +13,12 @@ from ..output.terminal import progress_bar, say, show
 _LIMITS = typer.Option(
     "--limit",
     metavar="PATH=LOW:HIGH,...",
-    help="Between which a free value stays: balls.mass=40g:60g; rotor.damping=2: has no upper one.",
+    help="Bounds of a free value: balls.mass=40g:60g; rotor.damping=2: has no upper bound.",
 )
 _PRIORS = typer.Option(
     "--prior",
     metavar="PATH=DEVIATION,...",
-    help="Standard deviation of a free value about its start: one more measurement.",
+    help="Standard deviation of a free value about its start; counts as one measurement.",
 )
 
 
@@ -28,40 +28,46 @@ def command(
         Path,
         typer.Option(
             metavar="FILE.csv",
-            help="Heads: speed [rpm], values that were set by their path, and what was measured: "
-            "amplitude [mm] (mean of the supports), residual, rotor.station[1].residual.",
+            help="Columns: speed [rpm], values of the scene that were set, by path, and what was "
+            "measured: amplitude [mm] (mean of the supports), residual, rotor.station[1].residual.",
         ),
     ],
     free: Annotated[
         list[str],
         typer.Option(
             metavar="PATH,...",
-            help="Values to find: rotor.stiffness[1],balls.drag; PATH=PATH is one for both.",
+            help="Values to find: rotor.stiffness[1],balls.drag; PATH=PATH: one value for both.",
         ),
     ],
     limits: Annotated[list[str] | None, _LIMITS] = None,
     priors: Annotated[list[str] | None, _PRIORS] = None,
     scatter: Annotated[
         float,
-        typer.Option(min=1e-6, help="Standard deviation of a difference, to weigh priors against."),
+        typer.Option(
+            min=1e-6, help="Standard deviation of a residual, which priors are weighed against."
+        ),
     ] = 0.1,
     harmonic: Annotated[
         bool,
-        typer.Option("--harmonic", help="Search by harmonic balance alone; runs judge the result."),
+        typer.Option("--harmonic", help="Search by harmonic balance only; runs check the result."),
     ] = False,
     starts: Annotated[
-        int, typer.Option(min=1, help="Starts of harmonic balance: the scene's, others drawn.")
+        int, typer.Option(min=1, help="Starts of harmonic balance: the scene's, the others random.")
     ] = 1,
     without_balancers: Annotated[
-        bool, typer.Option("--without-balancers", help="It was measured without them.")
+        bool, typer.Option("--without-balancers", help="Measured without balancers.")
     ] = False,
-    changes: Annotated[list[str] | None, options.changes("another start")] = None,
+    changes: Annotated[
+        list[str] | None, options.changes("balls.drag=0.1, also the start of a free value")
+    ] = None,
     predict: Annotated[
         Path | None,
-        typer.Option(metavar="FILE.csv", help="Other measurements: how well they are predicted."),
+        typer.Option(
+            metavar="FILE.csv", help="Other measurements, to compare with the fitted scene."
+        ),
     ] = None,
     picture: Annotated[Path | None, options.picture("Residual plot.", "--output", "-o")] = None,
-    json: Annotated[Path | None, options.json("what is said")] = None,
+    json: Annotated[Path | None, options.json("the results")] = None,
     at_most: Annotated[str, options.AT_MOST] = costs.DEFAULT,
     report: Annotated[Path | None, options.REPORT] = None,
 ) -> None:

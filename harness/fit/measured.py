@@ -100,7 +100,7 @@ def _refuse_wrong(
     path: Path, settings: dict[str, Array], amplitudes: dict[str, Array], known: list[str]
 ) -> None:
     if not amplitudes:
-        raise UserError(f"{path}: nothing measured: a head must be one of: {', '.join(known)}")
+        raise UserError(f"{path}: nothing measured: a column must be one of: {', '.join(known)}")
     for name, column in settings.items():
         if not np.isfinite(column).all():
             raise UserError(f"{path}: {name}: every row must have a number")

@@ -37,7 +37,7 @@ class Model:
         self, scene: Scene, parameters: Sequence[Parameter], measured: MeasuredAmplitudes
     ) -> None:
         if scene.profile().changes:
-            raise UserError(f"{scene.name}: operation: a fit takes runs at constant speed")
+            raise UserError(f"{scene.name}: operation: a fit requires runs at constant speed")
         self._scene, self.parameters, self._measured = scene, parameters, measured
         others = {name: column for name, column in measured.settings.items() if name != SPEED}
         rows = np.array(list(others.values())).T.reshape(self._count, len(others))
@@ -113,7 +113,9 @@ class HarmonicModel(Model):
     ) -> None:
         operation = scene.operation
         if scene.balancer or operation.gravity or operation.motor or operation.unbalance_changes:
-            raise NoResponse("harmonic balance knows no balancers, gravity, motor or changes")
+            raise NoResponse(
+                "harmonic balance does not support balancers, gravity, motor or changes"
+            )
         super().__init__(scene, parameters, measured)
 
     def _found(

@@ -15,7 +15,8 @@ def command(
         Path, typer.Option("--output", "-o", metavar="DIR", help="Folder of the site.")
     ] = Path("site"),
     live: Annotated[
-        bool, typer.Option("--live/--no-live", help="Bundled scenes that run in their pages.")
+        bool,
+        typer.Option("--live/--no-live", help="Include bundled scenes that run in their pages."),
     ] = True,
 ) -> None:
     """Write the manual as a static site with search.

@@ -19,7 +19,7 @@ def command(
         typer.Argument(metavar="SCENE", help="Build exactly the units that this scene needs."),
     ] = None,
     output: Annotated[
-        Path, typer.Option("--output", "-o", metavar="DIR", help="Where the files go.")
+        Path, typer.Option("--output", "-o", metavar="DIR", help="Folder for the files.")
     ] = Path(),
     fmi: Annotated[int, typer.Option("--fmi", metavar="2|3", help="Version of FMI.")] = 2,
     platform: Annotated[
@@ -27,14 +27,14 @@ def command(
         typer.Option(
             "--platform",
             metavar="NAME",
-            help="For this platform instead of all, such as x86_64-linux; may be repeated.",
+            help="Build for this platform only, such as x86_64-linux; may be repeated.",
         ),
     ] = None,
     python: Annotated[
-        bool, typer.Option("--python", help="Units that run Python, instead of native ones.")
+        bool, typer.Option("--python", help="Build units that run Python instead of native code.")
     ] = False,
     one_file: Annotated[
-        bool, typer.Option(help="The scene's units and their coupling as a single FMU.")
+        bool, typer.Option(help="Build the scene's units and their coupling as a single FMU.")
     ] = False,
     plain: Annotated[
         bool, typer.Option("--plain", help="With --one-file: without slopes and coupling figures.")
@@ -47,18 +47,19 @@ def command(
         bool,
         typer.Option(
             "--reference",
-            help="With --one-file: also the right motion, by an independent integration.",
+            help="With --one-file: add a reference solution, by an independent integration.",
         ),
     ] = False,
     ssp: Annotated[
-        bool, typer.Option("--ssp", help="The scene as a system structure package, ready to run.")
+        bool,
+        typer.Option("--ssp", help="Write the scene as a system structure package, ready to run."),
     ] = False,
     release: Annotated[
         Path | None,
         typer.Option(
             "--release",
             metavar="DIR",
-            help="One archive of all units and bundled scenes, with checksums; same bytes again.",
+            help="Write a reproducible archive of all units and bundled scenes, with checksums.",
         ),
     ] = None,
     changes: Annotated[list[str] | None, options.changes("rotor.mass=3.0")] = None,
@@ -75,7 +76,7 @@ def command(
     if release is not None:
         if loaded or any(form.values()) or fmi != 2 or output != Path():
             raise UserError(
-                "--release: takes --platform only; it has all scenes and versions of FMI"
+                "--release: allows --platform only; it has all scenes and versions of FMI"
             )
         with progress_bar("building") as progress:
             archive = build_release(release, platform, progress=progress)

@@ -16,7 +16,7 @@ from .result import Result
 from .velocity import velocities, with_velocities
 
 NO_CALLS = "calls of FMI (the one file's units are coupled in C, from memory to memory)"
-FEW = 10  # given steps a revolution from which the estimate of what they miss can be trusted
+FEW = 10  # given steps per revolution from which the estimate of what they miss can be trusted
 
 
 @dataclass(frozen=True)
@@ -97,15 +97,14 @@ def events(facts: Facts) -> list[str]:
         if facts.estimated_error > tolerance:
             notes.append(
                 f"tolerance = {tolerance:g} is not kept: runs with ever shorter steps still "
-                f"differ, the motion errs by about {facts.estimated_error:.1g} of itself: use "
-                f"{_looser(facts.estimated_error)}a smaller run.revolutions, or verify, which "
-                "measures every signal's error and says whether neighbouring motions part"
+                f"differ, the relative error of the motion is about {facts.estimated_error:.1g}: "
+                f"use {_looser(facts.estimated_error)}a smaller run.revolutions, or verify, which "
+                "measures every signal's error and says whether neighbouring motions diverge"
             )
     elif facts.estimated_error >= STATED_ERROR:
         notes.append(
-            "steps too long for signals that vary faster: the motion errs by about "
-            f"{facts.estimated_error:.1g} of itself: use more coupling.steps_per_rev, or a "
-            "tolerance"
+            "steps too long for signals that vary faster: the relative error of the motion is "
+            f"about {facts.estimated_error:.1g}: use more coupling.steps_per_rev, or a tolerance"
         )
     elif facts.unresolved:
         notes.append(
@@ -114,7 +113,7 @@ def events(facts: Facts) -> list[str]:
         )
     elif (facts.scene.coupling.steps_per_rev or FEW) < FEW and exchanging(facts.scene):
         notes.append(
-            f"{facts.scene.coupling.steps_per_rev} steps a revolution are few, and errors that "
+            f"{facts.scene.coupling.steps_per_rev} steps per revolution are few, and errors that "
             "gather over many revolutions are not estimated: verify measures them"
         )
     return notes
@@ -143,5 +142,5 @@ def advice(error: Exception, scene: Scene, meets_events: bool = False) -> str:
     return (
         f"; the weights of {', '.join(names)} can touch or stick: where one does, the force jumps "
         f"within the step, and {why}: give coupling.corrections (for example 4) with "
-        "steps_per_rev instead, then such steps are counted and said"
+        "steps_per_rev instead, then such steps are counted and reported"
     )

@@ -139,5 +139,5 @@ class Pictures(_Result):
 
     def _scene(self) -> Scene:
         if self.scene is None:
-            raise UserError("the result does not know its scene, which this picture needs")
+            raise UserError("the result has no scene, which this picture requires")
         return self.scene

@@ -85,7 +85,7 @@ class Revolution(Closing):
 
     Args:
         scene: its start values are the first guess of the main motion.
-        steps: communication steps a revolution; by default the scene's.
+        steps: communication steps per revolution; by default the scene's.
         separate: couple separate FMUs in Python even where the scene can run as one file.
 
     Attributes:

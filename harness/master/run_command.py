@@ -24,10 +24,11 @@ def command(
     plot: Annotated[Path | None, options.picture("Draw the signals (png, svg, pdf).")] = None,
     changes: Annotated[list[str] | None, options.changes("rotor.unbalance=0.1")] = None,
     fmus: Annotated[
-        Path | None, typer.Option(metavar="DIR", help="Use the FMUs there, build none.")
+        Path | None,
+        typer.Option(metavar="DIR", help="Use the FMUs in this folder instead of building them."),
     ] = None,
     verify: Annotated[
-        bool, typer.Option(help="Run again, finer, and measure the signals' errors.")
+        bool, typer.Option(help="Run again with smaller steps, and measure the signals' errors.")
     ] = False,
     json_file: Annotated[Path | None, options.json("facts, signals and errors")] = None,
     separate: Annotated[
@@ -40,7 +41,7 @@ def command(
     at_most: Annotated[str, options.AT_MOST] = costs.DEFAULT,
     report: Annotated[Path | None, options.REPORT] = None,
     verbose: Annotated[
-        bool, typer.Option("--verbose", help="Also say which units ran, and what was left out.")
+        bool, typer.Option("--verbose", help="Also print which units ran, and what was left out.")
     ] = False,
     weights: Annotated[
         Path | None, options.picture("Displacement and angles of all weights against time.")

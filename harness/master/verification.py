@@ -33,8 +33,9 @@ class Verification:
         if self.parting is None:
             return ""
         return (
-            "verify: the motion parts from its neighbours "
-            f"{math.exp(self.parting.rate):.2g}-fold a revolution (rate {self.parting.rate:.2g}): "
+            "verify: neighbouring motions diverge "
+            f"{math.exp(self.parting.rate):.2g}-fold per revolution "
+            f"(rate {self.parting.rate:.2g}): "
             f"from revolution {self.parting.revolution:.3g} on values at a time are not known, "
             "only their statistics"
         )

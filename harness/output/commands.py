@@ -100,14 +100,19 @@ def with_common_options(command: Callable[..., None]) -> Callable[..., None]:
                 help="Show rpm, mm, g mm, deg and Hz; default: SI units, or as in config.toml."
             ),
         ],
-        "quiet": Annotated[bool, typer.Option("--quiet", help="No line on the scene, no warning.")],
+        "quiet": Annotated[
+            bool, typer.Option("--quiet", help="Print no summary of the scene and no warnings.")
+        ],
     }
 
     @functools.wraps(command)
     def run(*args: Any, units: Units | None = None, quiet: bool = False, **options: Any) -> None:
         engineering.set((units or _preferred()) is Units.ENGINEERING)
-        is_quiet.set(quiet)
-        command(*args, **options)
+        before = is_quiet.set(quiet)
+        try:
+            command(*args, **options)
+        finally:
+            is_quiet.reset(before)
 
     keyword = inspect.Parameter.KEYWORD_ONLY
     added = [

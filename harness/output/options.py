@@ -19,11 +19,11 @@ typed: ContextVar[tuple[str, ...]] = ContextVar("typed", default=())  # after th
 STORE, TABLE = ".zarr", ".csv"
 _PICTURES = [f".{kind}" for kind in PICTURES]
 SCENE = typer.Argument(metavar="SCENE", help="Scene file, or the name of a bundled scene.")
-AT_MOST = typer.Option("--at-most", metavar="TIME", help="Refuse what takes longer: 30m, 2h, 1d.")
+AT_MOST = typer.Option("--at-most", metavar="TIME", help="Limit of the run time: 30m, 2h, 1d.")
 REPORT = typer.Option(
     "--report",
     metavar="DIR",
-    help="Also write report.html there, a page to pass on, with its pictures.",
+    help="Also write a report to this folder: report.html, with its pictures.",
 )
 CLUSTER = typer.Option(
     "--cluster", metavar="ADDRESS", help="Work on the Dask cluster of this scheduler."
@@ -103,8 +103,8 @@ def _places(help: str, endings: Sequence[str]) -> Any:
 def pictures_or_store() -> Any:
     """Pictures to draw, and a store of everything they are drawn from."""
     help = (
-        "or FILE.zarr, which keeps every point as it comes: the same command goes on where it was "
-        "ended."
+        "or FILE.zarr, which stores every point when it is ready: the same command resumes an "
+        "interrupted one."
     )
     return _places(help, [*_PICTURES, STORE])
 
@@ -112,8 +112,8 @@ def pictures_or_store() -> Any:
 def picture_table_or_store(of: str) -> Any:
     """Pictures, tables, and a store of the same."""
     help = (
-        f"FILE.csv with every {of}; or FILE.zarr, which keeps them as they come: the same command "
-        "goes on where it was ended."
+        f"FILE.csv with every {of}; or FILE.zarr, which stores them when they are ready: the same "
+        "command resumes an interrupted one."
     )
     return _places(help, [*_PICTURES, TABLE, STORE])
 
@@ -125,7 +125,7 @@ def json(what: str) -> Any:
 
 def markdown(what: str) -> Any:
     """`--markdown FILE`."""
-    return output("", f"Also write {what}.", "--markdown")
+    return output("", f"Also write {what} as Markdown.", "--markdown")
 
 
 def _settings(texts: list[str] | None) -> list[str] | None:

@@ -29,6 +29,7 @@ from multiprocessing import resource_tracker
 from typing import Any, Generic, Protocol, TypeVar
 
 from ..errors import SimulationError
+from .terminal import is_quiet
 
 Item = TypeVar("Item")
 Outcome = TypeVar("Outcome")
@@ -139,7 +140,7 @@ def processes(workers: int) -> Iterator[Executor]:
     folder = tempfile.TemporaryDirectory(prefix=PREFIX, ignore_cleanup_errors=True)
     _start_tracker()
     with folder as directory:
-        pool = _Pool(workers, context, _begin, (directory,))
+        pool = _Pool(workers, context, _begin, (directory, is_quiet.get()))
         try:
             yield pool
         except BaseException:
@@ -190,10 +191,11 @@ class _Pool(ProcessPoolExecutor):
             signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
-def _begin(directory: str) -> None:
+def _begin(directory: str, quiet: bool) -> None:
     """In a new process: the one that started it answers Ctrl-C, and clears its files away."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     tempfile.tempdir = directory
+    is_quiet.set(quiet)
     threading.Thread(target=_follow, args=(directory,), daemon=True).start()
 
 

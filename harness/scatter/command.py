@@ -22,13 +22,13 @@ def command(
             metavar=VARY,
             help="A value and its distribution: normal(mean,deviation[,low,high]), "
             "uniform(low,high) or lognormal(median,deviation); with units and percentages, such as "
-            "normal(50g,10%). [*] in the path: every weight alone. Can be given several times.",
+            "normal(50g,10%). [*] in the path: each weight by itself. Can be given several times.",
         ),
     ],
-    n: Annotated[int, typer.Option("-n", min=1, help="Machines.")] = 10_000,
-    seed: Annotated[int, typer.Option(min=0, help="Another seed draws other machines.")] = 1,
+    n: Annotated[int, typer.Option("-n", min=1, help="Number of machines.")] = 10_000,
+    seed: Annotated[int, typer.Option(min=0, help="Seed of the random numbers.")] = 1,
     output: Annotated[list[Path] | None, options.picture_table_or_store("machine")] = None,
-    json: Annotated[Path | None, options.json("what is said")] = None,
+    json: Annotated[Path | None, options.json("the results")] = None,
     cluster: Annotated[str | None, options.CLUSTER] = None,
     changes: Annotated[list[str] | None, options.changes("run.revolutions=200")] = None,
     at_most: Annotated[str, options.AT_MOST] = costs.DEFAULT,

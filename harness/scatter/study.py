@@ -107,7 +107,7 @@ def scatter(
     residual, grade, settled, together, failure = (
         np.concatenate(list(map(np.atleast_1d, column))) for column in zip(*parts, strict=True)
     )
-    left_out = "" if moments(scene) is not None else "a liquid does not tell its unbalance"
+    left_out = "" if moments(scene) is not None else "the unbalance of a liquid is not known"
     study = Scatter(
         scene.heading,
         tuple(variations),

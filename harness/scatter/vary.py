@@ -175,7 +175,7 @@ def _numbers(text: str, arguments: str, make: Callable[..., Any], unit: str) -> 
     try:
         given = signature.bind(*plain, **named).arguments
     except TypeError as error:
-        raise UserError(f"{text}: {error}; takes {', '.join(signature.parameters)}") from None
+        raise UserError(f"{text}: {error}; allowed: {', '.join(signature.parameters)}") from None
     found: dict[str, float] = {}
     for key, number in given.items():
         is_share = number.endswith("%") and "mean" in found

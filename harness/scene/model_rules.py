@@ -86,7 +86,7 @@ def _under_a_motor(scene: Scene, rotor: LinearRotor) -> Iterator[str]:
         )
     if scene.coupling.scheme == "compensated":
         yield (
-            'coupling.scheme = "compensated": does not know operation.motor: must be "auto", '
+            'coupling.scheme = "compensated": does not support operation.motor: must be "auto", '
             '"iterated", "gauss-seidel" or "jacobi"'
         )
 

@@ -168,8 +168,10 @@ def tell_warning(line: str) -> None:
 
 
 def warn(scene: Scene) -> None:
-    """Warn a caller of the library, of every value once."""
-    for line in implausible(scene):
+    """Warn a caller of the library, of every value once, unless a command is quiet."""
+    from ..output.terminal import is_quiet
+
+    for line in () if is_quiet.get() else implausible(scene):
         if line not in _warnings_given:
             _warnings_given.add(line)
             warnings.warn(f"{scene.label}: {line}", ImplausibleWarning, stacklevel=3)

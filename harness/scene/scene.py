@@ -327,9 +327,9 @@ class Scene(Methods, Table):
         self.refuse_changes(what)
         if self.operation.gravity and self.assembly().weights:
             raise SceneError(
-                f"{self.name}: operation.gravity = {self.operation.gravity:g} m/s^2: {what} asks "
-                "where weights rest in the rotor, and gravity swings them once in every "
-                "revolution: use run, or map --method cosim-run, or take gravity out"
+                f"{self.name}: operation.gravity = {self.operation.gravity:g} m/s^2: {what} "
+                "requires weights at rest in the rotor, and gravity swings them once per "
+                "revolution: use run, or map --method cosim-run, or remove gravity"
             )
 
     def without_balancers(self) -> Scene:

@@ -61,8 +61,8 @@ def corners_of(path: Path) -> list[list[float]]:
         near *= 2.0
     off = float(np.abs(np.interp(time, time[at], speed[at]) - speed).max())
     warnings.warn(
-        f"{path.name}: {len(time)} readings stand for {len(at) - 1} lines, which pass them by "
-        f"{off:.3g} rpm at most, {off / speed.max():.2g} of the highest speed",
+        f"{path.name}: {len(time)} readings are approximated by {len(at) - 1} lines, which "
+        f"deviate by {off:.3g} rpm at most, {off / speed.max():.2g} of the highest speed",
         TraceNote,
         stacklevel=2,
     )

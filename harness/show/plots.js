@@ -157,7 +157,7 @@ function plotSpectrum(canvas, colours, machine, place) {
   area.c.setLineDash([2, 3]);
   line(area.c, area.px(once), area.top, area.px(once), area.bottom);
   area.c.setLineDash([]);
-  area.c.fillText("once a revolution", area.px(once) + 4, area.top + 8);
+  area.c.fillText("once per revolution", area.px(once) + 4, area.top + 8);
   curve(area, frequencies, amplitudes, colours.x);
 }
 

@@ -92,7 +92,7 @@ def speeds(
     width = (high - low) / MOST_SPEEDS
     if narrowest is not None and narrowest < width and set(wanted) - {"proved"}:
         raise UserError(
-            f"narrowest = {narrowest:g} rad/s: asks for {(high - low) / narrowest:.3g} speeds from "
+            f"narrowest = {narrowest:g} rad/s: requires {(high - low) / narrowest:.3g} speeds from "
             f"{low:g} to {high:g} rad/s; must be {width:.3g} rad/s or more: at most {MOST_SPEEDS}"
         )
     result = Speeds(scene.name, (low, high))

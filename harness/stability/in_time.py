@@ -21,7 +21,7 @@ FEWEST = 6  # revolutions in the window
 LATE = 10  # last part of a run in which it is judged: one tenth
 SETTLING = 9.0  # times 1/growth rate: e^-9 leaves 1e-4 of what the main motion is missed by
 TRANSIENT = 60.0  # revolutions before that: the weights find their places
-LONGEST = 3000.0  # revolutions of a run: what settles later, e^-0.003 a revolution, is a boundary
+LONGEST = 3000.0  # revolutions of a run: what settles later, e^-0.003 per revolution, is a boundary
 FITTED_RUN = 120  # revolutions: in its first half what dies 5 % faster falls to a twentieth
 
 
@@ -29,9 +29,9 @@ def growth_in_run(motion: MainMotion, speed: float, revolutions: int = FITTED_RU
     """Growth rate [1/s] of a small disturbance, fitted to one run of the units.
 
     Costs one run whatever the number of states, and needs no derivative: for many weights and for
-    units too rough for differences.  States once a revolution obey x' = A x; the part of A that the
-    run shows is found by least squares (dynamic mode decomposition) over the second half, in which
-    the slowest motion prevails.
+    units too rough for differences.  States once per revolution obey x' = A x; the part of A that
+    the run shows is found by least squares (dynamic mode decomposition) over the second half, in
+    which the slowest motion prevails.
 
     Raises:
         SimulationError: the disturbance vanished or became large within a few revolutions.

@@ -37,7 +37,7 @@ Outcome = TypeVar("Outcome")
 BALANCED_ACCELERATION = 1e-9  # of a plane, over that of the whole unbalance and all weights
 AT_REST = 1e-6  # of each state's scale: what a revolution may move a main motion
 NEUTRAL_RETURN = 1e-5  # what a revolution may change a neutral turn; differences and steps err less
-MOST_REFINED = 32  # times the given steps a revolution
+MOST_REFINED = 32  # times the given steps per revolution
 _LONGEST_TURN = 0.5  # rad per iteration: a longer one leaves the neighbourhood of the start
 _ITERATIONS = 30  # of half a radian: twice around, and Newton's last few
 _STARTS = 5  # the second leaves a line of symmetry, on which Newton stands still
@@ -202,8 +202,8 @@ class MainMotion(Closing):
     def _resolved(self, measure: Callable[[], Outcome]) -> Outcome:
         """What `measure` gives; steps are halved as often as the coupling refuses them as too long.
 
-        Far below the natural frequencies, or under heavy drag, a given number of steps a revolution
-        does not resolve what the units do.
+        Far below the natural frequencies, or under heavy drag, a given number of steps per
+        revolution does not resolve what the units do.
         """
         given = self.units.steps
         try:

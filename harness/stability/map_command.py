@@ -28,16 +28,16 @@ def command(
     x: Annotated[str, typer.Option(metavar=AXIS, help="Such as speed=0.5:12:100 (rad/s).")],
     y: Annotated[str, typer.Option(metavar=AXIS, help="Such as weights.drag=1e-4:1:100:log.")],
     output: Annotated[list[Path] | None, options.pictures_or_store()] = None,
-    csv: Annotated[Path | None, options.output(".csv", "Every point.")] = None,
+    csv: Annotated[Path | None, options.output(".csv", "Write every point as CSV.")] = None,
     method: Annotated[
         MapMethod,
         typer.Option(
-            help="Growth rates; what still vibrates after the scene's run, in C; or what is proved "
-            "of every cell."
+            help="Growth rates; residual vibration after the scene's run, in C; or stability "
+            "proved for every cell."
         ),
     ] = MapMethod.FLOQUET,
     cosim: Annotated[
-        int, typer.Option(min=0, metavar="K", help="Co-simulate K points of the map, too.")
+        int, typer.Option(min=0, metavar="K", help="Also co-simulate K points of the map.")
     ] = 0,
     cluster: Annotated[str | None, options.CLUSTER] = None,
     changes: Annotated[list[str] | None, options.changes("rotor.mass=3.0")] = None,

@@ -37,8 +37,8 @@ def command(
         float | None,
         options.quantity(
             "rad/s",
-            "Width of a band that must not be missed [rad/s]; default: range/1000, of cosim alone "
-            "range/60. Of undecided bands of --method proved.",
+            "Width of the narrowest band to find [rad/s]; default: range/1000, with cosim only "
+            "range/60. With --method proved: width of undecided bands.",
             "--narrowest",
         ),
     ] = None,

@@ -201,7 +201,7 @@ class WhirlMotion(MainMotion):
         if off > _SAME:
             raise SimulationError(
                 f"{scene.name}: at {speed:g} rad/s the units' whirl lies {off:.2g} rad from that "
-                "of the equations: take more steps a revolution"
+                "of the equations: use more steps per revolution"
             )
         self._keep(neutral_turns(main.whirl))
 

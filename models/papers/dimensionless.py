@@ -55,7 +55,7 @@ class Dimensionless:
         if rotor.stations != 1 or len(assembly.balancers) != 1 or len(weights) != 1:
             raise ValueError("the dimensionless form is for a planar rotor with one set of weights")
         if rotor.internal_damping.any():
-            raise ValueError("the dimensionless form knows no internal damping")
+            raise ValueError("the dimensionless form has no internal damping")
         device = weights[0].device
         assert isinstance(device, Weights)
         device.refuse_unequal("the dimensionless form")

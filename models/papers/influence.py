@@ -68,8 +68,8 @@ def from_runs(responses: NDArray, mounted: NDArray) -> Complex:
     k, _, rank, _ = np.linalg.lstsq(changes / sizes, effects, rcond=_SMALLEST_SINGULAR_VALUE)
     if rank < changes.shape[1]:
         raise ValueError(
-            f"{len(changes)} runs beside the reference tell {rank} of {changes.shape[1]} planes "
-            "apart: each plane needs a run of its own in which its mass differs"
+            f"{len(changes)} runs beside the reference distinguish {rank} of {changes.shape[1]} "
+            "planes: each plane needs a run of its own in which its mass differs"
         )
     return (k / sizes[:, None]).T
 
@@ -98,41 +98,63 @@ def unbalance_from_response(coefficients: NDArray, response: NDArray) -> Complex
     return solution
 
 
-def least_maximum_correction(coefficients: NDArray, response: NDArray) -> Complex:
-    """Corrections w (p,) that make the largest |A + K w| of the sensors least.
+def find_correction(
+    coefficients: NDArray,
+    response: NDArray,
+    largest: NDArray | None = None,
+    min_max: bool = False,
+) -> Complex:
+    """Corrections w (p,) with the least sum of |A + K w|^2 over the sensors, or the least maximum.
 
-    A convex problem, solved by sequential quadratic programming.  Foiles, Allaire and Gunter 2000
-    compare such corrections.
+    A convex problem.  With a bound or the maximum it is solved by sequential quadratic programming.
+    Foiles, Allaire and Gunter 2000 compare such corrections.
 
     Args:
         coefficients: K (s, p).
         response: A (s,) complex amplitudes.
+        largest: (p,) bounds of |w|, above 0; default: none.
+        min_max: the largest |A + K w| is to be least.
 
     Raises:
         ValueError: the coefficients do not tell the planes apart.
         ArithmeticError: no correction was found.
     """
     best = -unbalance_from_response(coefficients, response)
-    count, scale = len(best), float(np.abs(best).max()) or 1.0
-    size = float(np.abs(response).max()) or 1.0
-    k, a = np.asarray(coefficients) * (scale / size), np.asarray(response, complex) / size
+    if largest is None and not min_max:
+        return best
+    bounds = np.full(len(best), np.inf) if largest is None else np.asarray(largest, float)
+    count, size = len(best), float(np.abs(response).max()) or 1.0
+    scale = np.minimum(float(np.abs(best).max()) or 1.0, bounds)
+    k, a = np.asarray(coefficients) * scale / size, np.asarray(response, complex) / size
 
-    def remaining(v: NDArray) -> Complex:
-        return a + k @ (v[:count] + 1j * v[count : 2 * count])
+    def correction(v: NDArray) -> Complex:
+        return v[:count] + 1j * v[count : 2 * count]
+
+    def squares(v: NDArray) -> NDArray:
+        each = np.abs(a + k @ correction(v)) ** 2
+        return each if min_max else each.sum(keepdims=True)
 
     def slopes(v: NDArray) -> NDArray:
-        each = 2.0 * remaining(v).conj()[:, None] * k
-        return np.hstack([-each.real, each.imag, np.ones((len(a), 1))])
+        each = 2.0 * (a + k @ correction(v)).conj()[:, None] * k
+        each = each if min_max else each.sum(axis=0, keepdims=True)
+        return np.hstack([-each.real, each.imag, np.ones((len(each), 1))])
 
-    # the last unknown is the largest square
-    start = np.concatenate([best.real / scale, best.imag / scale, [0.0]])
-    start[-1] = (np.abs(remaining(start)) ** 2).max()
+    def shortened(w: Complex, bounds: NDArray) -> Complex:
+        return w * np.minimum(1.0, bounds / np.maximum(np.abs(w), np.finfo(float).tiny))
+
+    # the last unknown is the largest square, or the sum of squares
+    begin = shortened(best / scale, bounds / scale)
+    start = np.concatenate([begin.real, begin.imag, [0.0]])
+    start[-1] = squares(start).max()
     last = np.eye(len(start))[-1]
-    below = {"type": "ineq", "fun": lambda v: v[-1] - np.abs(remaining(v)) ** 2, "jac": slopes}
-    found = minimize(lambda v: v[-1], start, jac=lambda v: last, constraints=[below], tol=1e-12)
+    below = [{"type": "ineq", "fun": lambda v: v[-1] - squares(v), "jac": slopes}]
+    if largest is not None:
+        within = (bounds / scale) ** 2
+        below.append({"type": "ineq", "fun": lambda v: within - np.abs(correction(v)) ** 2})
+    found = minimize(lambda v: v[-1], start, jac=lambda v: last, constraints=below, tol=1e-12)
     if not np.isfinite(found.x).all():
         raise ArithmeticError(f"no correction was found: {found.message}")
-    return (found.x[:count] + 1j * found.x[count : 2 * count]) * scale
+    return shortened(correction(found.x) * scale, bounds)  # by rounding
 
 
 def scalar_coefficients(coefficients: NDArray, lag: float = 0.0) -> Complex:

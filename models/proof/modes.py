@@ -97,7 +97,7 @@ def _hill(a: Complex, speed: float, side: int) -> tuple[NDArray, Complex]:
             return values[chosen], vectors[chosen]
     if side < _MOST_HARMONICS:
         return _hill(a, speed, 2 * side)
-    raise Unproved("the modes of the system cannot be told apart")
+    raise Unproved("the modes of the system cannot be distinguished")
 
 
 def _blocks(values: NDArray, vectors: Complex) -> tuple[Complex, Complex, NDArray[np.bool_]]:
@@ -143,7 +143,7 @@ def _solved(z: Complex, rates: Complex, same: NDArray, speed: float) -> tuple[Co
         with np.errstate(all="ignore"):
             y = np.where(left, 0.0, (z + rest @ y - y @ rest) / divisor)
         if not np.isfinite(y).all():
-            raise Unproved("two modes cannot be told apart")
+            raise Unproved("two modes cannot be distinguished")
         if np.abs(y - before).max() <= 1e-14 * np.abs(y).max():
             break
     block = np.where(left, z + rest @ y - y @ rest, 0.0)

@@ -27,7 +27,7 @@ from .radau import radau
 
 STAGES = 3  # of the Radau method, order 5: as good as the cubic forces
 STEP_ACCURACY = 1e-10  # of the largest displacement: 10,000 steps stay below 1e-6
-PART_HALVINGS = 12  # 4096 parts: modes 4000 times as fast as a rotor of 40 steps a turn
+PART_HALVINGS = 12  # 4096 parts: modes 4000 times as fast as a rotor of 40 steps per turn
 HALVED_ERRORS = 31.0  # 2^5 - 1: halved parts differ from whole ones by so many of their errors
 
 NODES, COEFFICIENTS = radau(STAGES)
@@ -120,7 +120,7 @@ class VariableSpeedStep:
             whole = halved
         raise ArithmeticError(
             f"the rotor vibrates too fast for a step of {step:.6g} s at changing speed: "
-            f"{2**PART_HALVINGS} parts of it still err by {error:.6g} m; use smaller "
+            f"{2**PART_HALVINGS} parts of it still have an error of {error:.6g} m; use smaller "
             "communication steps"
         )
 

@@ -7,9 +7,9 @@ import pytest
 
 from autobalancer.models.linear.modes import critical_speeds
 from autobalancer.models.papers.influence import (
+    find_correction,
     from_runs,
     influence,
-    least_maximum_correction,
     scalar_coefficients,
     unbalance_from_response,
 )
@@ -160,13 +160,38 @@ FOILES = table("""
 BEFORE = polar("55@259 45@118 124@21 138@349 107@349 90@280 58@354 108@201 88@190 56@48 73@158")
 
 
-def test_least_maximum_is_near_the_published_corrections_and_no_larger():
-    printed = polar("4.42@88 2.92@352 1.588@322 1.928@304")
-    found = least_maximum_correction(FOILES, BEFORE)
-    np.testing.assert_allclose(found, printed, atol=0.15)
+@pytest.mark.parametrize(
+    ("largest", "printed"),
+    [
+        (None, "4.42@88 2.92@352 1.588@322 1.928@304"),
+        (3.402, "3.402@91 2.325@354 1.361@318 1.786@305"),
+    ],
+)
+def test_least_maximum_is_near_the_published_corrections_and_no_larger(largest, printed):
+    bounds = None if largest is None else [largest] * 4
+    found = find_correction(FOILES, BEFORE, bounds, min_max=True)
+    np.testing.assert_allclose(found, polar(printed), atol=0.15)
     reached = np.abs(BEFORE + FOILES @ found).max()
-    assert reached <= np.abs(BEFORE + FOILES @ printed).max()
+    assert reached <= np.abs(BEFORE + FOILES @ polar(printed)).max()
     # nothing near it is better, as the problem is convex
+    for other in near(found, largest):
+        assert np.abs(BEFORE + FOILES @ other).max() >= reached * (1.0 - 1e-9)
+
+
+def near(found, largest=None):
+    """Corrections a little beside, none of them larger than `largest`."""
     rng = np.random.default_rng(1)
     for step in rng.normal(size=(500, 8)).view(complex) * 0.01:
-        assert np.abs(BEFORE + FOILES @ (found + step)).max() >= reached * (1.0 - 1e-9)
+        other = found + step
+        yield other if largest is None else other * np.minimum(1.0, largest / np.abs(other))
+
+
+def test_least_squares_with_a_largest_mass_keep_it_and_are_least():
+    free = -unbalance_from_response(FOILES, BEFORE)
+    assert find_correction(FOILES, BEFORE, [99.0] * 4) == pytest.approx(free, abs=1e-5)
+    bound = 0.5 * np.abs(free).max()
+    found = find_correction(FOILES, BEFORE, [bound] * 4)
+    assert np.abs(found).max() == pytest.approx(bound, rel=1e-6)
+    reached = (np.abs(BEFORE + FOILES @ found) ** 2).sum()
+    for other in near(found, bound):
+        assert (np.abs(BEFORE + FOILES @ other) ** 2).sum() >= reached * (1.0 - 1e-9)

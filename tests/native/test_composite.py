@@ -85,7 +85,7 @@ def test_schemes_do_what_the_harness_does(hosted, name, scheme):
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["two_balls", "balls_and_liquid", "goncharov_balls"])
 def test_the_steps_of_the_tool_do_not_matter(hosted, name):
-    """At 5, 7.5 and 1,000 steps a revolution outputs have the same bits as at the scene's own."""
+    """At 5, 7.5 and 1,000 steps per revolution outputs have the same bits as at the scene's own."""
     scene = load_scene(name)
     names = [f"{b.label}.{v}" for b in scene.balancer for v in b.records]
     names += ["rotor.x", "rotor.vy", "rotor.plane[1].a_xi"]
@@ -138,7 +138,7 @@ def test_a_state_within_a_step_is_everything(state_is_everything, order):
 @pytest.mark.parametrize("fmi", [2, 3])
 @pytest.mark.parametrize("order", [3, 5])
 def test_fmpy_finds_nothing_wrong_and_simulates_it(tmp_path, fmi, order):
-    """With the harness's own motion, asked for at 37 points a revolution."""
+    """With the harness's own motion, asked for at 37 points per revolution."""
     changes = {"run.revolutions": 2, "coupling.order": order}
     scene = load_scene("balls_and_liquid").replace(changes)
     path = build_one_file(scene, tmp_path / "one.fmu", fmi, [platform_tuple])

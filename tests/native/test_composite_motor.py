@@ -116,7 +116,7 @@ def test_its_speed_is_no_input():
     with pytest.raises(UserError, match="'speed': not known"):
         cosimulate_many(scene, {"speed": [10.0]})
     compensated = {"coupling.scheme": "compensated"}
-    with pytest.raises(UserError, match=r"does not know operation\.motor"):
+    with pytest.raises(UserError, match=r"does not support operation\.motor"):
         scene.replace(compensated)
 
 

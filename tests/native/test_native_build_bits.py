@@ -207,7 +207,7 @@ def test_a_composite_has_the_bits_it_has_on_glibc(machine, scene, changes, outco
 
 
 def composite(scene: str, changes: dict[str, float]) -> list[str]:
-    """A scene's composite, some seven times a revolution."""
+    """A scene's composite, some seven times per revolution."""
     loaded = load_scene(scene)
     scheme = "auto" if changes else loaded.coupling.scheme
     steps = {} if changes else {"coupling.steps_per_rev": 12}

@@ -53,7 +53,7 @@ def test_bearings_without_balls_move_as_the_equations_of_the_rotor_say(rig):
         orbit = np.real(amplitude[..., None] * turn)
         expected.append(1e3 * np.hypot(*orbit).max(axis=1))
     found = bearings(rig.without_balancers(), 4, speeds)
-    assert found == pytest.approx(np.array(expected), rel=4e-3)  # 40 points a revolution
+    assert found == pytest.approx(np.array(expected), rel=4e-3)  # 40 points per revolution
 
 
 def test_bearings_with_friction_move_as_harmonic_balance_says():
@@ -62,7 +62,7 @@ def test_bearings_with_friction_move_as_harmonic_balance_says():
     expected = largest_displacement(unbalance_response(scene.assembly().rotor, speeds * RPM))
     found = steady(scene.replace({"coupling.steps_per_rev": 20}), 3, speeds, 150)
     mean = 1e3 * expected[:, [0, 2]].mean(axis=1)
-    assert found == pytest.approx(mean, rel=0.015)  # 20 points a revolution
+    assert found == pytest.approx(mean, rel=0.015)  # 20 points per revolution
 
 
 def test_a_slow_sweep_meets_the_amplitudes_at_constant_speed(rig):

@@ -86,7 +86,7 @@ TOOLS = (
 
 @dataclass(frozen=True)
 class Row:
-    """A tool with one kind of file at a number of steps a revolution.
+    """A tool with one kind of file at a number of steps per revolution.
 
     Attributes:
         error: largest of x and y over the largest amplitude; None where it does not run.

@@ -6,7 +6,7 @@
 static int unfinished(const Composite *c, double ends, double step)
 {
     const Course *course = c->course;
-    if (course->division.crossing > 0.0 || course->event.striking > 0.0) {
+    if (course->division.crossing > 0.0 || course->event.steps_left > 0.0) {
         return 1;
     }
     if (course->adaptive.allowed == 0.0) {

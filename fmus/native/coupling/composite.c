@@ -214,6 +214,7 @@ static int begin_parts(Unit *unit)
         Unit *part = c->parts[k].unit;
         const Range inputs = part->layout.inputs;
         if (c->parts[k].brief >= 0) {
+            /* more than the longest brief step, so that none ends early */
             part->real[c->parts[k].brief] = 1.5 * brief_length(unit);
         }
         memcpy(part->real + inputs.first, part->starts + inputs.first,
@@ -226,7 +227,7 @@ static int begin_parts(Unit *unit)
     if (c->motor && shaft_begin(unit)) {
         return 1;
     }
-    for (k = 1; k < c->mounted; k++) {
+    for (k = 1; k < c->parts_without_motor; k++) {
         Unit *part = c->parts[k].unit;
         double *carried = rotor->real + rotor->layout.inputs.first + c->parts[k].plane;
         composite_place(c, c->parts + k);
@@ -374,7 +375,7 @@ static void begin_anew(Unit *unit, double time)
         course->clock.within = 0.0;
     }
     course->clock.time = time;
-    course->division.crossing = course->division.whole = course->event.striking = 0.0;
+    course->division.crossing = course->division.whole = course->event.steps_left = 0.0;
     course->clock.changed = 1.0;
     composite_drop_past(c);
 }
@@ -437,7 +438,7 @@ static int agree(Unit *unit)
     if (c->motor && shaft_begin(unit)) {
         return 1;
     }
-    for (k = 1; k < c->mounted; k++) {
+    for (k = 1; k < c->parts_without_motor; k++) {
         Unit *part = c->parts[k].unit;
         composite_place(c, c->parts + k);
         if (part->equations->outputs(part)) {
@@ -479,7 +480,7 @@ static int couple(Unit *unit, double step, int jump)
     if (iterated_step(unit, step)) {
         return 1;
     }
-    return c->unknowns && c->course->event.striking == 0.0 && judge_step(unit, c->course->clock.length);
+    return c->unknowns && c->course->event.steps_left == 0.0 && judge_step(unit, c->course->clock.length);
 }
 
 /* One step of the length that a tolerance allows, or that a run prescribes. */
@@ -491,7 +492,7 @@ static int adapt(Unit *unit)
         return adaptive_step(unit, longest > 0.0 ? longest
                                                  : step_of_revolution(unit, FEWEST_CHOSEN));
     }
-    return prescribed_step(unit) || (c->course->event.striking == 0.0 && iterated_judge(unit));
+    return prescribed_step(unit) || (c->course->event.steps_left == 0.0 && iterated_judge(unit));
 }
 
 /* A step that an event has cut into several is judged behind it. */
@@ -502,12 +503,12 @@ static int strike(Unit *unit)
     if (contacts_step(unit)) {
         return 1;
     }
-    if (course->event.striking > 0.0) {
+    if (course->event.steps_left > 0.0) {
         return 0;
     }
     course->loop.residual = course->event.worst;
     return (course->adaptive.allowed == 0.0 || c->pacing.points) &&
-           judge_step(unit, course->clock.time + course->clock.length - course->event.met);
+           judge_step(unit, course->clock.time + course->clock.length - course->event.begun_at);
 }
 
 int composite_go_on(Unit *unit)
@@ -516,7 +517,7 @@ int composite_go_on(Unit *unit)
     Course *course = c->course;
     const size_t size = c->state_count * sizeof(double);
     const int crosses = course->clock.changed > 0.0 || course->division.crossing > 0.0;
-    const int strikes = course->event.striking > 0.0 && !crosses;
+    const int strikes = course->event.steps_left > 0.0 && !crosses;
     const int adapts = course->adaptive.allowed > 0.0 && !crosses && !strikes;
     const double step = adapts || strikes ? 0.0 : startup_length(unit);
     if (course->clock.within > 0.0) {

@@ -103,8 +103,8 @@ typedef struct {
 
 /* Of contacts.c: brief steps behind an event. */
 typedef struct {
-    double striking, strikes; /* still to take, and taken */
-    double met;               /* when the step that met it began [s] */
+    double steps_left, brief_steps; /* brief steps still to take, and taken */
+    double begun_at;                /* when the step that holds the event began [s] */
     double worst;             /* residual of the step before them */
     double ended;             /* when the last of them ended [s] */
     double learned_step;      /* `solved_step` before them */
@@ -175,7 +175,7 @@ typedef struct {
 
 typedef struct {
     Part *parts;
-    int part_count, mounted; /* mounted: without the motor, */
+    int part_count, parts_without_motor;
     Part *motor;             /* NULL where the speed is prescribed */
     int exchanges, planes; /* numbers of forces, and of planes of the rotor that exchange force */
     int unknowns;          /* what a step assumes: the forces, and a motor's acceleration as one */

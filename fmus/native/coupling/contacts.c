@@ -12,8 +12,9 @@
 
 static const double SOON = 1e-3; /* of a brief step: weights that meet so soon collide now */
 static const double JUMP = 1e-6, BRIEF_GROWTH = 10.0, SLOPE_JUMP = 1e-10, AGREED = 1e-6;
-enum { QUIET = 3, AWAITED = 20, MOST = 1000, TRIES = 3 };
-static const double SHORTER[TRIES] = {1.0, 0.6, 0.36};
+/* brief steps without a jump that end an event, those in which one is awaited, and the most of one */
+enum { QUIET_STEPS = 3, AWAITED_STEPS = 20, MOST_BRIEF_STEPS = 1000, BRIEF_TRIES = 3 };
+static const double SHORTER[BRIEF_TRIES] = {1.0, 0.6, 0.36};
 
 int contacts_ahead(Unit *unit, double *step)
 {
@@ -39,9 +40,9 @@ void contacts_begin(Unit *unit)
     Course *course = c->course;
     memcpy(c->learned, c->solution, loop_bytes(c));
     course->event.learned_step = course->loop.solved_step;
-    course->event.striking = AWAITED;
-    course->event.strikes = course->event.worst = 0.0;
-    course->event.met = course->clock.time;
+    course->event.steps_left = AWAITED_STEPS;
+    course->event.brief_steps = course->event.worst = 0.0;
+    course->event.begun_at = course->clock.time;
 }
 
 /* Behind the event: the jump is no error of a prediction. */
@@ -77,7 +78,7 @@ static double brief(Unit *unit, double *step)
             composite_restore(c);
             continue;
         }
-        if ((residual >= 0.0 && residual <= AGREED) || k == TRIES - 1) {
+        if ((residual >= 0.0 && residual <= AGREED) || k == BRIEF_TRIES - 1) {
             return residual;
         }
         composite_restore(c);
@@ -85,7 +86,7 @@ static double brief(Unit *unit, double *step)
         k++;
         *step = SHORTER[k] * brief_length(unit);
         /* weights that stick answer otherwise than those that slide */
-        if (k == TRIES - 1 && iterated_after_start(unit, *step)) {
+        if (k == BRIEF_TRIES - 1 && iterated_after_start(unit, *step)) {
             return -1.0;
         }
     }
@@ -132,23 +133,23 @@ int contacts_step(Unit *unit)
     if (residual < 0.0 || iterated_accept(unit, step)) {
         return 1;
     }
-    relearn(c); /* what a brief step has made of the loop's inverse serves no longer one */
+    relearn(c); /* the brief steps have changed the inverse: restore it */
     course->clock.length = step;
-    course->event.strikes += 1.0;
-    /* passes that do not agree disagree on whether the step holds an event; it is soon over */
+    course->event.brief_steps += 1.0;
+    /* if passes do not converge, they disagree on whether the event lies inside this step */
     if (jumped || residual > AGREED) {
-        course->event.striking = QUIET;
+        course->event.steps_left = QUIET_STEPS;
     } else {
-        course->event.striking -= 1.0;
+        course->event.steps_left -= 1.0;
     }
     if (turned) {
-        course->event.striking = smaller(course->event.striking, QUIET);
+        course->event.steps_left = smaller(course->event.steps_left, QUIET_STEPS);
     }
-    if (course->event.striking == 0.0) {
+    if (course->event.steps_left == 0.0) {
         end_event(c);
-    } else if (course->event.strikes > MOST) {
+    } else if (course->event.brief_steps > MOST_BRIEF_STEPS) {
         return unit_fail(unit, "weights collide or stick without end at t = %6 s",
-                         course->event.met);
+                         course->event.begun_at);
     }
     return 0;
 }

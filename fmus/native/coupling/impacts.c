@@ -26,7 +26,7 @@ int impacts_allocate(Unit *unit)
     if (!own) {
         return 1;
     }
-    for (k = 1; k < c->mounted; k++) {
+    for (k = 1; k < c->parts_without_motor; k++) {
         own->count += part_balls(c->parts + k) ? c->parts[k].unit->layout.sizes.weights : 0;
     }
     own->mass = unit_allocate(unit, n * n, sizeof(double));
@@ -52,7 +52,7 @@ int impacts_prepare(Unit *unit)
     }
     matrix_product(1, p, n, p, rotor->planes, own->give, own->mobility);
     /* where steps do not end at impacts, a track knows the mobility of its own plane alone */
-    for (k = 1; k < c->mounted; k++) {
+    for (k = 1; k < c->parts_without_motor; k++) {
         Balls *balls = part_balls(c->parts + k);
         if (balls) {
             balls->track.mobility = own->mobility[c->parts[k].plane * (p + 1)];
@@ -117,7 +117,7 @@ static void push_rotor(Composite *c, const Impact *impact)
 static int apply_impact(Composite *c, Impact *impact)
 {
     int k, first = 0, low = 0;
-    for (k = 1; k < c->mounted; k++) {
+    for (k = 1; k < c->parts_without_motor; k++) {
         const Part *part = c->parts + k;
         if (part_balls(part)) {
             const Instant now = drive_of(c, part);
@@ -134,7 +134,7 @@ static int write_tracks(Unit *unit)
 {
     Composite *c = unit->own;
     int k;
-    for (k = 1; k < c->mounted; k++) {
+    for (k = 1; k < c->parts_without_motor; k++) {
         Unit *part = c->parts[k].unit;
         WeightsInOrder *weights = c->impacts->tracks + k;
         if (part_balls(c->parts + k)) {
@@ -152,7 +152,7 @@ static int write_tracks(Unit *unit)
 static int can_meet(const Composite *c)
 {
     int k, found = 0;
-    for (k = 1; k < c->mounted && !found; k++) {
+    for (k = 1; k < c->parts_without_motor && !found; k++) {
         const Balls *balls = part_balls(c->parts + k);
         found = balls && balls->track.solid && !balls->track.full;
     }
@@ -170,7 +170,7 @@ int impacts_strike(Unit *unit, double soon, int *struck)
     if (!can_meet(c)) {
         return 0;
     }
-    for (k = 1; k < c->mounted; k++) {
+    for (k = 1; k < c->parts_without_motor; k++) {
         WeightsInOrder *weights = c->impacts->tracks + k;
         if (part_balls(c->parts + k)) {
             if (read_track(unit, c->parts + k, weights)) {

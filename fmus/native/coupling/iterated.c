@@ -95,7 +95,7 @@ double iterated_attempt(Unit *unit, double step, int passes)
     /* what is left of a force makes a steep slope in a brief step */
     const double allowed = course->loop.tolerance;
     const double tolerance =
-        course->event.striking > 0.0  ? smaller(allowed, closed(course))
+        course->event.steps_left > 0.0  ? smaller(allowed, closed(course))
         : course->adaptive.constant_signals > 0.0 ? larger(GAIN_ROUNDING * course->loop.gain, HELD * allowed)
                                       : allowed;
     const double counted = measure(c, step);

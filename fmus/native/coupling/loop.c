@@ -153,6 +153,7 @@ int loop_invert(Unit *unit, const double *jacobian, double step)
 void loop_rescale(Composite *c, int rows, double step)
 {
     const double ratio = step / c->course->loop.solved_step;
+    /* of value, slope * h and second * h^2 of a knot, each as real and imaginary part */
     const double powers[QUINTIC_ORDERS] = {1.0, 1.0, ratio, ratio, ratio * ratio, ratio * ratio};
     const int count = c->orders * c->unknowns;
     double *element = c->solution;

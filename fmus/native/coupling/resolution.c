@@ -114,7 +114,7 @@ static double capacity(const Composite *c)
 {
     double sum = 0.0;
     int k;
-    for (k = 1; k < c->mounted; k++) {
+    for (k = 1; k < c->parts_without_motor; k++) {
         const Balls *balls = part_balls(c->parts + k);
         if (balls) {
             const Weights *weights = &balls->track.weights;
@@ -311,8 +311,8 @@ int resolution_check(Unit *unit, double step)
         }
         if (worst >= STATED_ERROR) {
             unit_warn_once(unit, TOO_LONG, course->clock.time,
-                           "steps too long for signals that vary faster: coupling.error says by how "
-                           "much of itself the motion errs; use more coupling.steps_per_rev, or a "
+                           "steps too long for signals that vary faster: coupling.error is the "
+                           "relative error of the motion; use more coupling.steps_per_rev, or a "
                            "tolerance");
         }
     }

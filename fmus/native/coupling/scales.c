@@ -50,7 +50,7 @@ void composite_added_masses(const Composite *c, double *masses)
     for (k = 0; k < c->parts->unit->layout.sizes.planes; k++) {
         masses[k] = 0.0;
     }
-    for (k = 1; k < c->mounted; k++) {
+    for (k = 1; k < c->parts_without_motor; k++) {
         masses[c->parts[k].plane] += added_mass(c->parts + k);
     }
 }
@@ -63,7 +63,7 @@ double composite_largest_force(const Composite *c)
     const double weight = mass * hypotenuse(rotor->gravity[0], rotor->gravity[1]);
     double own = 0.0, carried = 0.0;
     int k;
-    for (k = 1; k < c->mounted; k++) {
+    for (k = 1; k < c->parts_without_motor; k++) {
         const Balls *balls = part_balls(c->parts + k);
         if (balls) {
             const Weights *weights = &balls->track.weights;

@@ -33,7 +33,7 @@ static void read_torque(const Composite *c, double *torque)
 {
     int k;
     torque[0] = torque[1] = 0.0;
-    for (k = 0; k < c->mounted; k++) {
+    for (k = 0; k < c->parts_without_motor; k++) {
         const Part *part = c->parts + k;
         if (part->torque >= 0) {
             part->unit->equations->observe_torques(part->unit);
@@ -79,7 +79,7 @@ void shaft_tell(Unit *unit, const Complex *spin, double step)
     const double mean =
         rates[0] + step * (rates[1] / 2.0 + step * (rates[2] / 6.0 + step * rates[3] / 24.0));
     int k;
-    for (k = 0; k < c->mounted; k++) {
+    for (k = 0; k < c->parts_without_motor; k++) {
         double *drive = c->parts[k].unit->real + c->parts[k].drive;
         if (c->parts[k].drive < 0) {
             continue;

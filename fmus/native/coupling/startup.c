@@ -86,7 +86,7 @@ int startup_taken(Unit *unit, int struck)
     Composite *c = unit->own;
     Course *course = c->course;
     const double whole = course->division.whole;
-    if (course->event.striking > 0.0) {
+    if (course->event.steps_left > 0.0) {
         return 0;
     }
     if (struck && course->adaptive.allowed == 0.0) { /* what is left of the communication step */

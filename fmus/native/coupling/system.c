@@ -161,7 +161,7 @@ int composite_follow(Unit *unit, double step)
 {
     Composite *c = unit->own;
     int k;
-    for (k = 1; k < c->mounted; k++) {
+    for (k = 1; k < c->parts_without_motor; k++) {
         Part *part = c->parts + k;
         if (part->exchange < 0) {
             composite_place(c, part);

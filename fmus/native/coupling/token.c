@@ -102,7 +102,7 @@ static int read_part(Unit *unit, Part *part, const char *at)
                                   "rotor");
     }
     c->motor = is_motor ? part : NULL;
-    c->mounted += !is_motor;
+    c->parts_without_motor += !is_motor;
     part->plane = (int)plane - 1;
     part->drive = is_motor ? -1 : reference(part->unit, "speed");
     part->brief = reference(part->unit, "shortest_stopped_step");
@@ -265,7 +265,7 @@ static int connect(Unit *unit)
     }
     for (plane = 0; plane < planes; plane++) {
         int found = 0;
-        for (k = 1; k < c->mounted; k++) {
+        for (k = 1; k < c->parts_without_motor; k++) {
             const Part *part = c->parts + k;
             if (part->exchange >= 0 && part->plane == plane) {
                 c->members[part->exchange] = k;

@@ -97,7 +97,7 @@ void verdict_unbalance(const Composite *c, double *left, double *used)
     for (k = 0; k < rotor->stations; k++) {
         sum = complex_sum(sum, complex_of(rotor->rotor.unbalance[2 * k], rotor->rotor.unbalance[2 * k + 1]));
     }
-    for (k = 1; k < c->mounted; k++) {
+    for (k = 1; k < c->parts_without_motor; k++) {
         const double *angles = c->parts[k].unit->memory;
         const Balls *balls = part_balls(c->parts + k);
         if (balls) {

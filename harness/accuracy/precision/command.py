@@ -18,12 +18,13 @@ def command(
         str, typer.Argument(metavar="SCENE", help="Scene file or bundled name.")
     ] = "two_balls",
     output: Annotated[
-        Path | None, options.picture("Draw it (png, svg, pdf).", "--output", "-o")
+        Path | None,
+        options.picture("Draw error against run time (png, svg, pdf).", "--output", "-o"),
     ] = None,
     json_file: Annotated[Path | None, options.json("the rows")] = None,
     markdown_file: Annotated[Path | None, options.markdown("the tables")] = None,
     seconds: Annotated[
-        float, typer.Option(min=1.0, help="About how long the measuring may take.")
+        float, typer.Option(min=1.0, help="Approximate duration of the measurement, s.")
     ] = 75.0,
     changes: Annotated[list[str] | None, options.changes("run.revolutions=20")] = None,
     at_most: Annotated[str, options.AT_MOST] = costs.DEFAULT,

@@ -141,7 +141,7 @@ def precision(
         progress: called with what is being done, and the finished fraction.
 
     Raises:
-        SimulationError: the reference methods disagree, so that no error can be told.
+        SimulationError: the reference methods disagree, so that the error cannot be measured.
         UserError: the scene or an FMU is wrong.
     """
     refuse_without_reference(scene)
@@ -193,7 +193,7 @@ class _Bench:
             self._progress(f"{method.family}, {method.setting}", 0.5 * number / len(methods))
             limit = self._seconds * (SHARE if method.order in (0, 1) else SHARE_CUBIC)
             if FINER * slowest.get(method.family, 0.0) > limit:
-                self.status[method] = f"left out: takes more than {limit:.2g} s a run (--seconds)"
+                self.status[method] = f"left out: takes more than {limit:.2g} s per run (--seconds)"
                 continue
             try:
                 runner = ready(self._scene, method, self._names, self._opened)

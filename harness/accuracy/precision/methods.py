@@ -62,7 +62,7 @@ class Method:
     Attributes:
         name: coupling scheme, or `monolith` and SciPy's method.
         order: of the exchanged signals.
-        steps_per_rev: communication steps a revolution.
+        steps_per_rev: communication steps per revolution.
         corrections: corrector passes; None with `iterated`: until the loop has converged.
         tolerance: of the tolerance-driven step, or SciPy's rtol.
         units: "native", or "python" for those that run Python.
@@ -103,7 +103,7 @@ class Method:
     def setting(self) -> str:
         """Step or tolerance, in words."""
         if self.steps_per_rev is not None:
-            return f"{self.steps_per_rev} steps a revolution"
+            return f"{self.steps_per_rev} steps per revolution"
         return f"tolerance {self.tolerance:g}"
 
 

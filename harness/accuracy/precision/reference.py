@@ -30,7 +30,7 @@ def refuse_without_reference(scene: Scene) -> None:
         SceneError: the supports have dry friction.
         SimulationError: weights stick, or a motor drives weights of finite size.
     """
-    scene.refuse_friction("no error can be told: the reference is that")
+    scene.refuse_friction("the error cannot be measured: the reference is that")
     for balancer in scene.balancer:
         if not isinstance(balancer, WeightBalancer):
             continue
@@ -39,8 +39,8 @@ def refuse_without_reference(scene: Scene) -> None:
             lacks = "operation.motor with weight_radius"
         if lacks:
             raise SimulationError(
-                f"{scene.name}: no error can be told: the reference knows no {lacks} of "
-                f"{balancer.label!r}"
+                f"{scene.name}: the error cannot be measured: the reference does not support "
+                f"{lacks} of {balancer.label!r}"
             )
 
 
@@ -68,7 +68,7 @@ def right_motion(
             signals=[n for n in states if not n.startswith(("rotor.angle", "motor."))] or None,
         )
     except ReferenceDisagreement as error:
-        raise SimulationError(f"{scene.name}: no error can be told: {error}") from error
+        raise SimulationError(f"{scene.name}: the error cannot be measured: {error}") from error
     _refuse_contacts(scene, right)
     return right, own
 
@@ -87,8 +87,9 @@ def _refuse_contacts(scene: Scene, right: Trajectory) -> None:
             touches = (gaps < apart).any(axis=0)
             if touches.any():
                 raise SimulationError(
-                    f"{scene.name}: no error can be told: weights of {balancer.label!r} touch at "
-                    f"t = {right.time[touches.argmax()]:g} s, which the reference does not know"
+                    f"{scene.name}: the error cannot be measured: weights of {balancer.label!r} "
+                    f"touch at t = {right.time[touches.argmax()]:g} s, which the reference does "
+                    "not support"
                 )
 
 

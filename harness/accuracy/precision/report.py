@@ -44,9 +44,9 @@ def reference_words(study: Precision) -> str:
     """What the errors are measured against, and down to where they mean something."""
     return (
         f"Reference: two independent SciPy methods, which differ by {study.reference_error:.1e} of "
-        f"the signals' ranges; errors below {TWO_DECADES * study.reference_error:.0e} are not told "
-        f"apart from it. Signals: {', '.join(study.signals)}. Smallest of {study.rounds} runs "
-        "after one warm-up."
+        f"the signals' ranges; errors below {TWO_DECADES * study.reference_error:.0e} cannot be "
+        f"distinguished from it. Signals: {', '.join(study.signals)}. Smallest of {study.rounds} "
+        "runs after one warm-up."
     )
 
 

@@ -182,7 +182,7 @@ def against_closed_form(scene: Scene, allowed: float) -> Outcome:
 
 
 BOTH_WAYS = (
-    f"as it is error below {LEFT_ALONE:g} of the range or told it is too coarse, "
+    f"as it is error below {LEFT_ALONE:g} of the range or reported as too coarse, "
     f"below {PROMISED:g} with tolerance {TOLERANCE:g}"
 )
 
@@ -214,7 +214,7 @@ def _left_alone(
         return f"as it is refused ({refusal})", "use" in str(refusal), 0.0
     text = f"as it is {error:.1e} in {result.steps} steps"
     if stated := stated_error(result):
-        text = f"{text} and said to be too coarse ({stated:.1g})"
+        text = f"{text} and reported as too coarse ({stated:.1g})"
     return text, error <= max(LEFT_ALONE, FACTOR * stated), own
 
 

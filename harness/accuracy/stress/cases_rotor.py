@@ -27,9 +27,9 @@ from .case import (
 )
 
 EXACT = 1e-8  # of the range: steps are exact, what is left is rounding in the steps' matrices
-MOST_AS_FORCE = 100.0  # added mass per rotor's own that 40 steps a revolution can carry as force
+MOST_AS_FORCE = 100.0  # added mass per rotor's own that 40 steps per revolution can carry as force
 NEARLY_ALL_FORCE = (
-    f"40 steps a revolution refused: time, gain; at 100 error below {LEFT_ALONE:g} of the range"
+    f"40 steps per revolution refused: time, gain; at 100 error below {LEFT_ALONE:g} of the range"
 )
 
 
@@ -55,7 +55,7 @@ def cases() -> Iterator[Case]:
     rotor = {"mass": 1.0, "stiffness": [100.0, 230.0], "unbalance": 0.0}
     start = {"x": 1e-3, "vy": 2e-2}
     scene = planar_scene(rotor, speed=20.0, revolutions=10_000, initial=start, steps_per_rev=4)
-    yield _closed("no damping over 10,000 revolutions, 4 steps a revolution", scene)
+    yield _closed("no damping over 10,000 revolutions, 4 steps per revolution", scene)
     yield from _liquid()
     yield Case("zero unbalance, rotor at rest", "stays at rest exactly", _at_rest)
 

@@ -56,9 +56,9 @@ def cases() -> Iterator[Case]:
     yield from _speeds()
     yield from _stiffness()
     for steps, allowed in ((4, 0.2), (10, 1e-3), (100, 1e-6), (1000, 1e-8), (10_000, 1e-8)):
-        told = " and told it is too coarse" if steps < 10 else ""
+        told = " and reported as too coarse" if steps < 10 else ""
         expected = f"error below {allowed:g} of the range{told}"
-        yield Case(f"{steps} steps a revolution", expected, partial(_with_steps, steps, allowed))
+        yield Case(f"{steps} steps per revolution", expected, partial(_with_steps, steps, allowed))
     yield from _starts()
     angles = [f"weights.weight[{k}].angle" for k in (1, 2)]
     for what, change in (
@@ -129,7 +129,7 @@ def _with_steps(steps: int, allowed: float) -> Outcome:
     build = two_pendulums({"coupling.steps_per_rev": steps, "run.revolutions": revolutions})
     error, own, result = compare(build, ROTOR_AND_MOMENT, monolith(), allowed)
     stated = stated_error(result)
-    said = f" and said to be too coarse ({stated:.1g})" if stated else ""
+    said = f" and reported as too coarse ({stated:.1g})" if stated else ""
     text = f"error {error:.1e} in {result.steps} steps{said}; reference {own:.0e}"
     told = error <= FACTOR * stated if steps < 10 else not stated
     return Outcome(text, error <= allowed and told)

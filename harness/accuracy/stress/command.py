@@ -15,7 +15,8 @@ from ...output.terminal import progress_bar, say, show
 
 def command(
     only: Annotated[
-        str | None, typer.Argument(metavar="WORDS", help="Only cases whose name has these words.")
+        str | None,
+        typer.Argument(metavar="WORDS", help="Only cases whose name contains these words."),
     ] = None,
     markdown_file: Annotated[Path | None, options.markdown("the table")] = None,
     at_most: Annotated[str, options.AT_MOST] = costs.DEFAULT,

@@ -18,7 +18,7 @@ from scipy.interpolate import CubicSpline
 from ....models.arrays import Array
 from ...errors import UserError
 
-POINTS = 64  # a revolution
+POINTS = 64  # per revolution
 SPECTRA, AMPLITUDES = 120, 1000  # of a run, about
 PADDED = 4  # times as long: what lies between two lines of a spectrum is seen
 LONGEST, SHORTEST = 8, 2  # revolutions of a window for spectra

@@ -65,7 +65,7 @@ def separate(scene: Scene, slopes: bool = True) -> Structure:
     if scene.operation.motor:
         raise SceneError(
             f"{scene.name}: operation.motor: SSP: torques on its shaft add up, and a connection "
-            "has one source: --one-file --ssp takes them"
+            "has one source: use --one-file --ssp"
         )
     if scene.operation.unbalance_changes:
         raise SceneError(
@@ -116,7 +116,7 @@ def _wires(scene: Scene, planned: Plan, slopes: bool) -> list[Wire]:
             units = ", ".join(source.unit for source in sources)
             raise SceneError(
                 f"{scene.name}: SSP: forces of {units} on one plane add up, and a connection has "
-                "one source: --one-file --ssp takes them"
+                "one source: use --one-file --ssp"
             )
         for order in (0, 1) if slopes else (0,):
             ends = [Port(p.unit, derivative(p.variable, order)) for p in (sources[0], target)]

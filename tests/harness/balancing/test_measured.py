@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -143,7 +144,7 @@ def test_what_readings_do_not_determine_is_refused_with_the_condition_number(tmp
         correct(measured)
     together = {k: v for k, v in both.items() if k[0] != "aft"}
     together = {k: v[:2] for k, v in together.items()}
-    with pytest.raises(UserError, match="tell 1 of 2 planes apart"):
+    with pytest.raises(UserError, match="distinguish 1 of 2 planes"):
         correct(read_measured(written(tmp_path / "together.csv", runs=together)))
     good = read_measured(written(tmp_path / "good.csv"))
     with pytest.raises(UserError, match="needs the radius of every plane"):
@@ -179,8 +180,27 @@ def test_command_corrects_measured_runs_and_says_whether_the_grade_is_met(invoke
     assert "--angles: belong to measured runs" in wrong.stderr
 
 
-def test_command_makes_the_largest_reading_least(invoke, tmp_path):
+def test_command_makes_the_largest_reading_least_and_keeps_masses_small(invoke, tmp_path):
     path = written(tmp_path / "runs.csv")
     plain, even = (invoke("balance", path, *more) for more in ([], ["--min-max"]))
     assert "largest 0.0907 mil" in plain.output
     assert "rms 0.082 mil, largest 0.082 mil" in even.output  # as far as two planes go
+    small = invoke("balance", path, "--largest-mass", "6,10", "--json", tmp_path / "small.json")
+    assert small.exit_code == 0, small.output
+    exact = json.loads((tmp_path / "small.json").read_text())["exact"]
+    assert math.hypot(*exact[0]) <= 6.0 + 1e-6
+    assert math.hypot(*exact[1]) == pytest.approx(10.0)
+    problems = {"6,10,3": "each of the 2", "6g": "must be grams", "": "must be grams"}
+    for wrong, problem in problems.items() | {("-1", "grams above 0"), ("nan", "grams above 0")}:
+        assert problem in invoke("balance", path, "--largest-mass", wrong).stderr
+
+
+def test_a_grade_counts_what_a_largest_mass_leaves(tmp_path):
+    path = written(tmp_path / "runs.csv")
+    radii = replace(read_measured(path), radii=(200.0, 200.0))
+    wanted = {"grade": "G2.5", "mass": 900.0, "service_speed": 1832.6}
+    free, small = correct(radii, **wanted), correct(radii, largest=[1e-3], **wanted)
+    assert small.grade.before == pytest.approx(free.grade.before)
+    left = free.grade.before + free.grade.after  # as good as nothing is mounted
+    assert small.grade.after == pytest.approx(left, rel=1e-3)
+    assert not small.met

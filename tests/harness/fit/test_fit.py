@@ -196,7 +196,7 @@ def test_limits_are_those_of_the_scene(path, limits):
         ("sped,amplitude\n3,1\n", "sped: neither measured nor set; did you mean speed?"),
         ("rotor.mas,amplitude\n3,1\n", "rotor.mas: neither measured nor set"),
         ("rotor.mass [mm],amplitude\n3,1\n", "rotor.mass: 1 mm: a mass is expected"),
-        ("speed\n3\n", "nothing measured: a head must be one of: amplitude"),
+        ("speed\n3\n", "nothing measured: a column must be one of: amplitude"),
         ("rpm,amplitude\n3,1\n", r"rpm: neither measured nor set; did you mean speed \[rpm\]?"),
         ("speed,speed [Hz],amplitude\n3,3,1\n", "speed: given twice"),
         ("speed,amplitude\n3,-1\n", "amplitude: must be above 0, or empty"),
@@ -237,7 +237,7 @@ def test_a_run_up_and_too_few_values_are_refused(rotor, tmp_path):
         fit(rotor, measured, free)
     path.write_text("amplitude\n1e-4\n1e-4\n")
     rising = rotor.replace({"operation.run_up": {"from": 5.0, "to": 9.0, "seconds": 5.0}})
-    with pytest.raises(UserError, match="operation: a fit takes runs at constant speed"):
+    with pytest.raises(UserError, match="operation: a fit requires runs at constant speed"):
         fit(rising, read_measured(path, rising), free)
 
 

@@ -169,5 +169,5 @@ def test_what_asks_for_rest_refuses_gravity_and_says_why():
     heavy = load_scene("two_balls").replace({"operation.gravity": G})
     with pytest.raises(SceneError, match="gravity swings them once in every revolution"):
         speeds(heavy, (1.0, 8.0))
-    with pytest.raises(SceneError, match=r"check\[1\].kind = \"\w+\": its theory knows no gravity"):
+    with pytest.raises(SceneError, match=r"check\[1\].kind = \"\w+\": its theory has no gravity"):
         check(load_scene("drum").replace({"operation.gravity": G}))

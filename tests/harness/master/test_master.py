@@ -50,7 +50,7 @@ def test_tolerance_is_kept_on_every_bundled_scene(against, name):
 
 @pytest.mark.parametrize("order", [3, 5])
 def test_at_rest_steps_last_many_revolutions_within_the_tolerance(against, order):
-    """Eight a revolution, each taken in two, would be 3200."""
+    """Eight per revolution, each taken in two, would be 3200."""
     runs = against("balls_and_liquid", {"run.revolutions": 200})
     coupling = {"tolerance": 1e-3, "steps_per_rev": None, "order": order}
     result = runs.run(coupling)

@@ -219,7 +219,7 @@ def integral(times, values):
 
 WRONG = [
     ({"operation.motor.inertia": 1e-6}, "operation.motor.inertia = 1e-06 kg m^2: must be above"),
-    ({"coupling.scheme": "compensated"}, "does not know operation.motor"),
+    ({"coupling.scheme": "compensated"}, "does not support operation.motor"),
     ({"operation.motor.table": [[0.0, 1.0], [9.0, 0.0]]}, "give either table, or stall_torque"),
 ]
 

@@ -90,7 +90,7 @@ def test_a_measured_speed_becomes_few_lines_that_say_how_far_they_are_off(scene,
     (tmp_path / "mine.toml").write_text(scene.replace({"operation.profile": [[0, 0], [1, 1]]}).toml)
     loaded = load_scene(tmp_path / "mine.toml")
     with pytest.warns(
-        TraceNote, match=r"1301 readings stand for 5 lines, .* by 1\.\d* rpm at most"
+        TraceNote, match=r"1301 readings are approximated by 5 lines, .* by 1\.\d* rpm at most"
     ):
         traced = loaded.replace({"operation.profile": "trace.csv"}).profile()
     assert traced.times == pytest.approx([corner[0] for corner in CORNERS], abs=0.011)

@@ -12,7 +12,7 @@ from autobalancer.harness.master.cosimulation import CoSimulation
 from autobalancer.harness.master.resolution import Resolution
 from autobalancer.models.constants import PERSISTENT_STEPS
 
-STEPS = 40  # a revolution
+STEPS = 40  # per revolution
 
 
 @pytest.fixture

@@ -39,7 +39,7 @@ STEPS = {
     1: (40, 80),
     3: (40, 80, 160),
     5: (20, 40),
-}  # a revolution, by order of the signals
+}  # per revolution, by order of the signals
 
 
 RUBBING = [name for name in driven_scenes() if load_scene(name).rotor.friction]
@@ -312,7 +312,7 @@ def test_compensated_knows_no_limit_of_the_loop_gain(against, liquid_of_gain, ga
     assert errors[1] <= 1e-6 * (1.0 + gain)  # the loop turns an error of the force into that much
 
 
-STIFF = {  # mode of the y axis at 20 steps a revolution, 0.105 s each
+STIFF = {  # mode of the y axis at 20 steps per revolution, 0.105 s each
     1.5: {"rotor.stiffness": [1.0, 200.0]},
     7.4: {"rotor.stiffness": [1.0, 5000.0]},
 }

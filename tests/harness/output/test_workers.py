@@ -14,6 +14,7 @@ from pathlib import Path
 import pytest
 
 from autobalancer.harness.errors import SimulationError
+from autobalancer.harness.output.terminal import is_quiet
 from autobalancer.harness.output.workers import PREFIX, Failed, as_they_come, in_order, processes
 
 pytestmark = pytest.mark.slow
@@ -43,6 +44,10 @@ def folder(_item: int) -> str:
     return tempfile.mkdtemp()
 
 
+def quiet(_item: int) -> bool:
+    return is_quiet.get()
+
+
 class AtOnce(Executor):
     """Another's executor, such as a cluster's: only what the base class promises."""
 
@@ -60,6 +65,15 @@ def test_outcomes_stand_in_the_items_order_whoever_does_the_work(workers):
     told = []
     assert in_order(square, [5, 1, 2, 4], workers, told.append) == [25, 1, 4, 16]
     assert told == [0.25, 0.5, 0.75, 1.0]
+
+
+@pytest.mark.parametrize("workers", [1, 2])
+def test_processes_of_a_quiet_command_are_quiet(workers):
+    before = is_quiet.set(True)
+    try:
+        assert in_order(quiet, [1, 2], workers) == [True, True]
+    finally:
+        is_quiet.reset(before)
 
 
 @pytest.mark.parametrize("workers", [1, 2, AtOnce()])

@@ -6,6 +6,7 @@ import warnings
 import pytest
 
 from autobalancer.harness import Scene, bundled_scenes, cosimulate, load_scene
+from autobalancer.harness.scene import plausible
 from autobalancer.harness.scene.plausible import ImplausibleWarning, implausible, understood
 
 DRUM = """
@@ -81,6 +82,14 @@ def test_the_library_warns_once():
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         cosimulate(scene)
+
+
+def test_a_quiet_check_does_not_warn(invoke, monkeypatch):
+    monkeypatch.setattr(plausible, "_warnings_given", set())
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        outcome = invoke("check", "sommerfeld", "--quiet")
+    assert (outcome.exit_code, outcome.stderr) == (0, "")
 
 
 def test_a_file_of_the_name_of_a_bundled_scene_is_pointed_out(tmp_path, invoke, monkeypatch):

@@ -116,7 +116,7 @@ def test_cheapest_is_the_fastest_that_is_exact_enough(short):
     assert found.cheapest(2e-4, coupled=True).method.name == "iterated"
     assert found.cheapest(1e-8) is None
     rows = {row[1]: row for row in cheapest(found).rows}
-    assert rows["1e-03"][3] == "200 ms: gauss-seidel cubic, 40 steps a revolution"
+    assert rows["1e-03"][3] == "200 ms: gauss-seidel cubic, 40 steps per revolution"
     assert rows["1e-05"][2:] == ("-", "-", "250 ms: LSODA, tolerance 1e-05", "-")
     assert set(rows["1e-07"][2:]) == {"-"}
 
@@ -145,7 +145,7 @@ def test_liquid_scene_is_exact_at_any_step():
 
 def test_scene_without_a_reference_is_refused_in_words(short, monkeypatch):
     monkeypatch.setattr("autobalancer.harness.accuracy.precision.reference.BOUND", 1e-20)
-    with pytest.raises(SimulationError, match="no error can be told"):
+    with pytest.raises(SimulationError, match="the error cannot be measured"):
         precision(short, seconds=1.0, methods=HELD[:1])
 
 
@@ -153,7 +153,7 @@ def test_weights_that_stick_and_motors_with_contacts_have_no_reference():
     scene = load_scene("finite_weights").replace({"run.revolutions": 8})
     methods = [Method("iterated", 3, 20, 1)]
     assert precision(scene, seconds=1.0, methods=methods).points[0].error < 1e-3
-    with pytest.raises(SimulationError, match="knows no rolling_resistance of 'balls'"):
+    with pytest.raises(SimulationError, match="does not support rolling_resistance of 'balls'"):
         precision(scene.replace({"balls.rolling_resistance": 1e-3}), seconds=1.0, methods=methods)
     motor = {"inertia": 1.0, "stall_torque": 1.0, "no_load_speed": 9.0}
     driven = scene.replace({"operation.speed": None, "operation.motor": motor})

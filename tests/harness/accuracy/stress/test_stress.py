@@ -36,7 +36,7 @@ QUICK = [
     "liquid mu = 1 + 9999, gap 1e-05 of the radius, as added mass",
     "liquid mu = 1 + 9999, gap 1e-05 of the radius, as force", "drag 1e-06 m w", "drag 10000 m w",
     "weights of 10 of the rotor's mass", "weights that spin twenty times as fast as the rotor",
-    "4 steps a revolution", "shaft a hundred times as soft",
+    "4 steps per revolution", "shaft a hundred times as soft",
     "rigid rotor with the polar inertia of a disc", "balancer on a rotor of 1e12 kg",
     "dry supports that hold 10 of the pull", "weights that start 1e7 revolutions on",
     "angle after 1e7 revolutions in steps of a thousand",
@@ -153,7 +153,7 @@ def test_explicit_schemes_are_judged_by_what_they_step_on(scheme):
     fine = load_scene("two_balls").replace(coupling)
     assert cosimulate(fine, record=[]).events == ()
     told = cosimulate(fine.replace({"rotor.stiffness": [1.0, 700.0]}), record=[]).events
-    assert any("errs by about" in event for event in told)
+    assert any("the relative error of the motion is about" in event for event in told)
 
 
 def test_estimated_error_decides_whether_a_run_is_silent_told_or_refused():
