@@ -23,6 +23,7 @@ COMMANDS = {
     "omissions": "python -m tests.omissions",
     "tools": "python -m tests.tools",
     "bristol_quantities": "python -m tests.rig.quantities",
+    "bristol_variants": "python -m tests.rig",
     "bristol_check": "python -m tests.studies bristol_check",
     "one_piece": "python -m tests.studies one_piece",
     "run_time": "python -m tests.studies run_time",

@@ -64,6 +64,7 @@ HOLDING = {  # supports along x whose sliders stick up to some 0.1 mm
 AS_TABLED = {"rotor.unbalances[1].position": 0.1398}  # m: 9.8 mm beyond the balls
 CLOSE = sorted({*CURVE, *range(CURVE[0], 2601, 20)})  # rpm, of which the check has every third
 ECCENTRIC, TOWARDS = 5e-6, (0, 90, 180, 270)  # m, as measured; deg: nobody knows
+RESISTANCES = (0.0, 1e-4, 1.5e-4, 2e-4, 3e-4)  # of the balls; the third one is fitted
 STARTS = ((-0.7, -0.3), (0.3, 0.7))  # rad
 
 
@@ -165,10 +166,13 @@ def least_with_balls(scene: Scene, washers: float) -> Array:
     return np.array([minimize(amplitude, args=(speed,), **search).fun for speed in WITH_BALLS])
 
 
-def race_and_start() -> Iterator[Line]:
-    """Balls after the run-up: the race off centre as measured, and from elsewhere."""
+def balls_after_the_run_up() -> Iterator[Line]:
+    """By rolling resistance, with the race off centre as measured, and from elsewhere."""
     scene = with_fitted_balls(load_scene("bristol_friction"))
-    run_ups: dict[str, dict[str, Any]] = {"as fitted": {}}
+    run_ups: dict[str, dict[str, Any]] = {
+        f"rolling resistance {value:g}": {"balls.rolling_resistance": value}
+        for value in RESISTANCES
+    }
     for angle in TOWARDS:
         place = cmath.rect(ECCENTRIC, math.radians(angle))
         offset = {"track_offset_xi": place.real, "track_offset_eta": place.imag}
@@ -199,7 +203,7 @@ if __name__ == "__main__":
         stiffer_while_small,
         curves_without_balls,
         wherever_balls_stand,
-        race_and_start,
+        balls_after_the_run_up,
     ):
         for line in part():
             print(f"| {' | '.join(line)} |", flush=True)
