@@ -65,7 +65,7 @@ def command(
     ] = None,
     report: Annotated[Path | None, options.REPORT] = None,
 ) -> None:
-    """Find correction masses, on a virtual machine or from measured runs.
+    """Find correction masses, on a virtual machine or from runs.
 
     Exit code 1 if the grade is not met.
     """

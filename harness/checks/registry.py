@@ -37,7 +37,7 @@ CHECKS: dict[str, Callable[..., Iterator[Row]]] = {
     "contact_order": check_contact_order,
     "rig": check_rig,
 }
-# compare runs with runs; the theory of the others knows no gravity
+# compare runs with runs; the theory of the others has no gravity
 UNDER_GRAVITY = ("contact_order", "runtimes")
 # options of every part that can be done on its own
 SPLIT: dict[str, list[dict[str, Any]]] = {
@@ -74,8 +74,8 @@ def parts_of(scene: Scene) -> list[CheckPart]:
     for number, check in enumerate(scene.checks, start=1):
         if scene.operation.gravity and check.kind not in UNDER_GRAVITY:
             raise SceneError(
-                f'{scene.name}: check[{number}].kind = "{check.kind}": its theory knows no '
-                "gravity: take operation.gravity out"
+                f'{scene.name}: check[{number}].kind = "{check.kind}": its theory has no '
+                "gravity: remove operation.gravity"
             )
     return [
         CheckPart(scene, check.kind, options)

@@ -167,7 +167,7 @@ def test_weights_that_touch_stay_in_contact_as_an_independent_integration_has_it
 
 def test_what_asks_for_rest_refuses_gravity_and_says_why():
     heavy = load_scene("two_balls").replace({"operation.gravity": G})
-    with pytest.raises(SceneError, match="gravity swings them once in every revolution"):
+    with pytest.raises(SceneError, match="gravity swings them once per revolution"):
         speeds(heavy, (1.0, 8.0))
     with pytest.raises(SceneError, match=r"check\[1\].kind = \"\w+\": its theory has no gravity"):
         check(load_scene("drum").replace({"operation.gravity": G}))
