@@ -105,9 +105,9 @@ typedef struct {
 typedef struct {
     double steps_left, brief_steps; /* brief steps still to take, and taken */
     double begun_at;                /* when the step that holds the event began [s] */
-    double worst;             /* residual of the step before them */
-    double ended;             /* when the last of them ended [s] */
-    double learned_step;      /* `solved_step` before them */
+    double worst;                   /* residual of the step before them */
+    double ended;                   /* when the last of them ended [s] */
+    double learned_step;            /* `solved_step` before them */
 } Event;
 
 /* Of adaptive.c: steps that a tolerance chooses. */

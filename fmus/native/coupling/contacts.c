@@ -136,7 +136,8 @@ int contacts_step(Unit *unit)
     relearn(c); /* the brief steps have changed the inverse: restore it */
     course->clock.length = step;
     course->event.brief_steps += 1.0;
-    /* if passes do not converge, they disagree on whether the event lies inside this step */
+    /* if passes do not converge, they disagree on whether the event lies inside this step; QUIET_STEPS
+       more settle it */
     if (jumped || residual > AGREED) {
         course->event.steps_left = QUIET_STEPS;
     } else {
