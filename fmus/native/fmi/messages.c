@@ -87,17 +87,3 @@ Status unit_refuse(Unit *unit, const char *function, const char *format, ...)
     va_end(values);
     return unit_report(unit, STATUS_ERROR, function);
 }
-
-Status unit_allowed(Unit *unit, const char *function, int phases)
-{
-    static const char *const names[] = {"before initialisation has begun", "during initialisation",
-                                        "after initialisation", "after the end"};
-    int k = 0;
-    if (unit->phase & phases) {
-        return STATUS_OK;
-    }
-    while (!(unit->phase >> k & 1)) {
-        k++;
-    }
-    return unit_refuse(unit, function, "not allowed %s", names[k]);
-}

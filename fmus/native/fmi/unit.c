@@ -59,24 +59,12 @@ Status unit_setup(Unit *unit, double start, double stop)
     return STATUS_OK;
 }
 
-Status unit_enter_initialisation(Unit *unit)
-{
-    unit->phase = INITIALISING;
-    return STATUS_OK;
-}
-
 Status unit_exit_initialisation(Unit *unit)
 {
     if (unit_refresh(unit, WITHOUT_TORQUES)) {
         return unit_report(unit, STATUS_ERROR, "initialisation failed");
     }
     unit->phase = RUNNING;
-    return STATUS_OK;
-}
-
-Status unit_terminate(Unit *unit)
-{
-    unit->phase = TERMINATED;
     return STATUS_OK;
 }
 

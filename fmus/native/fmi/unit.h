@@ -36,8 +36,6 @@ typedef struct {
     /* Start values that depend on index and size; then what the equations allocate; or NULL. */
     void (*starts)(const Layout *layout, double *real);
     int (*allocate)(Unit *unit);
-    /* Whether a state's memory is that of its time [s]; NULL: it holds no time. */
-    int (*stands_at)(const double *memory, double time);
     /* Make the physical model from the parameters. */
     int (*parameters)(Unit *unit);
     /* Set `memory` to the initial state. */
@@ -81,11 +79,13 @@ struct Unit {
     Layout layout;
     char token[TOKEN_SIZE];
     char *name;
-    double *real; /* values of all variables, */
-    double *starts; /* and what they start from */
-    unsigned char *boolean, *flags; /* Booleans, and what they start from */
-    double *memory; /* state of the equations */
+    /* Values of all variables, the state of the equations and the Booleans, one block of memory behind the
+       other: what changes while the instance lives. */
+    double *real, *memory;
+    unsigned char *boolean;
     size_t memory_count;
+    double *starts; /* what the variables start from, */
+    unsigned char *flags; /* and the Booleans */
     double *before; /* `memory` before a step, for one that fails */
     double *change; /* change of the outputs by the inputs, */
     double *beside; /* by one of them, */
@@ -126,19 +126,17 @@ Unit *unit_instantiate(const char *name, const char *token, Log log, void *host)
 int unit_build(Unit *unit, const char *name, const char *token);
 /* The same of one whose layout, start values and equations are known. */
 int unit_build_arrays(Unit *unit, const char *name);
+/* Bytes of what changes, from unit->real on. */
+size_t unit_values_size(const Unit *unit);
 void unit_free(Unit *unit);
 /* As new: start values, no state, all of the above kept. */
 void unit_reset(Unit *unit);
 Status unit_setup(Unit *unit, double start, double stop);
-Status unit_enter_initialisation(Unit *unit);
 /* Check every parameter and start the equations. */
 Status unit_exit_initialisation(Unit *unit);
-Status unit_terminate(Unit *unit);
 /* One communication step; STATUS_ERROR with the reason logged when it fails: hosts repeat what is
    discarded, some for ever.  After a failure the state is that of before the step. */
 Status unit_step(Unit *unit, double time, double step);
-/* STATUS_OK when `function` may be called in one of these phases. */
-Status unit_allowed(Unit *unit, const char *function, int phases);
 /* The error of a call that is wrong by itself, with the reason as in text_format. */
 Status unit_refuse(Unit *unit, const char *function, const char *format, ...);
 
