@@ -108,9 +108,9 @@ def test_second_derivative_is_that_of_the_reaction_along_the_motion(
 
 def test_input_that_is_not_finite_is_refused(core) -> None:
     weights = Weights(1, 0.1, 0.5)
-    for angle, speed, code in (
-        (float("nan"), 0.0, "FAILURE_ANGLES"),
-        (0.0, 1e9, "FAILURE_SUBSTEPS"),
+    for angle, speed, words in (
+        (float("nan"), 0.0, "the weights' angles [nan] are not finite"),
+        (0.0, 1e9, "the weights would need "),
     ):
         given = core, weights, [angle], [speed], SIGNAL, STILL, 0.1
-        assert core.refusal(quintic_advance, *given)[0] == code
+        assert core.refusal(quintic_advance, *given).startswith(words)

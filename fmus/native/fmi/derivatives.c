@@ -38,7 +38,7 @@ static Status refuse_reference(Unit *unit, size_t reference, const char *what, c
     if (reference < unit->layout.real_count) {
         layout_name(&unit->layout, reference, reason);
     } else {
-        text_integer(reason, (unsigned long)reference);
+        text_format(reason, "%u", (unsigned long)reference);
     }
     text_put(reason, why);
     return unit_report(unit, STATUS_ERROR, what);

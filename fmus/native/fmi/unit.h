@@ -9,7 +9,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#include "base/failure_words.h"
+#include "base/failure.h"
 #include "fmi/token.h"
 #include "fmi/variables.h"
 
@@ -170,15 +170,12 @@ int unit_ends_with(const Unit *unit, size_t reference);
 int unit_refresh(Unit *unit, int level);
 /* Move the equations by a step [s]; 1 with the reason, and as it was, where they fail. */
 int unit_advance(Unit *unit, double step);
-/* Add words with values: %s a text, %u an unsigned long, %v a number, %3 one with 3 significant
-   digits. */
-void text_format(Text *text, const char *format, ...);
 /* Begin the reason anew and return it. */
 Text *unit_reason(Unit *unit);
 /* A new reason, as in text_format; returns 1. */
 int unit_fail(Unit *unit, const char *format, ...);
-/* The reason for a failure of the core, with the values it names as a list; returns 1. */
-int unit_failed(Unit *unit, const Failure *failure, const double *values, size_t count);
+/* The same for a failure of the core. */
+int unit_failed(Unit *unit, const Failure *failure);
 /* Log a warning the first time it applies in this instance: `bit` says which. */
 void unit_warn_once(Unit *unit, int bit, double time, const char *words);
 /* Log an error with what was attempted and the reason, and return the status. */

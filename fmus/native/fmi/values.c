@@ -18,7 +18,7 @@ static int unknown(Unit *unit, const unsigned *references, size_t count, size_t 
                 reason = unit_reason(unit);
                 text_put(reason, "value references [");
             }
-            text_integer(reason, references[k]);
+            text_format(reason, "%u", (unsigned long)references[k]);
         }
     }
     if (reason && known) {

@@ -154,7 +154,7 @@ void layout_name(const Layout *layout, size_t reference, Text *text)
     }
     for (; *name; name++) {
         if (*name == '#') {
-            text_integer(text, (unsigned long)(indices ? variable->second : variable->index));
+            text_format(text, "%u", (unsigned long)(indices ? variable->second : variable->index));
             indices++;
         } else if (*name == '@') {
             name++;
@@ -173,12 +173,7 @@ void layout_shown(const Layout *layout, size_t reference, double value, Text *te
 {
     const char *unit = layout->reals[reference].declared->unit;
     layout_name(layout, reference, text);
-    text_put(text, " = ");
-    text_number(text, value);
-    if (!text_equal(unit, "1")) {
-        text_put(text, " ");
-        text_put(text, unit);
-    }
+    text_format(text, text_equal(unit, "1") ? " = %v" : " = %v %s", value, unit);
 }
 
 int layout_problem(const Layout *layout, size_t reference, double value, Text *text)
@@ -192,11 +187,8 @@ int layout_problem(const Layout *layout, size_t reference, double value, Text *t
     layout_shown(layout, reference, value, text);
     text_put(text, ": must be a finite number");
     if (limited) {
-        text_put_rounded(text, above ? " above " : ", at least ", declared->minimum, 6);
-        if (!text_equal(declared->unit, "1")) {
-            text_put(text, " ");
-            text_put(text, declared->unit);
-        }
+        text_format(text, text_equal(declared->unit, "1") ? "%s%6" : "%s%6 %s",
+                    above ? " above " : ", at least ", (double)declared->minimum, declared->unit);
     }
     return 1;
 }
