@@ -229,15 +229,13 @@ class Coupling(Table):
                 f"with tolerance = {self.tolerance:g} a step takes as many passes as it needs: "
                 "leave corrections out, or give steps_per_rev instead",
             )
-        if self.order < 3 and self.scheme == "compensated":
-            raise refusal(
-                "order", 'must be 3 or 5 with scheme = "compensated", which exchanges slopes'
-            )
+        if self.order != 3 and self.scheme == "compensated":
+            raise refusal("order", 'must be 3 with scheme = "compensated", which exchanges slopes')
         if self.order == 5 and self.scheme in ("jacobi", "gauss-seidel"):
             raise refusal(
                 "order",
                 f'must be 0, 1 or 3 with scheme = "{self.scheme}": quintic signals are for '
-                '"iterated", "compensated" and "auto"',
+                '"iterated" and "auto"',
             )
         return self
 

@@ -187,10 +187,9 @@ def coupling_methods(exchanges_force: bool) -> list[Method]:
 
 
 def one_file_methods(order: int = 3) -> list[Method]:
-    """The composite by each of its schemes with signals of this order."""
+    """The composite with given steps, and with a tolerance; signals of this order."""
     steps = sorted(ONE_FILE_STEPS)
-    methods = [Method("compensated", order, n, one_file=True) for n in steps]
-    methods += [Method("iterated", order, n, 1, one_file=True) for n in steps]
+    methods = [Method("iterated", order, n, 1, one_file=True) for n in steps]
     return methods + [
         Method("iterated", order, tolerance=t, one_file=True) for t in ONE_FILE_TOLERANCES
     ]

@@ -37,14 +37,6 @@ def test_a_tight_tolerance_is_kept_with_fewer_steps_than_cubics_take(against):
     assert steps[5] < 0.6 * steps[3]
 
 
-def test_one_pass_that_is_compensated_is_twenty_times_better_for_the_price_of_its_start(against):
-    scene = against("two_balls", {"run.revolutions": 4})
-    one_pass = {"scheme": "compensated", "corrections": None, "steps_per_rev": 40}
-    cubic, quintic = (scene.run({**one_pass, "order": order}, LATERAL) for order in (3, 5))
-    assert quintic.passes == cubic.passes + 2
-    assert scene.of_amplitude(cubic) > 20.0 * scene.of_amplitude(quintic) > 0.0
-
-
 @pytest.mark.slow
 @pytest.mark.parametrize(("separate", "order"), [(True, 3), (False, 3), (False, 5)])
 def test_a_tight_tolerance_is_kept_past_the_end_of_a_run_up(against, separate, order):

@@ -170,7 +170,7 @@ VALUES = [
     (
         '"auto"',
         '"compensated"\norder = 1',
-        'coupling.order = 1: must be 3 or 5 with scheme = "compensated"',
+        'coupling.order = 1: must be 3 with scheme = "compensated"',
     ),
     (
         "[run]",
