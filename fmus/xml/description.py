@@ -31,14 +31,12 @@ class Capabilities:
     """What an implementation of a unit offers beyond stepping, saving and restoring its state.
 
     Attributes:
-        input_derivatives: whether it takes the derivatives of inputs FMI's own way.
         output_derivatives: highest order of those that it gives FMI's own way.
         directional_derivatives: whether it gives them.
         early_return: whether a step may end early (FMI 3.0).
         sources: names of the C files in `sources/` that make the library (FMI 2.0).
     """
 
-    input_derivatives: bool = False
     output_derivatives: int = 0
     directional_derivatives: bool = False
     early_return: bool = False

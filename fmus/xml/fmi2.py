@@ -36,7 +36,7 @@ def model_description(
         _interface(root, "ModelExchange", name, {}, can)
     steps = {
         "canHandleVariableCommunicationStepSize": "true",
-        "canInterpolateInputs": flag(can.input_derivatives),
+        "canInterpolateInputs": "false",
         "maxOutputDerivativeOrder": str(can.output_derivatives),
         "canRunAsynchronuously": "false",
     }

@@ -1,4 +1,4 @@
-/* Derivatives as FMI asks for them: of inputs and outputs by time, and of outputs by inputs. */
+/* Derivatives as FMI asks for them: of outputs by time, and by inputs. */
 #include <string.h>
 
 #include "base/elementary.h"
@@ -7,16 +7,6 @@
 
 /* Part of a parameter by which it is moved: a difference of order 4 then errs by 1e-12. */
 static const double PARAMETER_REACH = 1e-3;
-
-/* The signal inputs' values, of which the derivatives follow in blocks of the same size. */
-static Range signal_values(const Unit *unit)
-{
-    Range range = {0, 0};
-    if (unit->equations->signals) {
-        range.count = unit->equations->signals(&unit->layout, &range.first);
-    }
-    return range;
-}
 
 static Range outputs_of(const Layout *layout)
 {
@@ -31,83 +21,12 @@ static int within(size_t reference, Range range)
     return reference - range.first < range.count;
 }
 
-/* An error about a value reference, by the name of its variable if there is one. */
-static Status refuse_reference(Unit *unit, size_t reference, const char *what, const char *why)
-{
-    Text *reason = unit_reason(unit);
-    if (reference < unit->layout.real_count) {
-        layout_name(&unit->layout, reference, reason);
-    } else {
-        text_format(reason, "%u", (unsigned long)reference);
-    }
-    text_put(reason, why);
-    return unit_report(unit, STATUS_ERROR, what);
-}
-
-/* -- of inputs by time ----------------------------------------------------------------------- */
-
-/* Reason for refusing the derivative of an input, or NULL. */
-static const char *wrong_derivative(const Unit *unit, size_t reference, int order, double value)
-{
-    const Range values = signal_values(unit);
-    const int highest = unit->layout.sizes.order;
-    Range signals = values;
-    signals.count *= (size_t)highest + 1;
-    if (!within(reference, unit->layout.inputs)) {
-        return ": is no input";
-    }
-    if (order < 1 || order > highest) {
-        return highest == 5 ? ": the order of a derivative must be 1 to 5"
-                            : ": the order of a derivative must be 1 to 3";
-    }
-    if (!is_finite(value)) {
-        return ": a derivative must be a finite number";
-    }
-    if (within(reference, signals) && !within(reference, values)) {
-        return ": is a derivative itself";
-    }
-    return NULL;
-}
-
-Status unit_set_derivatives(Unit *unit, const unsigned *references, size_t count,
-                            const int *orders, const double *values)
-{
-    const Range signals = signal_values(unit);
-    size_t k;
-    for (k = 0; k < count; k++) {
-        const char *wrong =
-            references[k] < unit->layout.real_count
-                ? wrong_derivative(unit, references[k], orders[k], values[k])
-                : ": unknown value reference";
-        if (wrong) {
-            return refuse_reference(unit, references[k], "setting an input's derivative failed",
-                                    wrong);
-        }
-    }
-    for (k = 0; k < count; k++) {
-        const unsigned reference = references[k];
-        /* any other input is taken at the start of the step, and needs no derivative */
-        if (within(reference, signals)) {
-            unit->real[reference + (size_t)orders[k] * signals.count] = values[k];
-        } else if (text_equal(unit->layout.reals[reference].declared->name, "speed") &&
-                   orders[k] == 1) {
-            unit->real[reference + 1] = values[k]; /* `acceleration` */
-        } else if (text_equal(unit->layout.reals[reference].declared->name, "acceleration")) {
-            unit->real[reference + (size_t)orders[k]] = values[k]; /* its derivatives follow it */
-        }
-        if (unit->stale < COMPUTED) {
-            unit->stale = COMPUTED;
-        }
-    }
-    return STATUS_OK;
-}
-
 /* -- of outputs by time ---------------------------------------------------------------------- */
 
 /* The first derivative of an output; 0, as both standards have it, where the unit does not know it. */
 static int derivative_of(Unit *unit, size_t reference, double *value)
 {
-    const size_t block = signal_values(unit).count;
+    size_t first, block = unit->equations->signals ? unit->equations->signals(&unit->layout, &first) : 0;
     Range known = unit->layout.computed, all = known;
     all.count = (size_t)(unit->layout.sizes.order + 1) / 2 * block;
     known.count = all.count - block;
@@ -128,12 +47,11 @@ Status unit_get_derivatives(Unit *unit, const unsigned *references, size_t count
         return unit_report(unit, STATUS_ERROR, what);
     }
     for (k = 0; k < count; k++) {
-        const int known = references[k] < unit->layout.real_count;
-        if (!within(references[k], outputs) || orders[k] != 1) {
-            return refuse_reference(unit, references[k], what,
-                                    known && orders[k] != 1
-                                        ? ": the order of an output's derivative must be 1"
-                                        : ": is no output");
+        if (!within(references[k], outputs)) {
+            return unit_refuse(unit, what, "value reference %u: is no output", (unsigned long)references[k]);
+        }
+        if (orders[k] != 1) {
+            return unit_refuse(unit, what, "the order of an output's derivative must be 1");
         }
         if (derivative_of(unit, references[k], values + k)) {
             return unit_report(unit, STATUS_ERROR, what);
