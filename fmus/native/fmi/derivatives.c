@@ -82,43 +82,42 @@ static double reach_of(const Unit *unit, size_t input)
 static int add_beside(Unit *unit, size_t input, double by, double times)
 {
     const Range outputs = outputs_of(&unit->layout);
-    const double present = unit->real[input];
     size_t k;
-    int wrong;
-    memcpy(unit->memory, unit->before, unit->memory_count * sizeof(double));
+    memcpy(unit->real, unit->kept, unit_values_size(unit));
     unit->stale = within(input, unit->layout.parameters) ? BEGINNING : COMPUTED;
-    unit->real[input] = present + by;
-    wrong = unit_refresh(unit, FRESH);
-    unit->real[input] = present;
-    for (k = 0; k < outputs.count && !wrong; k++) {
+    unit->real[input] += by;
+    if (unit_refresh(unit, FRESH)) {
+        return 1;
+    }
+    for (k = 0; k < outputs.count; k++) {
         unit->beside[k] += times * unit->real[outputs.first + k];
     }
-    return wrong;
+    return 0;
 }
 
-/* The same with a parameter: of points ahead alone where one behind is not allowed.  0 for one that may
+/* The same with a parameter: of points ahead alone where one behind is not allowed.  1 for one that may
    not move, such as the number of a support or the place of a station. */
 static int add_parameter_beside(Unit *unit, size_t parameter, double reach)
 {
     static const double ahead[] = {-22.0, 36.0, -18.0, 4.0}, around[] = {1.0, -8.0, 8.0, -1.0};
-    const size_t count = outputs_of(&unit->layout).count;
-    const double present = unit->real[parameter];
+    const double behind = unit->kept[parameter] - 2.0 * reach;
     Text problem = text_in(unit->message_buffer, sizeof unit->message_buffer);
-    const int one_sided = layout_problem(&unit->layout, parameter, present - 2.0 * reach, &problem);
+    const int one_sided = layout_problem(&unit->layout, parameter, behind, &problem);
     int k;
-    memset(unit->beside, 0, count * sizeof(double));
     for (k = 0; k < 4; k++) {
         const double by = one_sided ? k : k < 2 ? k - 2 : k - 1;
         if (add_beside(unit, parameter, by * reach, one_sided ? ahead[k] : around[k])) {
-            return 0;
+            return 1;
         }
     }
-    return 1;
+    return 0;
 }
 
-/* Add the change of all outputs by an input or parameter to unit->change. */
+/* Add the change of all outputs by an input or parameter to unit->change; none by a parameter that may
+   not move. */
 static int add_change(Unit *unit, size_t input, double seed)
 {
+    const int is_parameter = within(input, unit->layout.parameters);
     const double reach = reach_of(unit, input);
     const size_t count = outputs_of(&unit->layout).count;
     size_t k;
@@ -126,13 +125,11 @@ static int add_change(Unit *unit, size_t input, double seed)
     if (!(reach > 0.0)) {
         return 0;
     }
-    if (within(input, unit->layout.parameters)) {
-        if (!add_parameter_beside(unit, input, reach)) {
-            memset(unit->beside, 0, count * sizeof(double));
-        }
-    } else if (add_beside(unit, input, reach, 8.0) || add_beside(unit, input, -reach, -8.0) ||
-        add_beside(unit, input, 2.0 * reach, -1.0) || add_beside(unit, input, -2.0 * reach, 1.0)) {
-        return 1;
+    if (is_parameter ? add_parameter_beside(unit, input, reach)
+                     : add_beside(unit, input, reach, 8.0) || add_beside(unit, input, -reach, -8.0) ||
+                           add_beside(unit, input, 2.0 * reach, -1.0) ||
+                           add_beside(unit, input, -2.0 * reach, 1.0)) {
+        return !is_parameter;
     }
     for (k = 0; k < count; k++) {
         unit->change[k] += seed * (unit->beside[k] / (12.0 * reach));
@@ -143,25 +140,21 @@ static int add_change(Unit *unit, size_t input, double seed)
 /* Change of all outputs by the inputs, in unit->change; what a step has left to be read stays. */
 static int find_change(Unit *unit, const unsigned *knowns, size_t count, const double *seed)
 {
-    const Range outputs = outputs_of(&unit->layout);
-    const size_t size = outputs.count * sizeof(double);
-    const size_t memory = unit->memory_count * sizeof(double);
     int wrong, stale = unit->stale;
     size_t k;
-    memcpy(unit->saved_outputs, unit->real + outputs.first, size);
-    memcpy(unit->before, unit->memory, memory);
-    memset(unit->change, 0, size);
+    memcpy(unit->kept, unit->real, unit_values_size(unit));
+    memset(unit->change, 0, outputs_of(&unit->layout).count * sizeof(double));
     unit->stale = COMPUTED;
     wrong = unit_refresh(unit, FRESH);
     unit->frozen = 1;
     for (k = 0; k < count && !wrong; k++) {
+        memcpy(unit->real, unit->kept, unit_values_size(unit));
         if (seed[k] != 0.0) {
             wrong = add_change(unit, knowns[k], seed[k]);
             stale = within(knowns[k], unit->layout.parameters) ? BEGINNING : stale;
         }
     }
-    memcpy(unit->real + outputs.first, unit->saved_outputs, size);
-    memcpy(unit->memory, unit->before, memory);
+    memcpy(unit->real, unit->kept, unit_values_size(unit));
     unit->stale = stale;
     unit->frozen = 0;
     return wrong;

@@ -89,7 +89,7 @@ struct Unit {
     double *before; /* `memory` before a step, for one that fails */
     double *change; /* change of the outputs by the inputs, */
     double *beside; /* by one of them, */
-    double *saved_outputs;   /* and the outputs while it is found */
+    double *kept; /* and what the instance holds while it is found */
     const unsigned *asked; /* outputs that are read, where others need not be computed; else NULL */
     size_t asked_count;
     double time;    /* communication point reached [s] */

@@ -69,11 +69,11 @@ int unit_build_arrays(Unit *unit, const char *name)
     unit->before = unit_allocate(unit, unit->memory_count, sizeof(double));
     unit->change = unit_allocate(unit, outputs, sizeof(double));
     unit->beside = unit_allocate(unit, outputs, sizeof(double));
-    unit->saved_outputs = unit_allocate(unit, outputs, sizeof(double));
+    unit->kept = unit_allocate(unit, unit_values_size(unit), 1);
     unit->memory = unit->real + count;
     unit->boolean = (unsigned char *)(unit->memory + unit->memory_count);
     if (!unit->real || !unit->name || !unit->flags || !unit->before || !unit->change || !unit->beside ||
-        !unit->saved_outputs ||
+        !unit->kept ||
         (unit->equations->allocate && unit->equations->allocate(unit))) {
         text_put(unit_reason(unit), NO_MEMORY);
         return 1;
