@@ -121,9 +121,10 @@ void *unit_allocate(Unit *unit, size_t count, size_t size);
 /* -- life cycle; NULL is returned, and an error given, after a reason is logged -------------- */
 
 Unit *unit_instantiate(const char *name, const char *token, Log log, void *host);
-/* Give a zeroed unit, no composite, all that it needs while it lives, in `allocated`; 1 with the
-   reason when something is wrong. */
-int unit_build(Unit *unit, const char *name, const char *token);
+/* Give a zeroed unit, no composite, all that it needs while it lives, in `allocated`, and the start values
+   that follow its token in the text; `rest`: where the text goes on.  1 with the reason when something is
+   wrong. */
+int unit_build(Unit *unit, const char *name, const char *text, const char **rest);
 /* The same of one whose layout, start values and equations are known. */
 int unit_build_arrays(Unit *unit, const char *name);
 /* Bytes of what changes, from unit->real on. */

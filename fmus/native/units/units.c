@@ -85,7 +85,20 @@ int unit_build_arrays(Unit *unit, const char *name)
     return 0;
 }
 
-int unit_build(Unit *unit, const char *name, const char *token)
+int unit_build(Unit *unit, const char *name, const char *text, const char **rest)
 {
-    return build_single(unit, token) || unit_build_arrays(unit, name);
+    char token[TOKEN_SIZE];
+    const char *at = text ? token_word(text, ';', token, sizeof token) : NULL, *value;
+    if (build_single(unit, at ? token : text) || unit_build_arrays(unit, name)) {
+        return 1;
+    }
+    for (; (value = text_after(at, "start=")) || text_after(at, "flags="); at = token_next(at)) {
+        if (value ? token_starts(value, unit->starts, unit->layout.computed.first)
+                  : token_flags(text_after(at, "flags="), unit->flags, unit->layout.boolean_count)) {
+            return unit_fail(unit, "its start values are not those of variables that it has");
+        }
+    }
+    memcpy(unit->boolean, unit->flags, unit->layout.boolean_count);
+    *rest = at;
+    return 0;
 }
