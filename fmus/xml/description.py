@@ -58,6 +58,29 @@ def header(unit: SizedUnit, name: str, release: str) -> dict[str, str]:
     }
 
 
+def interfaces(
+    root: Element, unit: SizedUnit, name: str, can: Capabilities, fmi: int
+) -> list[Element]:
+    """ModelExchange, of a unit with states, and CoSimulation; what is not said is false."""
+    state, plural = ("FMUstate", "") if fmi == 2 else ("FMUState", "s")
+    shared = {
+        "modelIdentifier": name,
+        f"canGetAndSet{state}": "true",
+        f"canSerialize{state}": "true",
+        f"providesDirectionalDerivative{plural}": flag(can.directional_derivatives),
+    }
+    steps = {
+        "canHandleVariableCommunicationStepSize": "true",
+        "maxOutputDerivativeOrder": str(can.output_derivatives),
+    }
+    kinds = {"ModelExchange": shared, "CoSimulation": shared | steps}
+    return [
+        SubElement(root, kind, about)
+        for kind, about in kinds.items()
+        if unit.states or kind == "CoSimulation"
+    ]
+
+
 def scalar(variable: Variable, name: str, reference: str) -> dict[str, str]:
     """What a variable is, in both versions."""
     return {
