@@ -100,9 +100,8 @@ static int add_beside(Unit *unit, size_t input, double by, double times)
 static int add_parameter_beside(Unit *unit, size_t parameter, double reach)
 {
     static const double ahead[] = {-22.0, 36.0, -18.0, 4.0}, around[] = {1.0, -8.0, 8.0, -1.0};
-    const double behind = unit->kept[parameter] - 2.0 * reach;
-    Text problem = text_in(unit->message_buffer, sizeof unit->message_buffer);
-    const int one_sided = layout_problem(&unit->layout, parameter, behind, &problem);
+    const int one_sided =
+        !layout_allows(&unit->layout, parameter, unit->kept[parameter] - 2.0 * reach);
     int k;
     for (k = 0; k < 4; k++) {
         const double by = one_sided ? k : k < 2 ? k - 2 : k - 1;

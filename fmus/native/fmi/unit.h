@@ -143,6 +143,8 @@ Status unit_refuse(Unit *unit, const char *function, const char *format, ...);
 
 /* -- values ---------------------------------------------------------------------------------- */
 
+/* 0, or 1 with everything that is not allowed in values of these variables; NULL: of the first ones. */
+int unit_check(Unit *unit, const unsigned *references, size_t count, const double *values);
 Status unit_get_reals(Unit *unit, const unsigned *references, size_t count, double *values);
 /* The same of references that are known, whose outputs may be as stale as `unit_level` says: for who
    reads them again and again. */

@@ -176,21 +176,24 @@ void layout_shown(const Layout *layout, size_t reference, double value, Text *te
     text_format(text, text_equal(unit, "1") ? " = %v" : " = %v %s", value, unit);
 }
 
-int layout_problem(const Layout *layout, size_t reference, double value, Text *text)
+int layout_allows(const Layout *layout, size_t reference, double value)
 {
     const Declared *declared = layout->reals[reference].declared;
-    const int limited = declared->flags & HAS_MINIMUM, above = declared->flags & ABOVE_MINIMUM;
-    if (is_finite(value) && (!limited || value > declared->minimum ||
-                             (value == declared->minimum && !above))) {
-        return 0;
-    }
+    return is_finite(value) &&
+           (!(declared->flags & HAS_MINIMUM) || value > declared->minimum ||
+            (value == declared->minimum && !(declared->flags & ABOVE_MINIMUM)));
+}
+
+void layout_refuse(const Layout *layout, size_t reference, double value, Text *text)
+{
+    const Declared *declared = layout->reals[reference].declared;
     layout_shown(layout, reference, value, text);
     text_put(text, ": must be a finite number");
-    if (limited) {
+    if (declared->flags & HAS_MINIMUM) {
         text_format(text, text_equal(declared->unit, "1") ? "%s%6" : "%s%6 %s",
-                    above ? " above " : ", at least ", (double)declared->minimum, declared->unit);
+                    declared->flags & ABOVE_MINIMUM ? " above " : ", at least ",
+                    (double)declared->minimum, declared->unit);
     }
-    return 1;
 }
 
 uint64_t hash_start(void)
