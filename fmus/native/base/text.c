@@ -30,7 +30,7 @@ void text_put_part(Text *text, const char *words, size_t length)
 
 void text_put(Text *text, const char *words)
 {
-    text_put_part(text, words, text_length(words));
+    text_put_part(text, words, strlen(words));
 }
 
 static void put_integer(Text *text, unsigned long value)
@@ -50,15 +50,6 @@ void text_hexadecimal(Text *text, uint64_t value)
     for (shift = 60; shift >= 0; shift -= 4) {
         text_put_part(text, &"0123456789abcdef"[value >> shift & 15], 1);
     }
-}
-
-size_t text_length(const char *words)
-{
-    size_t length = 0;
-    while (words[length]) {
-        length++;
-    }
-    return length;
 }
 
 int text_equal(const char *a, const char *b)
@@ -237,7 +228,7 @@ int text_digit(char c)
 
 const char *text_after(const char *text, const char *begin)
 {
-    const size_t length = text_length(begin);
+    const size_t length = strlen(begin);
     return strncmp(text, begin, length) ? NULL : text + length;
 }
 

@@ -26,7 +26,6 @@ void text_hexadecimal(Text *text, uint64_t value);
 void text_format(Text *text, const char *format, ...);
 void text_format_values(Text *text, const char *format, va_list values);
 
-size_t text_length(const char *words);
 int text_equal(const char *a, const char *b);
 /* Where a text goes on behind what it begins with, or NULL. */
 const char *text_after(const char *text, const char *begin);

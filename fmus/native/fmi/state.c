@@ -115,7 +115,7 @@ Status unit_serialise(Unit *unit, const void *state, unsigned char *bytes, size_
         return unit_refuse(unit, what, "there are too few bytes for it");
     }
     memcpy(bytes, state, content);
-    checksum = hash_bytes(hash_start(), bytes, content);
+    checksum = hash_bytes(bytes, content);
     memcpy(bytes + content, &checksum, CHECKSUM_SIZE);
     return STATUS_OK;
 }
@@ -131,7 +131,7 @@ Status unit_deserialise(Unit *unit, const unsigned char *bytes, size_t size, voi
     if (size >= sizeof(State)) {
         memcpy(&checksum, bytes + content, CHECKSUM_SIZE);
     }
-    if (size < sizeof(State) || checksum != hash_bytes(hash_start(), bytes, content)) {
+    if (size < sizeof(State) || checksum != hash_bytes(bytes, content)) {
         return unit_refuse(unit, what, "the bytes are damaged, or are not those of such a state");
     }
     if (check_state(unit, (const State *)(const void *)bytes, what)) {

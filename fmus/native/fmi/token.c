@@ -26,7 +26,7 @@ const char *token_word(const char *at, char end, char *word, size_t size)
 /* Where the digest at the end of a token begins. */
 static const char *signature_of(const char *token)
 {
-    const size_t length = text_length(token);
+    const size_t length = strlen(token);
     return token + (length > SIGNATURE ? length - SIGNATURE : 0);
 }
 
@@ -36,7 +36,7 @@ static int check_signature(const char *token, Text *reason)
     const char *signature = signature_of(token);
     char expected[SIGNATURE + 1];
     Text words = text_in(expected, sizeof expected);
-    text_hexadecimal(&words, hash_bytes(hash_start(), token, (size_t)(signature - token)));
+    text_hexadecimal(&words, hash_bytes(token, (size_t)(signature - token)));
     text_put(&words, "-");
     text_put(&words, STAMP);
     if (text_equal(signature, expected)) {
@@ -107,7 +107,7 @@ int token_read(const char *token, const Table **table, Sizes *sizes, Text *reaso
     const char *wrong;
     *sizes = none;
     text_format(reason, "identity '%s': ", token ? token : "");
-    if (!token || text_length(token) >= TOKEN_SIZE) {
+    if (!token || strlen(token) >= TOKEN_SIZE) {
         text_put(reason, "must be that of the model description this library came with");
         return 1;
     }
@@ -141,7 +141,7 @@ void token_identity(const char *text, Text *identity)
     }
     text_put_part(identity, text, name);
     text_put(identity, "/");
-    text_hexadecimal(identity, hash_bytes(hash_start(), text, text_length(text)));
+    text_hexadecimal(identity, hash_bytes(text, strlen(text)));
 }
 
 const char *token_next(const char *at)

@@ -196,14 +196,10 @@ void layout_refuse(const Layout *layout, size_t reference, double value, Text *t
     }
 }
 
-uint64_t hash_start(void)
-{
-    return 0xCBF29CE484222325u;
-}
-
-uint64_t hash_bytes(uint64_t hash, const void *bytes, size_t count)
+uint64_t hash_bytes(const void *bytes, size_t count)
 {
     const unsigned char *byte = bytes;
+    uint64_t hash = 0xCBF29CE484222325u;
     size_t k;
     for (k = 0; k < count; k++) {
         hash = (hash ^ byte[k]) * 0x100000001B3u;

@@ -99,8 +99,7 @@ void layout_shown(const Layout *layout, size_t reference, double value, Text *te
 int layout_allows(const Layout *layout, size_t reference, double value);
 void layout_refuse(const Layout *layout, size_t reference, double value, Text *text);
 
-/* FNV-1a of some bytes, from `hash` on. */
-uint64_t hash_bytes(uint64_t hash, const void *bytes, size_t count);
-uint64_t hash_start(void);
+/* FNV-1a of some bytes. */
+uint64_t hash_bytes(const void *bytes, size_t count);
 
 #endif

@@ -47,7 +47,7 @@ static int build_single(Unit *unit, const char *token)
     if (unit->equations->starts) {
         unit->equations->starts(&unit->layout, unit->starts);
     }
-    memcpy(unit->token, token, text_length(token) + 1);
+    memcpy(unit->token, token, strlen(token) + 1);
     unit->memory_count =
         unit->equations->memory_size ? unit->equations->memory_size(&unit->layout) : 0;
     return 0;
@@ -64,7 +64,7 @@ int unit_build_arrays(Unit *unit, const char *name)
     const size_t outputs = unit->layout.computed.count + unit->layout.observed.count;
     size_t k;
     unit->real = unit_allocate(unit, unit_values_size(unit), 1);
-    unit->name = unit_allocate(unit, text_length(name) + 1, 1);
+    unit->name = unit_allocate(unit, strlen(name) + 1, 1);
     unit->flags = unit_allocate(unit, unit->layout.boolean_count, 1);
     unit->before = unit_allocate(unit, unit->memory_count, sizeof(double));
     unit->change = unit_allocate(unit, outputs, sizeof(double));
@@ -78,7 +78,7 @@ int unit_build_arrays(Unit *unit, const char *name)
         text_put(unit_reason(unit), NO_MEMORY);
         return 1;
     }
-    memcpy(unit->name, name, text_length(name) + 1);
+    memcpy(unit->name, name, strlen(name) + 1);
     for (k = 0; k < unit->layout.boolean_count; k++) {
         unit->boolean[k] = unit->flags[k] = (unsigned char)unit->layout.table->flags[k].start;
     }
