@@ -13,15 +13,15 @@ sources, says what a library was made from.
 from __future__ import annotations
 
 import hashlib
+import importlib.resources
 import importlib.util
 import os
 import re
 import subprocess
 import sys
 import tempfile
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
 from concurrent.futures import ThreadPoolExecutor
-from contextlib import contextmanager
 from importlib.metadata import version
 from pathlib import Path
 
@@ -127,56 +127,38 @@ def compile(names: list[str]) -> None:
     """Compile the libraries of these targets; raises as `libraries`."""
     _installed()
     current = stamp()
-    with _caches() as environment, ThreadPoolExecutor(os.cpu_count()) as pool:
-        made = pool.map(lambda name: _compiled(TARGETS[name], environment), names)
+    with (
+        tempfile.TemporaryDirectory(prefix="autobalancer-zig-") as folder,
+        ThreadPoolExecutor(os.cpu_count()) as pool,
+    ):
+        made = pool.map(lambda name: _compiled(TARGETS[name], Path(folder, name)), names)
         for name, library in zip(names, made, strict=True):
-            _write(_library(name), library)
-            _write(BINARIES / name / "stamp", current.encode())
+            write(_library(name), library)
+            write(BINARIES / name / "stamp", current.encode())
 
 
-def _compiled(platform: Platform, environment: dict[str, str]) -> bytes:
+def _compiled(platform: Platform, folder: Path) -> bytes:
     """Bytes of a library; the compiler runs in the folder of the source, so no path is in them."""
-    windows = platform.library.endswith(".dll")
     target = ("cc", "-target", platform.target)
-    with tempfile.TemporaryDirectory() as folder:
-        write(Path(folder) / SOURCE, one_source(platform.folder).encode())
-        object = "autobalancer.o"
-        compiled = [*target, *COMPILE, *platform.compiler, "-c", SOURCE, "-o", object]
-        _zig(compiled, folder, environment)
-        linked = [object, *([_import_library(folder, environment)] if windows else [])]
-        output = ["-o", platform.library]
-        _zig([*target, *LINK, *platform.link, *linked, *output], folder, environment)
-        return (Path(folder) / platform.library).read_bytes()
+    write(folder / SOURCE, one_source(platform.folder).encode())
+    linked = ["autobalancer.o"]
+    _zig(folder, *target, *COMPILE, *platform.compiler, "-c", SOURCE, "-o", *linked)
+    if platform.library.endswith(".dll"):
+        # what names msvcrt.dll has: zig's own import libraries take a minute to make
+        write(folder / "msvcrt.def", texts()["windows/msvcrt.def"].encode())
+        _zig(folder, "dlltool", "-m", "i386:x86-64", "-d", "msvcrt.def", "-l", "msvcrt.lib")
+        linked.append("msvcrt.lib")
+    _zig(folder, *target, *LINK, *platform.link, *linked, "-o", platform.library)
+    return (folder / platform.library).read_bytes()
 
 
-def _import_library(folder: str, environment: dict[str, str]) -> str:
-    """What names msvcrt.dll has: zig's own import libraries take a minute to make."""
-    definition, output = "msvcrt.def", "msvcrt.lib"
-    write(Path(folder) / definition, texts()[f"windows/{definition}"].encode())
-    arguments = ["-m", "i386:x86-64", "-d", definition, "-l", output]
-    _zig(["dlltool", *arguments], folder, environment)
-    return output
-
-
-def _compiler() -> Path:
-    package = importlib.util.find_spec("ziglang")
-    assert package is not None  # `_installed`
-    assert package.origin is not None
-    return Path(package.origin).with_name("zig")
-
-
-def _zig(arguments: list[str], folder: str, environment: dict[str, str]) -> None:
+def _zig(folder: Path, *arguments: str) -> None:
+    """Run zig in a folder, with caches where the caller named them, else beside it."""
+    caches = dict.fromkeys(("ZIG_GLOBAL_CACHE_DIR", "ZIG_LOCAL_CACHE_DIR"), str(folder.parent))
     # not `python -m ziglang`: while that loads it answers Ctrl-C with a traceback
-    command = [str(_compiler()), *arguments]
+    command = [str(importlib.resources.files("ziglang") / "zig"), *arguments]
+    environment = {**caches, **os.environ}
     subprocess.run(command, cwd=folder, env=environment, check=True, stdin=subprocess.DEVNULL)
-
-
-@contextmanager
-def _caches() -> Iterator[dict[str, str]]:
-    """Environment with folders for zig's caches: those the caller named, else temporary ones."""
-    with tempfile.TemporaryDirectory(prefix="autobalancer-zig-") as folder:
-        places = {"ZIG_GLOBAL_CACHE_DIR": folder, "ZIG_LOCAL_CACHE_DIR": folder}
-        yield {**places, **os.environ}
 
 
 def _installed() -> None:
@@ -208,12 +190,6 @@ def _made_from(platform: str) -> str | None:
     """Stamp of the library that is there."""
     path = BINARIES / platform / "stamp"
     return path.read_text() if path.exists() and _library(platform).exists() else None
-
-
-def _write(path: Path, data: bytes) -> None:
-    """Write a file whole, unless it says the same already."""
-    if not path.exists() or path.read_bytes() != data:
-        write(path, data)
 
 
 if __name__ == "__main__":
