@@ -87,7 +87,7 @@ class Method:
         """The method without its step or tolerance, in words."""
         words = [self.name]
         if self.order is not None:
-            words.append({0: "held", 1: "linear", 3: "cubic", 5: "quintic"}[self.order])
+            words.append({0: "held", 1: "linear", 3: "cubic"}[self.order])
         if self.tolerance is not None and not self.in_one_piece:
             words.append("tolerance")
         elif self.name == "iterated":
@@ -186,14 +186,13 @@ def coupling_methods(exchanges_force: bool) -> list[Method]:
     return methods + one_file_methods()
 
 
-def one_file_methods(order: int = 3) -> list[Method]:
-    """The composite by each of its schemes with signals of this order."""
+def one_file_methods() -> list[Method]:
+    """The composite by each of its schemes."""
     steps = sorted(ONE_FILE_STEPS)
-    methods = [Method("compensated", order, n, one_file=True) for n in steps]
-    methods += [Method("iterated", order, n, 1, one_file=True) for n in steps]
-    return methods + [
-        Method("iterated", order, tolerance=t, one_file=True) for t in ONE_FILE_TOLERANCES
-    ]
+    methods = [Method("compensated", 3, n, one_file=True) for n in steps]
+    methods += [Method("iterated", 3, n, 1, one_file=True) for n in steps]
+    methods += [Method("iterated", 3, tolerance=t, one_file=True) for t in ONE_FILE_TOLERANCES]
+    return methods
 
 
 def monolith_methods() -> list[Method]:
