@@ -13,7 +13,7 @@ from ..unit import SizedUnit, Unit, alternatives
 from ..variables import Layout, Variable, started
 from .variables import CompositeSizes, variables
 
-SCHEMES = ("auto", "iterated", "compensated")
+SCHEMES = ("auto", "iterated")
 MOST_CORRECTIONS = 100
 
 
@@ -68,7 +68,7 @@ class Composition:
 
     Attributes:
         parts: the rotor first; a motor of limited power last.
-        scheme: auto | iterated | compensated.
+        scheme: auto | iterated.
         corrections: corrector passes of a step; None: until the loop has converged, or, with auto,
             as few as its gain asks for.
         start: of the coupling's own parameters and inputs: `coupling.steps_per_rev`, `speed` ...
@@ -109,8 +109,6 @@ class Composition:
         motors = [part.model == "Motor" for part in self.parts]
         if any(motors[:-1]):
             raise ValueError("parts: a motor must be the last of them, and the only one")
-        if motors[-1] and self.scheme == "compensated":
-            raise ValueError('coupling.scheme = "compensated": does not support a motor')
         for part in self.parts:
             if not part.name.isidentifier() or not part.name.isascii():
                 raise ValueError(

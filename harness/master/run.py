@@ -43,7 +43,7 @@ def cosimulate(
 
     The units are coupled in C, as the scene's one file couples them.  Separate FMUs, coupled in
     Python, run instead if `separate` or `fmus` is given, and for what one file does not have:
-    scheme "jacobi" or "gauss-seidel", order 0 or 1, units in Python.
+    scheme "jacobi", "gauss-seidel" or "compensated", order 0 or 1, units in Python.
 
     Args:
         scene: a scene, the path of a scene file, or the name of a bundled scene.

@@ -41,7 +41,6 @@ def changing(made):
 
 MACHINES = {
     "balls": ("two_balls", lambda made: made, 5.0),
-    "compensated": ("two_balls", lambda made: replace(made, scheme="compensated"), 5.0),
     "liquid": ("liquid_disc", lambda made: made, 0.5),
     "balls and liquid": ("balls_and_liquid", lambda made: made, 0.3),
     "eccentric track": ("balls_and_liquid", eccentric, 0.3),
@@ -82,8 +81,6 @@ def test_a_solver_of_the_tool_finds_the_motion_of_co_simulation(tmp_path, name, 
     assert validate_fmu(str(path)) == []
     names = [v.name for v in states_of(path)]
     exact = {"coupling.tolerance": 10.0 * TIGHT if name == "force, gravity" else TIGHT}
-    if name == "compensated":
-        exact = {"coupling.tolerance": 0.0, "coupling.steps_per_rev": 400.0}
     steps = simulated(path, stop, "CoSimulation", names, start_values=exact)
     solved = simulated(path, stop, "ModelExchange", names, solver="CVode", relative_tolerance=TIGHT)
     largest = abs(steps).max(axis=0)

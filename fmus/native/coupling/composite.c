@@ -23,12 +23,12 @@ static size_t signal_doubles(size_t count)
 
 size_t composite_memory(Composite *c, double *memory)
 {
-    enum { BLOCKS = 12 };
+    enum { BLOCKS = 11 };
     const size_t e = (size_t)c->unknowns, p = (size_t)c->planes;
     const size_t outer = 2 * (size_t)c->parts->unit->layout.sizes.planes, o = (size_t)c->orders;
     const size_t counts[BLOCKS] = {
         sizeof(Course) / sizeof(double), outer, signal_doubles(e), signal_doubles(p),
-        o * o * e * e, o * o * e * (e + p), o * (e + p), p * sizeof(Swung) / sizeof(double), c->state_count,
+        o * o * e * e, o * o * e * e, p * sizeof(Swung) / sizeof(double), c->state_count,
         c->state_count, verdict_doubles(c), c->state_count};
     size_t at[BLOCKS], total = 0, state;
     int k;
@@ -53,12 +53,11 @@ size_t composite_memory(Composite *c, double *memory)
         c->accelerations = (Signal *)(memory + at[3]);
         c->learned = memory + at[4];
         c->solution = memory + at[5];
-        c->residuals = (Complex *)(memory + at[6]);
-        c->swung = (Swung *)(memory + at[7]);
-        c->at_begin = memory + at[8];
-        c->at_end = memory + at[9];
-        c->extent = memory + at[10];
-        c->states = memory + at[11];
+        c->swung = (Swung *)(memory + at[6]);
+        c->at_begin = memory + at[7];
+        c->at_end = memory + at[8];
+        c->extent = memory + at[9];
+        c->states = memory + at[10];
     }
     return total;
 }
@@ -84,7 +83,6 @@ static int composite_allocate(Unit *unit)
     c->ends = unit_allocate(unit, p, sizeof(Knot));
     c->answers = unit_allocate(unit, e, sizeof(Knot));
     c->square = unit_allocate(unit, square, sizeof(double));
-    c->wide = unit_allocate(unit, o * o * e * p, sizeof(double));
     c->work = unit_allocate(unit, 2 * square, sizeof(double));
     c->masses = unit_allocate(unit, (size_t)c->parts->unit->layout.sizes.planes, sizeof(double));
     c->decay = unit_allocate(unit, 32 * stations * stations, sizeof(double));
@@ -93,7 +91,7 @@ static int composite_allocate(Unit *unit)
     }
     c->saved_reals = unit_allocate(unit, c->real_count, sizeof(double));
     return missing || !c->assumed || !c->sent || !c->plane_signals || !c->ends || !c->answers ||
-           !c->square || !c->wide || !c->work || !c->decay || !c->saved_reals || !c->masses;
+           !c->square || !c->work || !c->decay || !c->saved_reals || !c->masses;
 }
 
 /* -- the start ------------------------------------------------------------------------------- */
@@ -153,10 +151,6 @@ static int composite_parameters(Unit *unit)
     }
     if (unit->real[c->tolerance] > LOOSEST) {
         return unit_fail(unit, "coupling.tolerance: must be at most 0.1");
-    }
-    if (unit->real[c->tolerance] > 0.0 && c->scheme == SCHEME_COMPENSATED) {
-        return unit_fail(unit, "coupling.tolerance: the file was built with scheme = "
-                         "\"compensated\", which keeps none; set coupling.steps_per_rev");
     }
     for (k = 0; k < c->part_count; k++) {
         Part *part = c->parts + k;
@@ -240,7 +234,7 @@ static int begin_parts(Unit *unit)
 }
 
 /* The scheme for this loop, its Jacobian in c->square. */
-static void begin_scheme(Unit *unit, double step)
+static void begin_scheme(Unit *unit)
 {
     Composite *c = unit->own;
     Course *course = c->course;
@@ -248,11 +242,7 @@ static void begin_scheme(Unit *unit, double step)
     if (c->corrections < 0 && c->scheme == SCHEME_AUTO && course->loop.gain <= WEAK_LOOP) {
         course->loop.corrections = 1.0;
     }
-    if (c->scheme == SCHEME_COMPENSATED) {
-        compensated_begin(c, step);
-    } else {
-        iterated_begin(c);
-    }
+    iterated_begin(c);
 }
 
 /* Look out for the next change of the unbalance; 1 with the reason. */
@@ -318,7 +308,6 @@ static int start(Unit *unit)
 {
     Composite *c = unit->own;
     Course *course = c->course;
-    double step;
     memset(course, 0, sizeof *course);
     memset(c->forces, 0, (size_t)c->unknowns * sizeof(Signal));
     memset(c->accelerations, 0, (size_t)c->planes * sizeof(Signal));
@@ -332,16 +321,14 @@ static int start(Unit *unit)
         return unit_fail(unit, "coupling.top_speed: must be above 0 rad/s for a rotor that starts "
                          "at rest");
     }
-    step = communication_length(unit);
     if (begin_parts(unit)) {
         return 1;
     }
     course->loop.rounding = FORCE_ROUNDING * composite_largest_force(c);
-    if ((c->scheme == SCHEME_COMPENSATED && loop_rotor_response(unit, step)) ||
-        loop_consistent_start(unit, step)) {
+    if (loop_consistent_start(unit, communication_length(unit))) {
         return 1;
     }
-    begin_scheme(unit, step);
+    begin_scheme(unit);
     resolution_begin(unit);
     course->adaptive.allowed = c->unknowns ? unit->real[c->tolerance] : 0.0;
     if (course->adaptive.allowed > 0.0) {
@@ -471,9 +458,6 @@ static int judge_step(Unit *unit, double step)
 static int couple(Unit *unit, double step, int jump)
 {
     const Composite *c = unit->own;
-    if (c->scheme == SCHEME_COMPENSATED && c->exchanges) {
-        return compensated_step(unit, step, jump) || (!jump && resolution_check(unit, step));
-    }
     if (jump) {
         return iterated_cross(unit, step);
     }

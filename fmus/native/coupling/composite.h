@@ -14,7 +14,7 @@
 #include "units/rotor.h"
 #include "units/weights.h"
 
-typedef enum { SCHEME_AUTO, SCHEME_ITERATED, SCHEME_COMPENSATED } Scheme;
+typedef enum { SCHEME_AUTO, SCHEME_ITERATED } Scheme;
 
 enum { UNTIL_CONVERGED = -1 }; /* corrections */
 enum { VIBRATION = 5, RESIDUAL = 6 }; /* of the outputs from `results` on; the capacity in use is behind */
@@ -75,8 +75,8 @@ typedef struct {
 
 /* Of startup.c: the division of a communication step. */
 typedef struct {
-    double crossing;                   /* negligible steps still to be taken over a jump of an input, */
-    double negligible;                 /* and their length [s] */
+    double crossing;                   /* whether a negligible step over a jump of an input is next, */
+    double negligible;                 /* and its length [s] */
     double whole, halvings, piece;     /* communication step, its division, pieces taken */
     double ends;                       /* when the communication step is over [s] */
     double first_step;                 /* whether it is the one at the start */
@@ -95,11 +95,6 @@ typedef struct {
     double solved_step; /* the step that the loop's inverse is for [s] */
     double ahead;       /* time to an event in the pass that failed for it, else below 0 [s] */
 } Loop;
-
-/* Of compensated.c: what the step before missed. */
-typedef struct {
-    double compensated_step; /* length of the step before [s], 0 when it left no residual */
-} Compensation;
 
 /* Of contacts.c: brief steps behind an event. */
 typedef struct {
@@ -143,7 +138,6 @@ typedef struct {
     ShaftDrive shaft;
     Division division;
     Loop loop;
-    Compensation compensated;
     Event event;
     Adaptation adaptive;
     Resolution resolution;
@@ -156,13 +150,6 @@ typedef struct {
     Complex speed, place;
     double turned, swung;
 } Swung;
-
-/* Signal over a step per part of its end that was missed in the one before, and what it was worked out
-   for: turn of the axes [rad], past step, and step [s]. */
-typedef struct {
-    double turn, past, step;
-    Complex rows[QUINTIC_ORDERS][QUINTIC_ORDERS / 2];
-} Carried;
 
 /* How a run goes on in place of a host, which leaves all of it 0. */
 typedef struct {
@@ -200,8 +187,7 @@ typedef struct {
     double *outer_forces; /* (rotor's planes, 2) as told last [N] */
     Signal *forces, *accelerations; /* (unknowns,), (planes,) */
     double *learned;  /* (o e, o e) for e unknowns and o orders: `solution` before an event */
-    double *solution; /* (o e, o e): inverse of 1 - dG/du; compensated: (o e + o p, o e) */
-    Complex *residuals;  /* (e + p, o / 2): of a signal's end by a step, each part times its power of the step */
+    double *solution; /* (o e, o e): inverse of 1 - dG/du */
     Swung *swung;     /* (p,) */
     double *states;   /* memories of all parts, one after the other, */
     double *at_begin, *at_end; /* and those at the ends of the last step */
@@ -212,11 +198,10 @@ typedef struct {
     Complex *assumed, *sent, *plane_signals; /* (e, o), (e, o), (p, o) signals over a step */
     Knot *ends, *answers;           /* (p,), (e,) */
     double *u, *g_u, *moved, *disturbed_answers, *residual, *du, *old; /* (o e,) as `pack` makes them */
-    double *square, *wide, *work;  /* (o e, o e), (o p, o e), 2 (o e, o e) */
+    double *square, *work;         /* (o e, o e), 2 (o e, o e) */
     double *masses;                /* (rotor's planes,) */
     double *decay;                 /* 2 (4 n, 4 n) for n stations */
     struct Impacts *impacts;       /* of impacts.c */
-    Carried carried[2];            /* of forces, and of accelerations */
 } Composite;
 
 /* -- token.c ----------------------------------------------------------------------- */
@@ -338,13 +323,11 @@ int loop_jacobian(Unit *unit, Response response, const double *u, const double *
                   int rows, double step, double *matrix);
 /* The inverse of 1 - dG/du; 1 with the reason when the loop has gain 1. */
 int loop_invert(Unit *unit, const double *jacobian, double step);
-void loop_rescale(Composite *c, int rows, double step);
+void loop_rescale(Composite *c, double step);
 void loop_learn(Composite *c, const double *du, const double *old, const double *now);
 double loop_gain(Composite *c, const double *jacobian);
 /* Bring forces and accelerations into agreement; dG/du in c->square. */
 int loop_consistent_start(Unit *unit, double step);
-/* d(acceleration)/d(force) of the rotor, (o p, o e), in c->wide. */
-int loop_rotor_response(Unit *unit, double step);
 /* Largest modulus of the eigenvalues of a (n, n) matrix, which is overwritten; work: (n, n). */
 double spectral_radius(int n, double *matrix, double *work);
 
@@ -360,8 +343,7 @@ void resolution_begin(Unit *unit);
 /* Look at the step just finished; 1 with the reason where steps are too long for the signals. */
 int resolution_check(Unit *unit, double step);
 
-/* -- iterated.c, compensated.c, adaptive.c, prescribed.c: schemes, as
-   harness/master/schemes has them ------------------------------------------------------------------------ */
+/* -- iterated.c, adaptive.c, prescribed.c ------------------------------------------------------ */
 
 void iterated_begin(Composite *c);
 /* From the start on, count as converged what leaves so much of the largest force. */
@@ -381,9 +363,6 @@ int adaptive_step(Unit *unit, double longest);
 int prescribed_step(Unit *unit);
 /* Take the loop's Jacobian from steps of this length, all of them taken back. */
 int iterated_after_start(Unit *unit, double step);
-void compensated_begin(Composite *c, double step);
-/* One step; `jump`: over a jump of an input. */
-int compensated_step(Unit *unit, double step, int jump);
 
 /* Take a step with at most so many passes; the residual left, below 0 where it failed. */
 double iterated_attempt(Unit *unit, double step, int passes);

@@ -102,7 +102,7 @@ double iterated_attempt(Unit *unit, double step, int passes)
     double error = 0.0, error_before = 0.0;
     int number, i;
     course->loop.ahead = -1.0;
-    loop_rescale(c, count, counted);
+    loop_rescale(c, counted);
     for (i = 0; i < c->unknowns; i++) {
         Knot ahead;
         if (course->adaptive.constant_signals > 0.0) {

@@ -150,7 +150,7 @@ int loop_invert(Unit *unit, const double *jacobian, double step)
     return singular;
 }
 
-void loop_rescale(Composite *c, int rows, double step)
+void loop_rescale(Composite *c, double step)
 {
     const double ratio = step / c->course->loop.solved_step;
     /* of value, slope * h and second * h^2 of a knot, each as real and imaginary part */
@@ -161,7 +161,7 @@ void loop_rescale(Composite *c, int rows, double step)
     if (ratio == 1.0) {
         return;
     }
-    for (i = 0; i < rows; i++) {
+    for (i = 0; i < count; i++) {
         const double power = powers[i % c->orders];
         for (j = 0; j < count; j += c->orders) {
             for (k = 0; k < c->orders; k++) {
@@ -218,16 +218,6 @@ static int rotor_answer(Unit *unit, const double *u, double step)
     return 0;
 }
 
-static int respond_rotor(Unit *unit, const double *u, double step, double *answer)
-{
-    const Composite *c = unit->own;
-    if (rotor_answer(unit, u, step)) {
-        return 1;
-    }
-    loop_pack(c, c->ends, c->planes, step, answer);
-    return 0;
-}
-
 /* Forces that the balancers answer with, without a step. */
 static int respond_at_start(Unit *unit, const double *u, double step, double *answer)
 {
@@ -254,18 +244,6 @@ static int respond_at_start(Unit *unit, const double *u, double step, double *an
     }
     loop_pack(c, c->answers, c->unknowns, step, answer);
     return 0;
-}
-
-int loop_rotor_response(Unit *unit, double step)
-{
-    Composite *c = unit->own;
-    const int count = c->orders * c->unknowns;
-    memset(c->u, 0, (size_t)count * sizeof(double));
-    if (respond_rotor(unit, c->u, step, c->g_u)) {
-        return 1;
-    }
-    return loop_jacobian(unit, respond_rotor, c->u, c->g_u, 1.0, c->orders * c->planes, step,
-                         c->wide);
 }
 
 /* Solve u = G(u) from the Jacobian in c->square. */

@@ -6,7 +6,6 @@
 #include "constants.h"
 #include "coupling/composite.h"
 
-static const double EXPLICIT_MISS_PER_ERROR = 4.0, QUINTIC_EXPLICIT_MISS_PER_ERROR = 5.06;
 enum { TOO_LONG = 2 };
 
 /* Lowest natural frequency along an axis [rad/s]. */
@@ -280,10 +279,7 @@ int resolution_check(Unit *unit, double step)
 {
     Composite *c = unit->own;
     Course *course = c->course;
-    const double cubic = c->scheme == SCHEME_COMPENSATED ? EXPLICIT_MISS_PER_ERROR : MISS_PER_ERROR;
-    const double quintic = c->scheme == SCHEME_COMPENSATED ? QUINTIC_EXPLICIT_MISS_PER_ERROR
-                                                           : QUINTIC_MISS_PER_ERROR;
-    const double share = c->orders == QUINTIC_ORDERS ? quintic : cubic;
+    const double share = c->orders == QUINTIC_ORDERS ? QUINTIC_MISS_PER_ERROR : MISS_PER_ERROR;
     double signal_error = 0.0, times, worst;
     const Signal *lost = NULL;
     int k, cause = 0, lost_number = 0;

@@ -8,8 +8,6 @@
 #include "constants.h"
 #include "coupling/composite.h"
 
-enum { STARTUP_HALVINGS = 2, QUINTIC_HALVINGS = 4 };
-
 /* The communication step to come [s]: a run says it, else the parameters do. */
 static double communication(const Unit *unit)
 {
@@ -18,7 +16,7 @@ static double communication(const Unit *unit)
 }
 
 /* How often a step without a past is halved, so that nothing is steep in its first part. */
-static int halvings(const Composite *c, double step, int least)
+static int halvings(const Composite *c, double step)
 {
     double largest = 0.0, change = 0.0, allowed;
     int k, steep = 0;
@@ -32,25 +30,14 @@ static int halvings(const Composite *c, double step, int least)
             allowed *= 2.0;
         }
     }
-    return steep > least ? steep : least;
-}
-
-static int compensates(const Composite *c)
-{
-    return c->scheme == SCHEME_COMPENSATED && c->exchanges;
-}
-
-static int fewest_halvings(const Composite *c)
-{
-    return c->orders == QUINTIC_ORDERS ? QUINTIC_HALVINGS : STARTUP_HALVINGS;
+    return steep;
 }
 
 static void divide(const Composite *c, Course *course)
 {
     course->division.piece = course->division.halvings = 0.0;
     if (course->division.no_past > 0.0 && c->unknowns) {
-        course->division.halvings =
-            halvings(c, course->division.whole, compensates(c) ? fewest_halvings(c) : 0);
+        course->division.halvings = halvings(c, course->division.whole);
     }
 }
 
@@ -62,9 +49,9 @@ double startup_length(Unit *unit)
     if (course->clock.changed > 0.0) {
         const double step = communication(unit);
         course->clock.changed = 0.0;
-        course->division.crossing = compensates(c) ? JUMP_PARTS : 1;
-        course->division.negligible = smaller(KINK_STEP * step, brief_length(unit)) / course->division.crossing;
-        course->division.whole = step - course->division.crossing * course->division.negligible;
+        course->division.crossing = 1.0;
+        course->division.negligible = smaller(KINK_STEP * step, brief_length(unit));
+        course->division.whole = step - course->division.negligible;
         course->division.ends = course->clock.time + step;
     }
     if (course->division.crossing > 0.0) {
@@ -99,12 +86,9 @@ int startup_taken(Unit *unit, int struck)
         return 0;
     }
     if (course->division.crossing > 0.0) {
-        course->division.crossing -= 1.0;
+        course->division.crossing = 0.0;
         composite_drop_past(c);
         course->division.piece = course->division.halvings = course->division.first_step = 0.0;
-        if (course->division.crossing == 0.0 && compensates(c)) {
-            course->division.halvings = halvings(c, whole, fewest_halvings(c));
-        }
         return 0;
     }
     course->division.piece += 1.0;
@@ -112,6 +96,6 @@ int startup_taken(Unit *unit, int struck)
         return 0;
     }
     course->division.whole = 0.0;
-    return course->division.first_step > 0.0 && course->division.halvings > 0.0 && !compensates(c) &&
+    return course->division.first_step > 0.0 && course->division.halvings > 0.0 &&
            iterated_after_start(unit, whole);
 }

@@ -115,9 +115,9 @@ static int read_part(Unit *unit, Part *part, const char *at)
 
 static int read_scheme(Composite *c, const char *at)
 {
-    static const char *const names[] = {"auto;", "iterated;", "compensated;"};
+    static const char *const names[] = {"auto;", "iterated;"};
     int k;
-    for (k = 0; k < 3; k++) {
+    for (k = 0; k < 2; k++) {
         if (text_after(at, names[k])) {
             c->scheme = (Scheme)k;
             return 0;
@@ -179,7 +179,7 @@ static int read_parts(Unit *unit, const char *at, const char **own)
    the mean of its acceleration over a step, not what it is at a time in it. */
 static void stop_at_contacts(Composite *c)
 {
-    const int stops = c->exchanges && !c->motor && c->scheme != SCHEME_COMPENSATED;
+    const int stops = c->exchanges && !c->motor;
     int part, k;
     for (part = 0; part < c->part_count; part++) {
         Unit *unit = c->parts[part].unit;

@@ -183,14 +183,7 @@ def coupling_methods(exchanges_force: bool) -> list[Method]:
     methods += [Method("iterated", 3, n, passes) for passes in (1, None) for n in ITERATED_STEPS]
     methods += [Method("iterated", 3, tolerance=t) for t in TOLERANCES]
     methods += [Method("compensated", 3, n, units="python") for n in PYTHON_STEPS]
-    return methods + one_file_methods()
-
-
-def one_file_methods() -> list[Method]:
-    """The composite by each of its schemes."""
-    steps = sorted(ONE_FILE_STEPS)
-    methods = [Method("compensated", 3, n, one_file=True) for n in steps]
-    methods += [Method("iterated", 3, n, 1, one_file=True) for n in steps]
+    methods += [Method("iterated", 3, n, 1, one_file=True) for n in sorted(ONE_FILE_STEPS)]
     methods += [Method("iterated", 3, tolerance=t, one_file=True) for t in ONE_FILE_TOLERANCES]
     return methods
 

@@ -33,7 +33,6 @@ def test_both_engines_keep_a_tolerance_of_the_whole_run(name, changes):
 
 REFUSED = [
     ("liquid_heavy_force", {"coupling.scheme": "iterated", "coupling.corrections": 0}),
-    ("two_balls", {"coupling.scheme": "compensated", "weights.drag": 8.0}),
     ("contact_order", {"coupling.corrections": 0, "balls.drag": 1e4}),
 ]
 

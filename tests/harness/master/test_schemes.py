@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy.interpolate import BPoly
 
-from autobalancer.harness import SceneError, SimulationError, cosimulate, load_scene
+from autobalancer.harness import SimulationError, cosimulate, load_scene
 from autobalancer.harness.master.cosimulation import CoSimulation
 from autobalancer.harness.master.one_file_run import OneFileRun
 from autobalancer.harness.master.schedule import step_size
@@ -318,12 +318,6 @@ def test_compensated_is_better_than_gauss_seidel_while_a_step_is_short(against, 
 def test_compensated_says_that_it_cannot_follow_what_a_long_step_hides(changes):
     with pytest.raises(SimulationError, match=r"t = .*use "):
         cosimulate(load_scene("two_balls").replace({"coupling.scheme": "compensated", **changes}))
-
-
-def test_compensated_exchanges_slopes():
-    scene = load_scene("two_balls")
-    with pytest.raises(SceneError, match=r'coupling.order.*3 with scheme = "compensated"'):
-        scene.replace({"coupling.scheme": "compensated", "coupling.order": 1})
 
 
 @pytest.mark.parametrize(

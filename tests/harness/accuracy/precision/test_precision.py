@@ -195,7 +195,7 @@ def test_command_writes_what_is_asked_and_ends_with_the_cheapest_way(invoke, tmp
 
 def test_the_composite_errs_as_the_separate_units_do(short):
     """At the same steps; its seconds are of the same run without the calls between the units."""
-    separate = [Method("compensated", 3, 20), Method("iterated", 3, 20, 1)]
+    separate = [Method("iterated", 3, 20, 1), Method("iterated", 3, 40, 1)]
     whole = [Method("monolith LSODA", tolerance=1e-8)]
     together = [replace(method, one_file=True) for method in separate]
     found = precision(short, seconds=2.0, methods=[*separate, *together, *whole])
