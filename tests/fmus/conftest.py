@@ -36,11 +36,6 @@ SHAPES = [
     ("BallBalancer", {"weights": 1}),
     ("BallBalancer", {"weights": 5, "frame": "fixed"}),
 ]
-NATIVE_SHAPES = [  # of native units alone
-    ("RotorOnSupports", {"planes": 2, "order": 5}),
-    ("LiquidBalancer", {"order": 5}),
-    ("BallBalancer", {"order": 5}),
-]
 
 
 class Probe:

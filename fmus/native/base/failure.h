@@ -21,7 +21,6 @@ enum {
     FAILURE_NO_ROOM,           /* weights of unequal radii that fill the track */
     FAILURE_RIGID_SLIDERS,     /* two rigid sliders at one support and axis */
     FAILURE_SPIN,              /* der(acceleration): must be 0 */
-    FAILURE_QUINTIC_WEIGHTS,   /* order: must be 3 for weights that meet or stick */
     FAILURE_CHARACTERISTIC,    /* points of a motor; where: the first that does not ascend */
     FAILURE_OVERLAP,           /* value[0]: overlap, value[1]: angle neighbours need [rad] */
     /* OverflowError and LinAlgError of the rotor's matrices */

@@ -27,8 +27,6 @@ static const char *const WORDS[FAILURE_CROSSINGS + 1] = {
                               "sum of their limits; give that, or a stiffness",
     [FAILURE_SPIN] = "der(acceleration) = {0} rad/s3: must be 0 for weights that touch or stick, "
                      "as all its derivatives",
-    [FAILURE_QUINTIC_WEIGHTS] = "order = 5: only point weights have such signals; "
-                                "weight_radius and rolling_resistance must be 0",
     [FAILURE_CHARACTERISTIC] = "point[{w}].speed = {0} rad/s: speeds must ascend",
     [FAILURE_OVERLAP] = "weights overlap by {0.3} rad: neighbours need {1.6} rad",
     [FAILURE_MATRICES] = "the rotor's matrices are not finite",

@@ -1,8 +1,8 @@
 /* Derivatives as FMI asks for them: of inputs and outputs by time, and of outputs by inputs. */
 #include <string.h>
 
+#include "base/cubic.h"
 #include "base/elementary.h"
-#include "base/signals.h"
 #include "fmi/unit.h"
 
 /* Part of a parameter by which it is moved: a difference of order 4 then errs by 1e-12. */
@@ -50,15 +50,13 @@ static Status refuse_reference(Unit *unit, size_t reference, const char *what, c
 static const char *wrong_derivative(const Unit *unit, size_t reference, int order, double value)
 {
     const Range values = signal_values(unit);
-    const int highest = unit->layout.sizes.order;
     Range signals = values;
-    signals.count *= (size_t)highest + 1;
+    signals.count *= SIGNAL_ORDERS;
     if (!within(reference, unit->layout.inputs)) {
         return ": is no input";
     }
-    if (order < 1 || order > highest) {
-        return highest == 5 ? ": the order of a derivative must be 1 to 5"
-                            : ": the order of a derivative must be 1 to 3";
+    if (order < 1 || order >= SIGNAL_ORDERS) {
+        return ": the order of a derivative must be 1 to 3";
     }
     if (!is_finite(value)) {
         return ": a derivative must be a finite number";
@@ -108,11 +106,11 @@ Status unit_set_derivatives(Unit *unit, const unsigned *references, size_t count
 static int derivative_of(Unit *unit, size_t reference, double *value)
 {
     const size_t block = signal_values(unit).count;
-    Range known = unit->layout.computed, all = known;
-    all.count = (size_t)(unit->layout.sizes.order + 1) / 2 * block;
-    known.count = all.count - block;
-    *value = within(reference, known) ? unit->real[reference + block] : 0.0;
-    return within(reference, all) ? 0 : unit->equations->slope(unit, reference, value);
+    Range signals = unit->layout.computed, both = signals; /* their slopes stand behind them */
+    signals.count = block;
+    both.count = 2 * block;
+    *value = within(reference, signals) ? unit->real[reference + block] : 0.0;
+    return within(reference, both) ? 0 : unit->equations->slope(unit, reference, value);
 }
 
 Status unit_get_derivatives(Unit *unit, const unsigned *references, size_t count,
@@ -256,9 +254,6 @@ static const char *wrong_sides(const Unit *unit, Range outputs, const unsigned *
     size_t k;
     if (unit->equations == &COMPOSITE_EQUATIONS) {
         return "a composite has no directional derivatives";
-    }
-    if (unit->layout.sizes.order != 3) {
-        return "a unit with signals of order 5 gives none";
     }
     for (k = 0; k < known_count; k++) {
         if (!within(knowns[k], unit->layout.inputs) &&
