@@ -53,9 +53,8 @@ def build(
         name: model name and file name, default: that of the unit.
         start: start values of parameters and inputs in place of the unit's own; native units alone.
         about: `summary`, `stop` and `step` of the description of a unit that has them.
-        options: frame ("rotor", or "fixed" for signals along fixed axes), order (3, or 5 for
-            quintic signals); of a rotor kind, stations, planes, unbalances and shaft; of a ball
-            balancer weights.  `Sizes` of the
+        options: frame ("rotor", or "fixed" for signals along fixed axes); of a rotor kind,
+            stations, planes, unbalances and shaft; of a ball balancer weights.  `Sizes` of the
             units say what they mean and what is allowed; a unit leaves those of others aside.
 
     Returns:
@@ -104,7 +103,7 @@ def contents(
     if backend == "native":
         can = Capabilities(
             output_derivatives=1,
-            directional_derivatives=getattr(sized.sizes, "order", 3) == 3,
+            directional_derivatives=True,
             early_return=sized.returns_early,
         )
 

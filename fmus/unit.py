@@ -22,11 +22,6 @@ def one_of(*words: str, of: tuple[str, ...] = ()) -> Any:
     return field(default=words[0], metadata={"words": words, "of": of})
 
 
-def order_of_signals() -> Any:
-    """3 or 5; the usual 3 is not written down, and the only one of Python units."""
-    return field(default=3, metadata={"words": (3, 5), "of": (), "silent": 3, "native": True})
-
-
 def option() -> Any:
     """1 where the unit has it; 0 is the default, not written down, the only one of Python units."""
     return field(default=0, metadata={"words": (0, 1), "of": (), "silent": 0, "native": True})
@@ -81,18 +76,6 @@ class Sizes:
     def axes(self) -> tuple[str, str]:
         """Names of the axes of the signals."""
         return ("xi", "eta") if self.frame == "rotor" else ("x", "y")
-
-
-@dataclass(frozen=True)
-class SignalSizes(Sizes):
-    """Sizes of a unit with coupling signals.
-
-    Attributes:
-        order: of the signals over a step: 3, cubics between exact values and slopes, or 5, quintics
-            between these and exact second derivatives.
-    """
-
-    order: int = order_of_signals()
 
 
 @dataclass(frozen=True)

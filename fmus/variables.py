@@ -13,8 +13,8 @@ from dataclasses import dataclass, replace
 from itertools import chain
 
 _SIGNALS = {  # units of value and derivatives
-    "acceleration": ("m/s2", "m/s3", "m/s4", "m/s5", "m/s6", "m/s7"),
-    "force": ("N", "N/s", "N/s2", "N/s3", "N/s4", "N/s5"),
+    "acceleration": ("m/s2", "m/s3", "m/s4", "m/s5"),
+    "force": ("N", "N/s", "N/s2", "N/s3"),
     "angular acceleration": ("rad/s2", "rad/s3", "rad/s4", "rad/s5"),
     "torque": ("N.m", "N.m/s", "N.m/s2", "N.m/s3"),
 }
@@ -135,14 +135,12 @@ def derivative(name: str, order: int) -> str:
     return (name, f"der({name})", f"der({name},{order})")[min(order, 2)]
 
 
-def signal_inputs(
-    names: Sequence[str], quantity: str, description: str, order: int = 3
-) -> list[Variable]:
-    """Input signals (`_SIGNALS`): all values, then all first derivatives, and so on to `order`.
+def signal_inputs(names: Sequence[str], quantity: str, description: str) -> list[Variable]:
+    """Input signals (`_SIGNALS`): all values, then all first derivatives, and so on to the third.
 
     A master that holds its signals sets the leading part of this group only.
     """
-    texts = [description] + [f"{description}, derivative of order {k}" for k in range(1, order + 1)]
+    texts = [description, *(f"{description}, derivative of order {k}" for k in (1, 2, 3))]
     return [
         plain_input(
             derivative(name, order),
@@ -151,7 +149,7 @@ def signal_inputs(
             f"{texts[order]} at the start of the step",
             derivative_of=derivative(name, order - 1) if order else "",
         )
-        for order, unit in enumerate(_SIGNALS[quantity][: order + 1])
+        for order, unit in enumerate(_SIGNALS[quantity])
         for name in names
     ]
 
@@ -179,10 +177,9 @@ def signal_outputs(
     description: str,
     depends: Sequence[tuple[str, ...]],
     slopes_depend: Sequence[tuple[str, ...]],
-    seconds_depend: Sequence[tuple[str, ...]] = (),
     **more,
 ) -> list[Variable]:
-    """Output signals, then the exact slope of each, and the second derivative of some units.
+    """Output signals, then the exact slope of each.
 
     What they depend on is in the order of `names`.
     """
@@ -195,12 +192,7 @@ def signal_outputs(
                derivative_of=name, **more)
         for name, inputs in zip(names, slopes_depend, strict=True)
     ]  # fmt: skip
-    seconds = [
-        output(derivative(name, 2), _SIGNALS[quantity][2], f"Exact second derivative of {name}",
-               depends=inputs, derivative_of=derivative(name, 1), **more)
-        for name, inputs in zip(names, seconds_depend, strict=False)
-    ]  # fmt: skip
-    return values + slopes + seconds
+    return values + slopes
 
 
 def observed(name: str, unit: str, description: str, begins: tuple[str, ...], **more) -> Variable:

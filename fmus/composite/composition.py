@@ -105,7 +105,6 @@ class Composition:
         if not rotors or rotors != [True] + [False] * (len(rotors) - 1):
             raise ValueError("parts: the rotor must be the first of them, and the only one")
         planes = self.parts[0].unit.sizes.options["planes"]
-        order = self.parts[0].sizes.get("order", 3)
         motors = [part.model == "Motor" for part in self.parts]
         if any(motors[:-1]):
             raise ValueError("parts: a motor must be the last of them, and the only one")
@@ -114,8 +113,6 @@ class Composition:
                 raise ValueError(
                     f"{part.name!r}: a part is named by letters, digits and underscores alone"
                 )
-            if (own := part.sizes.get("order", 3)) != order:
-                raise ValueError(f"{part.name}: order = {own}: must be {order}, as the rotor's")
             mounted = part is not self.parts[0] and part.model != "Motor"
             if mounted and not 1 <= part.plane <= planes:
                 raise ValueError(f"{part.name}: plane = {part.plane}: must be 1 to {planes}")

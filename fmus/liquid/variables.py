@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from ..unit import SignalSizes, Unit
+from ..unit import Sizes, Unit
 from ..variables import (
     Variable,
-    derivative,
     output,
     parameter,
     plain_input,
@@ -17,7 +16,7 @@ from ..variables import (
 _LIQUID = ("chamber_radius", "height", "density")
 
 
-def variables(sizes: SignalSizes) -> list[Variable]:
+def variables(sizes: Sizes) -> list[Variable]:
     """Parameters, the chamber's acceleration, the force on the rotor."""
     a = [f"a_{axis}" for axis in sizes.axes]
     force = [f"F_{axis}" for axis in sizes.axes]
@@ -29,13 +28,12 @@ def variables(sizes: SignalSizes) -> list[Variable]:
         positive("height", 0.02, "m", "Height h of the chamber"),
         positive("density", 1000.0, "kg/m3", "Density of the liquid"),
         parameter("inertia_as_force", False, "", "True: r m2 acts in F and added_mass is zero"),
-        *signal_inputs(a, "acceleration", "Acceleration of the chamber's centre", sizes.order),
+        *signal_inputs(a, "acceleration", "Acceleration of the chamber's centre"),
         plain_input("x", 0.0, "m", place, quantity="Displacement"),
         plain_input("y", 0.0, "m", place, quantity="Displacement"),
         *signal_outputs(
             force, "force", "Force on the rotor", [(name,) for name in a],
             [(f"der({name})",) for name in a],
-            [(derivative(name, 2),) for name in a] if sizes.order == 5 else (),
             begins=begins, kind="fixed",
         ),
         output("added_mass", "kg", "Mass r m2 to be carried by the rotor", begins=begins),
@@ -54,6 +52,6 @@ def variables(sizes: SignalSizes) -> list[Variable]:
 LIQUID = Unit(
     name="LiquidBalancer",
     summary="Chamber, float and liquid: the acceleration of the chamber's centre in, force out.",
-    sizes=SignalSizes,
+    sizes=Sizes,
     variables=variables,
 )

@@ -6,12 +6,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from ...models.constants import DEFAULT_UNBALANCE, SPACING, SPAN, STEEL_20_MM
-from ..unit import SignalSizes, count, one_of
+from ..unit import Sizes, count, one_of
 from ..variables import Variable, not_negative, parameter, positive, tunable
 
 
 @dataclass(frozen=True)
-class RotorSizes(SignalSizes):
+class RotorSizes(Sizes):
     """Sizes of a rotor.
 
     Attributes:

@@ -28,8 +28,6 @@ def station(j: int, stations: int) -> str:
 def variables(sizes: RotorSizes) -> list[Variable]:
     """Parameters of the kind, motion at the start, drive, forces on the planes and their answer."""
     stations, planes, axes = sizes.stations, sizes.planes, sizes.axes
-    if sizes.order == 5 and sizes.sliders:
-        raise ValueError(f"order = 5: must be 3 with dry friction, sliders = {sizes.sliders}")
     of_kind = PARAMETERS[sizes.kind](sizes)
     forces = [f"plane[{i}].F_{axis}" for i in range(1, planes + 1) for axis in axes]
     carried = [f"plane[{i}].added_mass" for i in range(1, planes + 1)]
@@ -48,20 +46,15 @@ def variables(sizes: RotorSizes) -> list[Variable]:
         for own in along
     ]
     slopes = [derivative(name, 1) for name in forces]
-    in_second = [
-        (*changing, SPIN[2], *forces, *slopes, *(derivative(name, 2) for name in own))
-        for own in along
-    ]
     text = "Mass of the balancers on this plane that the rotor carries over the step"
     return [
         *parameters,
         *(plain_input(name, 0.0, "kg", text, minimum=0.0) for name in carried),
         *spin_inputs(),
-        *signal_inputs(forces, "force", "Force on the plane", sizes.order),
+        *signal_inputs(forces, "force", "Force on the plane"),
         *signal_outputs(
             accelerations, "acceleration", "Acceleration of the plane, less gravity",
-            at_once * planes, in_slope * planes,
-            in_second * planes if sizes.order == 5 else (), begins=names,
+            at_once * planes, in_slope * planes, begins=names,
         ),
         *_observed(stations, planes, of_kind),
         *_friction_forces(sizes),

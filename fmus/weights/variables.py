@@ -5,11 +5,10 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from ..unit import SignalSizes, Unit, count, option
+from ..unit import Sizes, Unit, count, option
 from ..variables import (
     SPIN,
     Variable,
-    derivative,
     not_negative,
     observed,
     output,
@@ -33,7 +32,7 @@ _OWN = {"mass": "mass", "drag": "drag", "radius": "weight_radius"}
 
 
 @dataclass(frozen=True)
-class WeightSizes(SignalSizes):
+class WeightSizes(Sizes):
     """Sizes of a ball balancer.
 
     Attributes:
@@ -72,19 +71,11 @@ def variables(sizes: WeightSizes) -> list[Variable]:
         ),
         *(parameter(name, 0.0, "rad/s", f"Speed of the weight {_START}") for name in speeds),
         *ratios,
-        *signal_inputs(a, "acceleration", "Acceleration of the track's centre", sizes.order),
+        *signal_inputs(a, "acceleration", "Acceleration of the track's centre"),
         plain_input("angle", 0.0, "rad", "Angle of the rotor at the start of the step"),
         *spin_inputs(),
         *signal_outputs(
-            force,
-            "force",
-            "Force on the rotor",
-            [values] * 2,
-            [slopes] * 2,
-            [(*slopes, *(derivative(name, 2) for name in a), SPIN[2])] * 2
-            if sizes.order == 5
-            else (),
-            begins=begins,
+            force, "force", "Force on the rotor", [values] * 2, [slopes] * 2, begins=begins
         ),
         output(
             "added_mass", "kg", "Mass N m to be carried by the rotor", begins=(*_CARRIED, *masses)

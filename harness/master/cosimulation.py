@@ -22,7 +22,7 @@ from ...models.constants import (
     MOST_HALVINGS,
     STEEP_FORCE_CHANGE,
 )
-from ..errors import SceneError, SimulationError
+from ..errors import SimulationError
 from ..scene import Scene
 from .facts import Facts, advice
 from .fmu import Closing, Fmu
@@ -74,11 +74,6 @@ class CoSimulation(Closing):
     def __init__(self, scene: Scene, *, fmus: Path | None = None, watch: bool = True) -> None:
         self.scene, self.order = scene, scene.coupling.order
         refuse_loose_tolerance(scene)
-        if self.order == 5:
-            raise SceneError(
-                f"{scene.name}: coupling.order = 5: quintic signals are coupled in C alone, as one "
-                "file; give order 3, or leave separate units out"
-            )
         self.profile = scene.profile()
         self.plan = plan(scene)
         self.runtime = runtime(scene.coupling.units)

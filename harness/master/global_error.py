@@ -3,14 +3,14 @@
 The error of a step says little about the error at the end: lightly damped motion gathers errors,
 unstable motion multiplies them.  So the run is done twice.  The first run has few steps, in C
 chosen by their errors; the second divides each of them in two, and is the result.  At common points
-the two differ by 2^p - 1 times the error of the second, where p is the order: 4, with quintic
-signals 6.  It is 1 where weights can collide, where a jump falls within a step, and after steps at
-rest that hold their signals.  It is 2 at most where weights or supports stick or slide, or a motor
-meets a corner of its characteristic, at the end of a step.  Two runs state their error by one order
-less, under a motor by two; three runs by the order that they show, or as two do if that is higher
-than p.  All state it by order 1 where steps do not follow a vibration of the rotor that makes the
-speed of a motor vibrate.  If the error exceeds the tolerance, every step is divided again, into as
-many parts as it takes.
+the two differ by 2^p - 1 times the error of the second, where p is the order, 4.  It is 1 where
+weights can collide, where a jump falls within a step, and after steps at rest that hold their
+signals.  It is 2 at most where weights or supports stick or slide, or a motor meets a corner of its
+characteristic, at the end of a step.  Two runs state their error by one order less, under a motor
+by two; three runs by the order that they show, or as two do if that is higher than p.  All state it
+by order 1 where steps do not follow a vibration of the rotor that makes the speed of a motor
+vibrate.  If the error exceeds the tolerance, every step is divided again, into as many parts as it
+takes.
 
 Hairer, Norsett & Wanner 1993, II.4: Richardson's extrapolation, here of the run as a whole.
 """
@@ -36,7 +36,7 @@ from .simulation import Repeated, Simulation
 if TYPE_CHECKING:
     from ..output.workers import Progress
 
-ORDER = {3: 4, 5: 6}  # of the coupling, by that of the signals
+ORDER = 4  # of the coupling by cubic signals
 # forces or accelerations that jump within a step: three runs may show more by chance; motion with
 # collisions, met ones too, is no smooth function of the steps' errors
 ORDER_OF_JUMPS = 1
@@ -94,7 +94,7 @@ class Controlled:
         self._ends_at_events = cosim.scene.has_events or bent
         self._left = LEFT_OF_JUMPS if motor or touching else 1.0
         self._caution = MOTOR_CAUTION if motor else CAUTION
-        self.highest_order = ORDER_OF_JUMPS if jumping else ORDER[cosim.order]
+        self.highest_order = ORDER_OF_JUMPS if jumping else ORDER
         self._fastest = _fastest(cosim.scene) if motor else 0.0  # rad/s
         self._longest = 0.0  # step of the first run [s]
         self._steepest = max(self.highest_order, ORDER_OF_EVENTS) if bent else math.inf

@@ -18,13 +18,10 @@ from .schedule import as_run, end_time, step_size
 from .summary import BALANCED, vibration_alone
 
 
-def composition(scene: Scene, order: int | None = None) -> Composition:
+def composition(scene: Scene) -> Composition:
     """What a scene's composite FMU is made from, with the steps or the tolerance that a run takes.
 
     A tolerance is of a step here: nothing is run again for that of the whole run.
-
-    Args:
-        order: of the coupling signals; by default the scene's.
 
     Raises:
         SceneError: the scene is coupled in a way that a composite does not have.
@@ -32,10 +29,8 @@ def composition(scene: Scene, order: int | None = None) -> Composition:
     scene = as_run(scene)
     coupling = scene.coupling
     if coupling.order < 3:
-        raise SceneError(
-            f"{scene.name}: coupling.order = {coupling.order}: of one file must be 3 or 5"
-        )
-    found = plan(scene, order=order)
+        raise SceneError(f"{scene.name}: coupling.order = {coupling.order}: of one file must be 3")
+    found = plan(scene)
     exchanging = {c.source.unit for c in found.of_kind("signal")}
     following = {c.target.unit for c in found.of_kind("value")}
     start = {
@@ -79,7 +74,7 @@ def why_separate(scene: Scene) -> str:
     return ""
 
 
-def composition_in_c(scene: Scene, order: int | None = None) -> Composition:
+def composition_in_c(scene: Scene) -> Composition:
     """`composition` of a scene whose units can run in C.
 
     Raises:
@@ -88,7 +83,7 @@ def composition_in_c(scene: Scene, order: int | None = None) -> Composition:
     units = runtime(scene.coupling.units)
     if units.backend == "python":
         raise SceneError(units.note or f'{scene.name}: coupling.units = "python": one file is in C')
-    return composition(scene, order)
+    return composition(scene)
 
 
 def model_name(scene: Scene) -> str:

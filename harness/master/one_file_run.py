@@ -63,10 +63,10 @@ class OneFileRun(Closing):
 
     ends_steps_at_corners = True
 
-    def __init__(self, scene: Scene, order: int | None = None) -> None:
+    def __init__(self, scene: Scene) -> None:
         self.scene = scene = as_run(scene)
         refuse_loose_tolerance(scene)
-        made = composition_in_c(scene, order)
+        made = composition_in_c(scene)
         self._run = Run(made)
         names = [part.name for part in made.parts]
         self.units = {name: UnitInside(self._run, name) for name in names}
@@ -74,7 +74,7 @@ class OneFileRun(Closing):
             owner, own = _owned(variable.name)
             if owner in self.units:
                 self.units[owner].add(own, variable, made.layout.index[variable.name])
-        self.order, self.coupled = order or scene.coupling.order, exchanging(scene)
+        self.coupled = exchanging(scene)
         self.chooses_steps = scene.coupling.tolerance is not None and self.coupled
         self.meets_events = meets_events(scene)
         self.time, self._passes = 0.0, 0.0

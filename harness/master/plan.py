@@ -125,18 +125,16 @@ class Plan:
         return [Port(port.unit, name) for name in names]
 
 
-def plan(scene: Scene, frame: str = "rotor", order: int | None = None) -> Plan:
+def plan(scene: Scene, frame: str = "rotor") -> Plan:
     """The units a scene needs and no others, and their connections.
 
     Args:
         frame: of the coupling signals, "rotor", or "fixed" as most tools have them.
-        order: of the coupling signals; by default the scene's.
     """
     profile, motor = scene.profile(), scene.operation.motor
     speed = motor.start if motor else profile.speed(0.0)
     drive = {"speed": speed, "acceleration": profile.acceleration(0.0)}
     built: dict[str, Any] = {} if frame == "rotor" else {"frame": frame}
-    built |= {"order": 5} if (order or scene.coupling.order) == 5 else {}
     planes = scene.rotor.unit_planes([balancer.at for balancer in scene.balancer])
     start = {
         f"{'' if name == 'angle' else prefix}{name}0": value

@@ -96,8 +96,7 @@ class Revolution(Closing):
         scene.refuse_friction("the map of one revolution and the steady response are those")
         scene.refuse_changes("the map of one revolution")
         # the map is that of a constant speed, and every start must meet the same points
-        order = min(scene.coupling.order, 3)  # of separate units
-        changes = {"operation.speed": scene.profile().end, "coupling.order": order}
+        changes = {"operation.speed": scene.profile().end}
         self.scene = scene = at_fixed_steps(scene.replace(changes))
         self.steps = steps or steps_per_rev(scene)
         self.cosim = CoSimulation(scene, watch=False)

@@ -21,7 +21,6 @@ from .one_file import why_separate
 from .plan import plan
 from .recorder import Recorder, recorded, refuse_unknown
 from .result import Result
-from .schedule import order_of_run
 from .simulation import Simulation
 from .velocity import recorded_for, velocities
 from .verify import FIRST, verified
@@ -99,7 +98,7 @@ def load(scene: Scene, fmus: Path | None = None, separate: bool = False) -> Simu
         return CoSimulation(scene, fmus=fmus)
     from .one_file_run import OneFileRun  # compiles where it has to
 
-    return OneFileRun(scene, order_of_run(scene))
+    return OneFileRun(scene)
 
 
 def run_once(

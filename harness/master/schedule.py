@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 
-from ...models.assembly import weights_of
 from ...models.constants import (
     BRIEF_STEP,
     DEFAULT_STEPS,
@@ -16,10 +15,6 @@ from ..scene.run import UNCORRECTED
 from .runtime import runtime
 
 SLIVER = 1e-12  # of a time: rounding, not a step
-# tolerance from which on quintic signals cost less than cubic ones, at a constant speed; and in a
-# run-up, where the rotor's own step is the larger part
-QUINTIC, QUINTIC_RUN_UP = 1e-4, 1e-5
-HEAVY_DRAG = 1e2  # rate over speed: a second derivative of the force errs by the square of it
 
 
 def as_run(scene: Scene) -> Scene:
@@ -28,28 +23,6 @@ def as_run(scene: Scene) -> Scene:
     Where the force jumps within a step no step is short enough for a tolerance: it is given steps.
     """
     return scene if scene.asks_for_coupling or not force_jumps(scene) else at_fixed_steps(scene)
-
-
-def order_of_run(scene: Scene) -> int:
-    """Of the signals of a whole run: the scene's, or 5 where it leaves it open and that costs less.
-
-    The units that `build` writes are as the scene says: other tools connect cubics.
-    """
-    coupling = scene.coupling
-    pays = QUINTIC_RUN_UP if scene.profile().changes else QUINTIC
-    if coupling.tolerance is None or coupling.tolerance > pays:
-        return coupling.order
-    exchanges = any(balancer.exchanges_force for balancer in scene.balancer)
-    left_open = "order" not in coupling.model_fields_set
-    native = runtime(scene.coupling.units).backend == "native"
-    takes = left_open and exchanges and scene.takes_quintics and not _heavy_drag(scene)
-    return 5 if takes and native else coupling.order
-
-
-def _heavy_drag(scene: Scene) -> bool:
-    """Whether drag holds a weight so much that second derivatives of its force are lost."""
-    limit, weights = HEAVY_DRAG * scene.profile().end, scene.assembly().weights
-    return any(weights_of(mounted).damping_rate > limit for mounted in weights)
 
 
 def force_jumps(scene: Scene) -> bool:

@@ -38,6 +38,6 @@ def refuse_loose_tolerance(scene: Scene) -> None:
     if coupling.scheme in UNCORRECTED or coupling.order < 3:
         raise SceneError(
             f"{scene.name}: coupling.tolerance = {coupling.tolerance:g}: kept only by scheme "
-            f'"iterated" or "auto" with order 3 or 5, not by "{coupling.scheme}" with order '
+            f'"iterated" or "auto" with order 3, not by "{coupling.scheme}" with order '
             f"{coupling.order}; give steps_per_rev instead"
         )

@@ -100,7 +100,6 @@ def refuse_other_build(path: Path, unit: UnitPlan) -> None:
         for key, value in {
             "unit": unit.model,
             "frame": "rotor",
-            "order": 3,
             **unit.sizes,
         }.items()
         if key in built and built[key] != value

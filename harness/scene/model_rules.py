@@ -15,17 +15,13 @@ if TYPE_CHECKING:
 
 def model_problems(scene: Scene, rotor: LinearRotor) -> Iterator[str]:
     """A line for every problem."""
-    coupling = scene.coupling
     yield from _under_a_motor(scene, rotor)
-    if coupling.units == "python":
+    if scene.coupling.units == "python":
         for key in _native_alone(scene):
             yield (
                 f'{key}: not with coupling.units = "python": only native units have it; leave one '
                 "of the two out"
             )
-    if coupling.order == 5:
-        for key, why in without_second_derivatives(scene).items():
-            yield (f"{key}: not with coupling.order = 5: {why}; leave this out, or take order = 3")
     yield from _never_turned(scene)
     count = len(scene.rotor.unbalance_names)
     for k, change in enumerate(scene.operation.unbalance_changes, start=1):
@@ -39,22 +35,6 @@ def model_problems(scene: Scene, rotor: LinearRotor) -> Iterator[str]:
     yield from _liquid_windows(scene, rotor)
 
 
-def without_second_derivatives(scene: Scene) -> dict[str, str]:
-    """Keys of what has no second derivatives of its signals, and why."""
-    wrong = {}
-    if scene.operation.motor:
-        wrong["operation.motor"] = "the acceleration of its shaft is exchanged as a cubic"
-    if scene.rotor.friction:
-        wrong["rotor.friction"] = "the rotor's Taylor series between events takes cubics"
-    for i, balancer in enumerate(scene.balancer, start=1):
-        keys = {"weight_radius": balancer.can_meet, "rolling_resistance": balancer.can_stick}
-        for key in (key for key, given in keys.items() if given):
-            wrong[f"balancer[{i}].{key}"] = (
-                "only weights that cannot meet or stick have second derivatives"
-            )
-    return wrong
-
-
 def _native_alone(scene: Scene) -> Iterator[str]:
     """Keys of what native units compute and Python units do not."""
     for key in ("motor", "unbalance_changes"):
@@ -62,8 +42,6 @@ def _native_alone(scene: Scene) -> Iterator[str]:
             yield f"operation.{key}"
     if scene.rotor.friction:
         yield "rotor.friction"
-    if scene.coupling.order == 5:
-        yield "coupling.order"
     for i, balancer in enumerate(scene.balancer, start=1):
         for key in ("weight_radius", "rolling_resistance"):
             if getattr(balancer, key, 0):

@@ -174,7 +174,7 @@ class Operation(Table):
 def _whole_choice(value: object) -> object:
     """Keep true and 1.0 from passing as 1."""
     if type(value) is not int:
-        raise ValueError("must be one of 0 (held), 1 (linear), 3 (cubic), 5 (quintic Hermite)")
+        raise ValueError("must be one of 0 (held), 1 (linear), 3 (cubic Hermite)")
     return value
 
 
@@ -188,17 +188,14 @@ class Coupling(Table):
     1e-4, unless another scheme, an order or corrections are given."""
     steps_per_rev: Annotated[Whole | None, Field(ge=FEWEST_STEPS, le=1_000_000)] = None
     """Communication steps in the fastest revolution; default: 40 where no tolerance is kept."""
-    order: Annotated[Literal[0, 1, 3, 5], BeforeValidator(_whole_choice)] = 3
-    """Of the signals over a step: 0 held, 1 linear, 3 cubic, 5 quintic Hermite; the last takes a
-    speed that is prescribed, supports without dry friction, and weights that cannot meet or stick;
-    default: 3, or 5 in a run with a tolerance of at most 1e-4 (run-ups: 1e-5) if the scene can and
-    drag is not heavy."""
+    order: Annotated[Literal[0, 1, 3], BeforeValidator(_whole_choice)] = 3
+    """Of the signals over a step: 0 held, 1 linear, 3 cubic Hermite; one file takes 3 alone."""
     corrections: Annotated[Whole | None, Field(ge=0, le=100)] = None
     """Corrector passes of `iterated` with given steps; default: until the loop has converged, with
     `auto` as few as the loop gain asks for."""
     units: Literal["native", "python"] = "native"
     """Compiled units, or those that run Python: point weights on a track in the centre, supports
-    without dry friction, a prescribed speed, order 3; several times slower."""
+    without dry friction, a prescribed speed; several times slower."""
 
     @model_validator(mode="before")
     @classmethod
@@ -229,14 +226,8 @@ class Coupling(Table):
                 f"with tolerance = {self.tolerance:g} a step takes as many passes as it needs: "
                 "leave corrections out, or give steps_per_rev instead",
             )
-        if self.order != 3 and self.scheme == "compensated":
+        if self.order < 3 and self.scheme == "compensated":
             raise refusal("order", 'must be 3 with scheme = "compensated", which exchanges slopes')
-        if self.order == 5 and self.scheme in ("jacobi", "gauss-seidel"):
-            raise refusal(
-                "order",
-                f'must be 0, 1 or 3 with scheme = "{self.scheme}": quintic signals are for '
-                '"iterated" and "auto"',
-            )
         return self
 
 

@@ -27,7 +27,7 @@ from .check import AnyCheck
 from .file import bundled_scenes, find, read, refuse_deep
 from .messages import locate, problems
 from .methods import Methods
-from .model_rules import model_problems, without_second_derivatives
+from .model_rules import model_problems
 from .quantities import Flag, Table, Text
 from .replace import in_full, plain, replaced
 from .rotor import Rotor
@@ -378,11 +378,6 @@ class Scene(Methods, Table):
         if not self.runs_its_profile:
             return self.run.revolutions
         return self.profile().angle(self.profile().seconds) / math.tau
-
-    @property
-    def takes_quintics(self) -> bool:
-        """Whether its units have signals of order 5."""
-        return not without_second_derivatives(self)
 
 
 def load_scene(source: str | Path) -> Scene:

@@ -215,11 +215,6 @@ def test_declarations_need_the_standard_library_alone():
         ("BallBalancer", {"weights": 2.5}, "weights = 2.5"),
         ("BallBalancer", {"name": "my unit"}, "name = 'my unit': must be letters"),
         ("Motor", {"backend": "python"}, "Motor: exists as a native unit only"),
-        (
-            "BallBalancer",
-            {"backend": "python", "order": 5},
-            "order = 5: must be 3 in a Python unit; use the native unit",
-        ),
         ("RotorOnSupports", {"backend": "python", "sliders": 2}, "sliders = 2: must be 0 in a"),
         ("BallBalancer", {"backend": "c"}, "backend = 'c': must be one of 'python', 'native'"),
         ("BallBalancer", {"fmi": 1}, "fmi = 1: must be one of 2, 3"),

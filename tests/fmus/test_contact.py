@@ -175,7 +175,6 @@ def test_track_off_centre_is_a_track_that_feels_the_pull_of_its_offset(started):
         ("finite_weights", {}, "weight_radius"),
         ("two_balls", {"weights.rolling_resistance": 0.01}, "rolling_resistance"),
         ("two_balls", {"weights.track_offset_xi": 1e-3}, "track_offset"),
-        ("two_balls", {"coupling.order": 5}, "coupling.order"),
         ("bristol_friction", {}, "rotor.friction"),
         ("sommerfeld", {}, "operation.motor"),
     ],

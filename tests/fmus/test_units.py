@@ -254,7 +254,7 @@ def test_reset_and_instantiate_again_start_afresh(fmu, unit, host_of, backend):
     assert host.initialise(**PERTURBED[unit]).run(10) == expected
     host.slave.terminate()
     host.slave.fmi2FreeInstance(host.slave.component)
-    host.slave.instantiate()
+    host.instantiate()
     assert host.initialise(**PERTURBED[unit]).run(10) == expected
     host.free()
 

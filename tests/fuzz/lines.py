@@ -158,7 +158,7 @@ def _variation(draw: random.Random, _parameter: Any) -> list[str]:
 
 
 def _change(draw: random.Random, _parameter: Any) -> list[str]:
-    return [scenes.assignment(draw), "rotor.mass=1.5", "operation.gravity=9.81", "coupling.order=5"]
+    return [scenes.assignment(draw), "rotor.mass=1.5", "operation.gravity=9.81", "coupling.order=1"]
 
 
 _VALUES: dict[str, Any] = {

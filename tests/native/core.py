@@ -75,7 +75,7 @@ Spin = _struct("Spin", angle=c_double, speed=c_double, rates=c_double * 4)
 Drive = _struct(
     "Drive",
     forces=_D,
-    **dict.fromkeys(["orders", "planes", "turning_force"], c_int),
+    **dict.fromkeys(["planes", "turning_force"], c_int),
     spin=Spin,
 )
 Weights = _struct(
@@ -84,7 +84,7 @@ Weights = _struct(
     **dict.fromkeys(["mass", "track_radius", "drag", "kappa", "radius"], c_double),
     each=_D,
 )
-Quadrature = _struct("Quadrature", damping_rate=c_double, step=c_double, response=c_double * 14)
+Quadrature = _struct("Quadrature", damping_rate=c_double, step=c_double, response=c_double * 10)
 Track = _struct(
     "Track",
     weights=Weights,
@@ -100,7 +100,7 @@ Moved = _struct(
     events=c_int,
     reached=c_double,
 )
-Instant = _struct("Instant", motion=Complex * 3, spin=Spin)
+Instant = _struct("Instant", motion=Complex * 2, spin=Spin)
 
 STRUCTURES = (
     Complex, Failure, LinearRotor, Spin, Drive, Weights, Quadrature, Track, Moved,
@@ -186,9 +186,9 @@ class Core:
         return made
 
     def instant(self, motion: Sequence[complex], angle: float, speed: float, *rates: float) -> Any:
-        """What drives weights: the acceleration of a centre with its derivatives, and the rotor."""
+        """What drives weights: the acceleration of a centre with its slope, and the rotor."""
         parts = [Complex(z.real, z.imag) for z in map(complex, motion)]
-        return Instant((Complex * 3)(*parts), Spin(angle, speed, (c_double * 4)(*rates)))
+        return Instant((Complex * 2)(*parts), Spin(angle, speed, (c_double * 4)(*rates)))
 
     def shifted(
         self, signal: Sequence[complex], offset: complex, speed: float, spin_up: Sequence[float]
@@ -213,35 +213,26 @@ class Core:
     def drive(
         self, forces: NDArray, turning: bool, angle: float, speed: float, *rates: float
     ) -> Any:
-        """What moves a rotor: forces (orders, p) on the planes, and how it turns."""
-        orders, planes = forces.shape
+        """What moves a rotor: forces (4, p) on the planes, and how it turns."""
         spin = Spin(angle, speed, (c_double * 4)(*rates))
-        made = Drive(forces.ctypes.data_as(_D), orders, planes, int(turning), spin)
+        made = Drive(forces.ctypes.data_as(_D), forces.shape[1], int(turning), spin)
         made.kept = forces
         return made
 
-    def step_matrix(
-        self,
-        rotor: Any,
-        speed: float,
-        step: float,
-        turning: bool,
-        order: int = 3,
-    ) -> NDArray:
+    def step_matrix(self, rotor: Any, speed: float, step: float, turning: bool) -> NDArray:
         """As `models.propagator.step_matrix`, of a rotor made by `rotor_of`.
 
         C has x and y alternating, Python blocks (x..., y...).
         """
         axes = 1 if self("linear_rotor_isotropic", byref(rotor)) else 2
-        orders = order + 1
-        sizes = rotor.stations, rotor.plane_count, orders, axes
+        sizes = rotor.stations, rotor.plane_count, axes
         shape = self("step_matrix_rows", *sizes), self("step_matrix_columns", *sizes)
         matrix = np.empty(shape, complex if axes == 1 else float)
         scratch = np.full(self("step_matrix_scratch", *sizes), math.nan)
-        self.demand("step_matrix", byref(rotor), speed, step, int(turning), orders, matrix, scratch)
+        self.demand("step_matrix", byref(rotor), speed, step, int(turning), matrix, scratch)
         n, p = sizes[:2]
-        rows = _alternating([n, n, *[p] * (orders // 2)], axes)
-        columns = _alternating([n, n, *[p] * orders, 1], axes)
+        rows = _alternating([n, n, p, p], axes)
+        columns = _alternating([n, n, *[p] * 4, 1], axes)
         return matrix[np.ix_(rows, columns)]
 
 

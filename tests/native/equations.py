@@ -1,4 +1,4 @@
-"""Contact, dry friction, motor and quintic weights as the units compute them: the C functions."""
+"""Contact, dry friction and motor as the units compute them: the C functions."""
 
 from __future__ import annotations
 
@@ -97,7 +97,7 @@ class Track:
         if not self.native.eventful:
             ends[2][:], moved.reached = contacts, step
             self.core.demand(
-                "weights_advance", byref(self.native.weights), *_arrays(angles, speeds), centre, 4,
+                "weights_advance", byref(self.native.weights), *_arrays(angles, speeds), centre,
                 spin_up, float(step), *ends[:2], byref(self.core("quadrature_empty")), None,
             )  # fmt: skip
         else:
@@ -117,20 +117,13 @@ class Track:
         slope: complex,
         rotor_speed: float,
         *spin_up: float,
-        second: complex | None = None,
     ) -> list[complex]:
-        """Force on the rotor and its slope, rotor frame, without N m a and without impulses.
-
-        With the second derivative of the acceleration that of the force, too.
-        """
-        motion = [acceleration, slope, *([] if second is None else [second])]
-        found, now = (
-            np.empty(len(motion), complex),
-            self.core.instant(motion, 0.0, rotor_speed, *spin_up),
-        )
+        """Force on the rotor and its slope, rotor frame, without N m a and without impulses."""
+        found = np.empty(2, complex)
+        now = self.core.instant([acceleration, slope], 0.0, rotor_speed, *spin_up)
         self.core.demand(
             "track_reaction", byref(self.native), *_arrays(angles, speeds, contacts), byref(now),
-            len(motion), found, None, self._scratch,
+            found, None, self._scratch,
         )  # fmt: skip
         return found.tolist()
 
@@ -242,7 +235,7 @@ class _Motor(ctypes.Structure):
         ("points", POINTER(c_double)),
         ("negligible", c_double),
         ("reached", c_double),
-        ("quadrature", c_double * 16),
+        ("quadrature", c_double * 12),
     )
 
 
@@ -262,29 +255,6 @@ def motor_advance(
         float(step),
     )
     return ends[0].value, ends[1].value
-
-
-def quintic_advance(
-    core: Core,
-    weights: Weights,
-    angles: Sequence[float],
-    speeds: Sequence[float],
-    signal: Sequence[complex],
-    spin_up: Sequence[float],
-    step: float,
-) -> tuple[list[float], list[float]]:
-    """Angles and speeds of point weights after a step under a quintic signal (6,)."""
-    ends = np.empty(weights.count), np.empty(weights.count)
-    core.demand(
-        "weights_advance", byref(_points(core, weights)), *_arrays(angles, speeds),
-        np.array(signal, complex), 6, np.array(spin_up, float), float(step), *ends,
-        byref(core("quadrature_empty")), np.full((weights.count, 6), np.nan),
-    )  # fmt: skip
-    return ends[0].tolist(), ends[1].tolist()
-
-
-def _points(core: Core, w: Weights) -> Any:
-    return core.structures.Weights(w.count, w.mass, w.track_radius, w.drag, w.kappa)
 
 
 def _arrays(*values: Sequence[float]) -> list[NDArray]:

@@ -54,11 +54,6 @@ def test_the_file_takes_steps_or_a_tolerance_whatever_it_was_built_with(instance
     assert seen[0] == seen[1]
 
 
-def test_a_scheme_that_keeps_no_tolerance_says_so(instance):
-    host = instance(load_scene("goncharov_balls"))
-    assert "which keeps none" in host.refused(lambda: host.begin({"coupling.tolerance": 1e-4}))
-
-
 @pytest.mark.parametrize("resistance", [0.0, 1e-3])
 @pytest.mark.parametrize("name", ["two_balls", "finite_weights"])
 def test_a_scene_that_asks_for_nothing_gets_what_a_run_of_it_gets(name, resistance):

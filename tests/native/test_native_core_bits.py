@@ -28,7 +28,7 @@ def _bits(core):
     angles, speeds, signal = random.normal(size=(3, 8))
     moved, rates = np.zeros(3), np.zeros(3)
     core.demand(
-        "weights_advance", byref(native), angles, speeds, signal * 1e3, 4,
+        "weights_advance", byref(native), angles, speeds, signal * 1e3,
         np.array([7.0, 30.0, -2e3, 1e5]), 1e-2, moved, rates,
         byref(core("quadrature_empty")), None,
     )  # fmt: skip

@@ -38,7 +38,7 @@ def _advance(core, native, angles, speeds, signal, spin_up, step, memory=None):
     new_angles, new_speeds = np.empty_like(angles), np.empty_like(speeds)
     memory = memory or core("quadrature_empty")
     core.demand(
-        "weights_advance", byref(native), angles, speeds, np.array(signal, complex), 4,
+        "weights_advance", byref(native), angles, speeds, np.array(signal, complex),
         np.array([spin_up, *STEADY]), step, new_angles, new_speeds, byref(memory), None,
     )  # fmt: skip
     return new_angles, new_speeds
@@ -71,7 +71,7 @@ def test_a_step_may_overwrite_the_state_it_starts_from(core):
         speeds, signal = random.normal(size=native.count), _signal(random)
         apart = _advance(core, native, angles, speeds, signal, 3.0, 1e-3)
         core.demand(
-            "weights_advance", byref(native), angles, speeds, signal, 4,
+            "weights_advance", byref(native), angles, speeds, signal,
             np.array([3.0, *STEADY]), 1e-3, angles, speeds,
             byref(core("quadrature_empty")), None,
         )  # fmt: skip
@@ -82,7 +82,7 @@ def test_a_step_may_overwrite_the_state_it_starts_from(core):
 def test_response_to_rate_and_drive_is_exact_whatever_the_drag(core):
     phi = np.empty(6)
     for z in [0.0, -1e-12, -1e-3, -0.3, -0.999999, -1.0, -1.0000001, -1.5, -30.0, -1e3, -1e9]:
-        core("phi_functions", z, 5, phi)
+        core("phi_functions", z, phi)
         with mpmath.workdps(80):
             exact = [mpmath.hyp1f1(1, k + 1, mpmath.mpf(z)) / mpmath.factorial(k) for k in range(6)]
             errors = [
@@ -98,5 +98,5 @@ def test_a_remembered_response_is_not_taken_for_another_step_or_drag(core):
     core.library.quadrature.restype = ctypes.POINTER(ctypes.c_double)
     for drag in (0.0, 2.0, 0.0, 1e5):
         for step in (1e-3, 1e-3, 1e-5):
-            found = core("quadrature", byref(memory), 4, drag, step)[:10]
+            found = core("quadrature", byref(memory), drag, step)[:10]
             assert found == pytest.approx(points.quadrature(drag, step), rel=1e-14)

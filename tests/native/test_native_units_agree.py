@@ -33,13 +33,6 @@ CASES: list[tuple[str, dict[str, Any]]] = [
 ]
 NATIVE: list[tuple[str, dict[str, Any]]] = [  # without a Python unit
     ("Motor", {"points": 4}),
-    ("LiquidBalancer", {"order": 5}),
-    ("BallBalancer", {"weights": 2, "order": 5}),
-    ("BallBalancer", {"weights": 3, "order": 5, "frame": "fixed"}),
-    ("RotorOnSupports", {"planes": 1, "order": 5}),
-    ("RotorOnSupports", {"planes": 2, "order": 5, "frame": "fixed"}),
-    ("RotorOnSupports", {"kind": "two_support", "stations": 2, "planes": 3, "order": 5}),
-    ("RotorOnSupports", {"kind": "flexible", "stations": 4, "planes": 2, "order": 5}),
     ("RotorOnSupports", {"planes": 2, "sliders": 3}),
     ("RotorOnSupports", {"kind": "two_support", "stations": 2, "planes": 2, "sliders": 3}),
     (

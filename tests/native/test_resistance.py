@@ -266,8 +266,8 @@ def test_an_offset_adds_the_acceleration_of_its_turning_and_all_derivatives(core
     offset, rates = 0.3 - 0.1j, [0.7, -0.4, 1.1, -0.9]
     speed = Polynomial(np.array([2.0, *rates]) / [1, 1, 2, 6, 24])
     whirl = 1j * speed.deriv() - speed**2
-    given = np.array([1 + 1j, 2j, -1, 0.5, 3j, -2])
-    expected = given + offset * np.array([whirl.deriv(k)(0.0) for k in range(6)])
+    given = np.array([1 + 1j, 2j, -1, 0.5])
+    expected = given + offset * np.array([whirl.deriv(k)(0.0) for k in range(4)])
     assert core.shifted(given, offset, 2.0, rates) == pytest.approx(expected, rel=1e-14)
 
 

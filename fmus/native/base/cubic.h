@@ -1,8 +1,10 @@
-/* Cubics over a step, given by the value and the derivatives 1 to 3 at its start. */
+/* Signals over a step: cubics, given by the value and the derivatives 1 to 3 at its start. */
 #ifndef AUTOBALANCER_CUBIC_H
 #define AUTOBALANCER_CUBIC_H
 
 #include "base/complex_number.h"
+
+enum { SIGNAL_ORDERS = 4 };
 
 /* Second and third derivative at the start of the cubic with these values and slopes. */
 static inline void hermite(double start, double slope, double end, double end_slope, double step,
@@ -26,6 +28,23 @@ static inline Complex cubic_slope(const Complex *cubic, double time)
 {
     const Complex sum = complex_sum(cubic[2], complex_scaled(0.5 * time, cubic[3]));
     return complex_sum(cubic[1], complex_scaled(time, sum));
+}
+
+/* Value and slope there. */
+static inline void cubic_at(const Complex *cubic, double time, Complex *derivatives)
+{
+    derivatives[0] = cubic_value(cubic, time);
+    derivatives[1] = cubic_slope(cubic, time);
+}
+
+/* The complex cubic over a step with this value and slope at each end. */
+static inline void cubic_between(const Complex *start, const Complex *end, double step,
+                                 Complex *cubic)
+{
+    cubic[0] = start[0];
+    cubic[1] = start[1];
+    hermite(start[0].re, start[1].re, end[0].re, end[1].re, step, &cubic[2].re, &cubic[3].re);
+    hermite(start[0].im, start[1].im, end[0].im, end[1].im, step, &cubic[2].im, &cubic[3].im);
 }
 
 #endif

@@ -39,18 +39,14 @@ _SEVERAL = 3  # of everything, so that a block is seen to repeat
 _PLANAR = {"planes": _SEVERAL, "sliders": _SEVERAL, "stations": 1}
 _ROTOR = {**_PLANAR, "stations": 5, "unbalances": _SEVERAL}
 
-_CUBIC: tuple[tuple[str, dict[str, Any]], ...] = (
+# what the C library holds: unit, and options of the sizes looked at
+TABLES: tuple[tuple[str, dict[str, Any]], ...] = (
     ("RotorOnSupports", {**_PLANAR, "kind": "planar"}),
     ("RotorOnSupports", {**_ROTOR, "kind": "two_support", "stations": 2}),
     ("RotorOnSupports", {**_ROTOR, "kind": "flexible", "shaft": "uniform"}),
     ("RotorOnSupports", {**_ROTOR, "kind": "flexible", "shaft": "compliance"}),
     ("LiquidBalancer", {}),
     ("BallBalancer", {"weights": _SEVERAL, "unequal": 1}),
-)
-# what the C library holds: unit, and options of the sizes looked at
-TABLES = (
-    *_CUBIC,
-    *((unit, {**options, "order": 5, "sliders": 0}) for unit, options in _CUBIC),
     ("Motor", {"points": _SEVERAL}),
     ("Composite", {"planes": _SEVERAL, "corners": _SEVERAL, "unbalances": _SEVERAL}),
     ("Composite", {"planes": _SEVERAL, "kind": "motor"}),
@@ -95,8 +91,7 @@ def header() -> str:
     records = []
     for unit, options in TABLES:
         kind, shaft = options.get("kind", ""), options.get("shaft", "")
-        order = options.get("order", 3)
-        title = "_".join(filter(None, (unit.lower(), kind, shaft, "quintic" * (order == 5))))
+        title = "_".join(filter(None, (unit.lower(), kind, shaft)))
         blocks = _blocks(unit, options)
         rows = [_row(*row) for b in blocks for row in b.variables.items()]
         parts.append(f"static const Declared {title}[] = {{\n    " + ",\n    ".join(rows) + "};")
@@ -109,7 +104,7 @@ def header() -> str:
             where = f"{title}_booleans"
             parts.append(f"static const Flag {where}[] = {{{', '.join(booleans)}}};")
         records.append(
-            f'{{"{unit}", "{kind}", "{shaft}", {order}, {title}, {title}_blocks, {len(blocks)}, '
+            f'{{"{unit}", "{kind}", "{shaft}", {title}, {title}_blocks, {len(blocks)}, '
             f"{where}, {len(booleans)}}}"
         )
     parts.append("static const Table TABLES[] = {\n    " + ",\n    ".join(records) + "};")

@@ -139,14 +139,6 @@ static double group_lever(const WeightsInOrder *weights, int i)
     return weights->track->lever * weights->groups.factor[i];
 }
 
-/* What drives group i, which does not slide. */
-static Driven group_driven(const WeightsInOrder *weights, int i, const Instant *now)
-{
-    const Driven driven = {{now->motion[0], now->motion[1], {0.0, 0.0}},
-                           {weights->groups.spin_share[i] * now->spin.rates[0], 0.0, 0.0}};
-    return driven;
-}
-
 void move_group(WeightsInOrder *weights, int i, const Instant *now, const Instant *later,
                 double step, double *middle, double *rate)
 {
@@ -162,15 +154,16 @@ void move_group(WeightsInOrder *weights, int i, const Instant *now, const Instan
     if (step < INSTANT) {
         return;
     }
-    response = quadrature(&weights->quadrature, SIGNAL_ORDERS, damping_rate, step);
+    response = quadrature(&weights->quadrature, damping_rate, step);
     if (groups->sign[i] != 0.0) {
         const SlidingGroup group = sliding_group(weights, i);
         sliding_substep(&group, middle, rate, now, later, response, step, weights->sides,
                         weights->failure);
     } else {
-        const Driven start = group_driven(weights, i, now), end = group_driven(weights, i, later);
-        weights_substep(middle, rate, &start, &end, SIGNAL_ORDERS, group_lever(weights, i),
-                        rect(1.0, *middle), damping_rate, response, step, weights->failure);
+        const Driven start = driven_by(now, groups->spin_share[i]);
+        const Driven end = driven_by(later, groups->spin_share[i]);
+        weights_substep(middle, rate, &start, &end, group_lever(weights, i), rect(1.0, *middle),
+                        response, step, weights->failure);
     }
 }
 
@@ -188,8 +181,8 @@ void find_group_acceleration(WeightsInOrder *weights, int i, double middle, doub
         const int side_count = find_sides(&group, now, middle, angle_rate, weights->sides);
         find_sliding_drive(&group, now, middle, angle_rate, weights->sides, side_count, drive);
     } else {
-        const Driven by = group_driven(weights, i, now);
-        find_drive(&by, 2, rect(group_lever(weights, i), -middle), angle_rate, damping_rate, drive);
+        const Driven by = driven_by(now, weights->groups.spin_share[i]);
+        find_drive(&by, rect(group_lever(weights, i), -middle), angle_rate, drive);
     }
     accelerations[0] = drive[0] - damping_rate * angle_rate;
     accelerations[1] = drive[1] - damping_rate * accelerations[0];
@@ -235,7 +228,7 @@ void ring_reaction(WeightsInOrder *weights, const Instant *now, Complex *force)
         double rates[3];
         rates[0] = groups->angle_rate[i];
         find_group_acceleration(weights, i, groups->middle[i], rates[0], now, rates + 1);
-        add_derivatives(unit, rates, 4, sums);
+        add_derivatives(unit, rates, sums);
     }
-    find_force(weights->track->moment, sums, &now->spin, 2, force);
+    find_force(weights->track->moment, sums, &now->spin, force);
 }

@@ -78,18 +78,18 @@ int track_advance(const Track *track, const double *angles, const double *speeds
 }
 
 /* What drives the weights of a track whose plane moves like that. */
-static Instant centre_of(const Track *track, const Instant *plane, int count)
+static Instant centre_of(const Track *track, const Instant *plane)
 {
     Instant now = *plane;
-    shift_signal(now.motion, count, track->offset, now.spin.speed, now.spin.rates);
+    shift_signal(now.motion, 2, track->offset, now.spin.speed, now.spin.rates);
     return now;
 }
 
 int track_reaction(const Track *track, const double *angles, const double *speeds,
-                   const double *contacts, const Instant *plane, int count, Complex *force,
-                   Turned *turned, double *scratch, Failure *failure)
+                   const double *contacts, const Instant *plane, Complex *force, Turned *turned,
+                   double *scratch, Failure *failure)
 {
-    const Instant now = centre_of(track, plane, count);
+    const Instant now = centre_of(track, plane);
     const Complex carried = complex_scaled(-weights_added_mass(&track->weights), track->offset);
     if (track->eventful) {
         WeightsInOrder weights;
@@ -99,9 +99,9 @@ int track_reaction(const Track *track, const double *angles, const double *speed
         }
         ring_reaction(&weights, &now, force);
     } else {
-        weights_reaction(&track->weights, angles, speeds, &now, count, force, turned);
+        weights_reaction(&track->weights, angles, speeds, &now, force, turned);
     }
-    shift_signal(force, count, carried, now.spin.speed, now.spin.rates);
+    shift_signal(force, 2, carried, now.spin.speed, now.spin.rates);
     return FINE;
 }
 
@@ -129,7 +129,7 @@ int track_torque(const Track *track, const double *angles, const double *speeds,
                  const double *contacts, const Instant *plane, const Complex *force, double *torque,
                  double *scratch, Failure *failure)
 {
-    const Instant now = centre_of(track, plane, 2);
+    const Instant now = centre_of(track, plane);
     const double carried = weights_added_mass(&track->weights);
     int k;
     weights_torque(&track->weights, angles, speeds, &now, torque);

@@ -37,12 +37,11 @@ int track_advance(const Track *track, const double *angles, const double *speeds
                   const double *spin_up, double step, int stops, Moved *moved,
                   double *scratch, Failure *failure);
 
-/* Residual force on the rotor in the rotor frame and its derivatives, `count` (2, or 3 of a track without
-   events) in all, without impulses; plane: how the plane's centre moves; turned: as of
-   weights_reaction. */
+/* Residual force on the rotor in the rotor frame and its slope, without impulses; plane: how the plane's
+   centre moves; turned: as of weights_reaction. */
 int track_reaction(const Track *track, const double *angles, const double *speeds,
-                   const double *contacts, const Instant *plane, int count, Complex *force,
-                   Turned *turned, double *scratch, Failure *failure);
+                   const double *contacts, const Instant *plane, Complex *force, Turned *turned,
+                   double *scratch, Failure *failure);
 
 /* Torque of the weights on the rotor about the plane's centre and its slope, without impulses.
 

@@ -58,7 +58,7 @@ int sliding_substep(const SlidingGroup *group, double *angle, double *angle_rate
                     double *sides, Failure *failure)
 {
     const double *s = response + 1, *t = response + 6; /* to g0..g3 */
-    double begin[2], reached[2], higher[2];
+    double begin[2], reached[2], second, third;
     double free_rate, free_angle, new_rate, new_angle, change = 0.0;
     int side_count = find_sides(group, now, *angle, *angle_rate, sides);
     int iteration;
@@ -72,9 +72,9 @@ int sliding_substep(const SlidingGroup *group, double *angle, double *angle_rate
     for (iteration = 0; iteration < MAX_ITERATIONS; iteration++) {
         const double last_angle = new_angle, last_rate = new_rate, last_change = change;
         find_sliding_drive(group, later, new_angle, new_rate, sides, side_count, reached);
-        hermite_rates(begin, reached, SIGNAL_ORDERS, step, higher);
-        new_rate = free_rate + s[2] * higher[0] + s[3] * higher[1];
-        new_angle = free_angle + t[2] * higher[0] + t[3] * higher[1];
+        hermite(begin[0], begin[1], reached[0], reached[1], step, &second, &third);
+        new_rate = free_rate + s[2] * second + s[3] * third;
+        new_angle = free_angle + t[2] * second + t[3] * third;
         change = absolute(new_angle - last_angle) + absolute(new_rate - last_rate) * step;
         if (converged(change, last_change, new_angle)) {
             *angle = new_angle;

@@ -39,7 +39,7 @@ int find_sides(const SlidingGroup *group, const Instant *now, double angle, doub
 void find_sliding_drive(const SlidingGroup *group, const Instant *now, double angle,
                         double angle_rate, const double *sides, int side_count, double *drive);
 
-/* Angle and rate after `step`, in place; as weights_substep of order 4.  sides: (count,) scratch. */
+/* Angle and rate after `step`, in place; as weights_substep.  sides: (count,) scratch. */
 int sliding_substep(const SlidingGroup *group, double *angle, double *angle_rate,
                     const Instant *now, const Instant *later, const double *response, double step,
                     double *sides, Failure *failure);

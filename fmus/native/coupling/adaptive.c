@@ -6,10 +6,6 @@
 
        error = |converged - predicted| h^2 / (30 (h + h0)^2).
 
-   Quintics (order 5) miss it by (h + h0)^3 h^3 f^(6)/720 and by h^6 f^(6)/100800 on average, and so
-
-       error = |converged - predicted| h^3 / (140 (h + h0)^3).
-
    Both signals belong to a loop that has converged, so the estimate holds with direct feedthrough, where
    comparing one step with two halves does not (Schierz, Arnold, Clauss 2012).
 
@@ -25,6 +21,7 @@
 #include "coupling/composite.h"
 
 static const double LOCAL_SHARE = 0.2, AIM = 0.5, SLOWEST = 1e3;
+static const double MOST_RISE = 16.0; /* of an error: four rungs */
 enum { RUNGS = 4, FIRST_RUNG = 24, MINUTE = 80, LOWEST = 160, HOPELESS = 40, RESTED = 4 };
 
 /* 2^(-k/4) */
@@ -49,26 +46,22 @@ void adaptive_allow(Composite *c, double share)
 }
 
 /* Part of a prediction's miss that is error of the step's own signal. */
-static double share_of_miss(int orders, double step, double last_step)
+static double share_of_miss(double step, double last_step)
 {
     const double sum = step + last_step;
-    if (orders == QUINTIC_ORDERS) {
-        return 8.0 * (step * step * step) / (QUINTIC_MISS_PER_ERROR * (sum * sum * sum));
-    }
     return 4.0 * (step * step) / (MISS_PER_ERROR * (sum * sum));
 }
 
 /* Largest error of signals over a step that ends so, relative to `scale`. */
-static double worst(const Signal *signals, const Knot *ends, int count, int orders, double step,
-                    double scale)
+static double worst(const Signal *signals, const Knot *ends, int count, double step, double scale)
 {
     double largest = 0.0;
     int k;
     for (k = 0; k < count; k++) {
-        const double share = share_of_miss(orders, step, signals[k].last_step);
-        Complex ahead[QUINTIC_ORDERS], extrapolated;
-        signal_predicted(signals + k, orders, ahead);
-        extrapolated = knot_end(ahead, orders, step).value;
+        const double share = share_of_miss(step, signals[k].last_step);
+        Complex ahead[SIGNAL_ORDERS], extrapolated;
+        signal_predicted(signals + k, ahead);
+        extrapolated = knot_end(ahead, step).value;
         largest = larger(largest, share * magnitude(complex_difference(ends[k].value, extrapolated)));
     }
     return scale > 0.0 ? largest / scale : 0.0;
@@ -89,33 +82,17 @@ static double error_of(const Composite *c, double step, double *largest_motion)
                                   (AIM * course->adaptive.allowed * course->resolution.mass));
     }
     return larger(larger(1.0, course->loop.gain) *
-                      worst(c->forces, c->answers, c->unknowns, c->orders, step, course->loop.reached),
-                  worst(c->accelerations, c->ends, c->planes, c->orders, step, scale));
+                      worst(c->forces, c->answers, c->unknowns, step, course->loop.reached),
+                  worst(c->accelerations, c->ends, c->planes, step, scale));
 }
 
-/* Whole number of rungs in ratio^(1/4), of quintics in ratio^(1/6), rounded down. */
-static int rungs_in(double ratio, int orders)
-{
-    const int power = binary_exponent(ratio) - 1;
-    double rest;
-    int square; /* log2 of the ratio's square */
-    if (orders != QUINTIC_ORDERS) {
-        return power;
-    }
-    rest = scaled_by_power(ratio, -power);
-    square = 2 * power + (rest * rest >= 2.0);
-    return square < 0 ? -((2 - square) / 3) : square / 3;
-}
-
-/* Whole number of rungs up that an error of this ratio to the one aimed at allows; `slack` as a
-   factor.  `shortened`: by how much the step was shorter than its rung. */
-static int rise(double ratio, double slack, double shortened, int orders)
+/* Whole number of rungs up that an error of this ratio to the one aimed at allows, in ratio^(1/4); `slack`
+   as a factor.  `shortened`: by how much the step was shorter than its rung. */
+static int rise(double ratio, double slack, double shortened)
 {
     const double square = shortened * shortened;
-    const int quintic = orders == QUINTIC_ORDERS;
-    const double most = quintic ? 64.0 : 16.0; /* of an error, four rungs */
-    const double left = smaller(slack * ratio, most) / (square * square * (quintic ? square : 1.0));
-    return left > 0.0 ? rungs_in(left, orders) : -HOPELESS;
+    const double left = smaller(slack * ratio, MOST_RISE) / (square * square);
+    return left > 0.0 ? binary_exponent(left) - 1 : -HOPELESS;
 }
 
 /* Whether nothing moves in the rotor at the end of a step. */
@@ -200,7 +177,7 @@ int adaptive_step(Unit *unit, double longest)
         error = error_of(c, step, &largest_motion);
         ratio = error > 0.0 ? AIM * allowed / error : infinity();
         minute = jumps && rung >= MINUTE; /* what such a step misses of a jump moves nothing */
-        higher = rise(ratio, 1.0 + 1e-9, shortened, c->orders);
+        higher = rise(ratio, 1.0 + 1e-9, shortened);
         still = !jumps && (rung < 0 || rung < higher) && rests(c, longest, largest_motion);
         if (((error <= allowed && (still || rung >= 0)) || minute) && residual <= course->loop.tolerance) {
             double lowest = still ? smaller(rung, 0.0) : 0.0;
@@ -224,7 +201,7 @@ int adaptive_step(Unit *unit, double longest)
         if (residual > SLOWEST * course->loop.tolerance && iterated_after_start(unit, 0.5 * step)) {
             return 1;
         }
-        lower = -rise(ratio, 1.0, shortened, c->orders);
+        lower = -rise(ratio, 1.0, shortened);
         course->adaptive.rung = rung + (lower > 1 ? lower : 1);
         if (rung < 0 && !still) {
             course->adaptive.rung = larger(course->adaptive.rung, 0.0);

@@ -25,10 +25,11 @@ size_t composite_memory(Composite *c, double *memory)
 {
     enum { BLOCKS = 11 };
     const size_t e = (size_t)c->unknowns, p = (size_t)c->planes;
-    const size_t outer = 2 * (size_t)c->parts->unit->layout.sizes.planes, o = (size_t)c->orders;
+    const size_t outer = 2 * (size_t)c->parts->unit->layout.sizes.planes;
+    const size_t square = UNKNOWN_REALS * UNKNOWN_REALS * e * e;
     const size_t counts[BLOCKS] = {
         sizeof(Course) / sizeof(double), outer, signal_doubles(e), signal_doubles(p),
-        o * o * e * e, o * o * e * e, p * sizeof(Swung) / sizeof(double), c->state_count,
+        square, square, p * sizeof(Swung) / sizeof(double), c->state_count,
         c->state_count, verdict_doubles(c), c->state_count};
     size_t at[BLOCKS], total = 0, state;
     int k;
@@ -65,8 +66,8 @@ size_t composite_memory(Composite *c, double *memory)
 static int composite_allocate(Unit *unit)
 {
     Composite *c = unit->own;
-    const size_t e = (size_t)c->unknowns, p = (size_t)c->planes, o = (size_t)c->orders;
-    const size_t n = o * (e + p), square = o * o * e * e;
+    const size_t e = (size_t)c->unknowns, p = (size_t)c->planes;
+    const size_t n = UNKNOWN_REALS * e, square = n * n;
     const size_t stations = (size_t)c->parts->unit->layout.sizes.stations;
     double **vectors[] = {&c->u, &c->g_u, &c->moved, &c->disturbed_answers, &c->residual, &c->du, &c->old};
     size_t k;
@@ -77,9 +78,8 @@ static int composite_allocate(Unit *unit)
         *vectors[k] = unit_allocate(unit, n, sizeof(double));
         missing |= !*vectors[k];
     }
-    c->assumed = unit_allocate(unit, o * e, sizeof(Complex));
-    c->sent = unit_allocate(unit, o * e, sizeof(Complex));
-    c->plane_signals = unit_allocate(unit, o * p, sizeof(Complex));
+    c->sent = unit_allocate(unit, SIGNAL_ORDERS * e, sizeof(Complex));
+    c->plane_signals = unit_allocate(unit, SIGNAL_ORDERS * p, sizeof(Complex));
     c->ends = unit_allocate(unit, p, sizeof(Knot));
     c->answers = unit_allocate(unit, e, sizeof(Knot));
     c->square = unit_allocate(unit, square, sizeof(double));
@@ -90,7 +90,7 @@ static int composite_allocate(Unit *unit)
         c->real_count += c->parts[k].unit->layout.real_count;
     }
     c->saved_reals = unit_allocate(unit, c->real_count, sizeof(double));
-    return missing || !c->assumed || !c->sent || !c->plane_signals || !c->ends || !c->answers ||
+    return missing || !c->sent || !c->plane_signals || !c->ends || !c->answers ||
            !c->square || !c->work || !c->decay || !c->saved_reals || !c->masses;
 }
 

@@ -2,14 +2,12 @@
 
    Inside, steps follow the scene's coupling, whatever the steps of the host; between their ends the
    units are moved under the signals of the step, so that outputs can be had at any time.  Signals are
-   cubics, of 4 numbers, or quintics, of 6 (`orders`), as the units were built for.  All that changes
-   while stepping lies in the unit's `memory`: the units' values and states, the signals, and what the
-   scheme remembers. */
+   cubics.  All that changes while stepping lies in the unit's `memory`: the units' values and states, the
+   signals, and what the scheme remembers. */
 #ifndef AUTOBALANCER_COMPOSITE_H
 #define AUTOBALANCER_COMPOSITE_H
 
-#include "base/complex_number.h"
-#include "base/signals.h"
+#include "base/cubic.h"
 #include "fmi/unit.h"
 #include "units/rotor.h"
 #include "units/weights.h"
@@ -18,17 +16,17 @@ typedef enum { SCHEME_AUTO, SCHEME_ITERATED } Scheme;
 
 enum { UNTIL_CONVERGED = -1 }; /* corrections */
 enum { VIBRATION = 5, RESIDUAL = 6 }; /* of the outputs from `results` on; the capacity in use is behind */
-#define QUINTIC_MISS_PER_ERROR 1120.0 /* as MISS_PER_ERROR: (2 h)^3 h^3/720 over h^6/100800 */
+enum { UNKNOWN_REALS = 4 }; /* of an unknown in the loop's vectors: value, and slope times step */
 
-/* Value and slope of a signal at one point, and of a quintic its second derivative, else 0. */
+/* Value and slope of a signal at one point. */
 typedef struct {
-    Complex value, slope, second;
+    Complex value, slope;
 } Knot;
 
 /* A coupling signal: its end now, and how it went over the step before. */
 typedef struct {
     Knot now;
-    Complex last[QUINTIC_ORDERS];
+    Complex last[SIGNAL_ORDERS];
     double last_step;        /* [s] */
     double prediction_error; /* how far the last step ended from the extrapolation of the one before */
     double largest;          /* modulus so far */
@@ -166,7 +164,6 @@ typedef struct {
     Part *motor;             /* NULL where the speed is prescribed */
     int exchanges, planes; /* numbers of forces, and of planes of the rotor that exchange force */
     int unknowns;          /* what a step assumes: the forces, and a motor's acceleration as one */
-    int orders;            /* numbers that tell a signal, and reals of an unknown in the loop's vectors */
     int *members;          /* (exchanges,) parts that exchange force */
     int *member_planes;    /* (exchanges,) their planes among those that exchange */
     int *rotor_planes;     /* (planes,) which they are of the rotor's */
@@ -186,8 +183,8 @@ typedef struct {
     double *extent;       /* (2 n, 2) least and largest x, y of n stations in this revolution [m] */
     double *outer_forces; /* (rotor's planes, 2) as told last [N] */
     Signal *forces, *accelerations; /* (unknowns,), (planes,) */
-    double *learned;  /* (o e, o e) for e unknowns and o orders: `solution` before an event */
-    double *solution; /* (o e, o e): inverse of 1 - dG/du */
+    double *learned;  /* (4 e, 4 e) for e unknowns: `solution` before an event */
+    double *solution; /* (4 e, 4 e): inverse of 1 - dG/du */
     Swung *swung;     /* (p,) */
     double *states;   /* memories of all parts, one after the other, */
     double *at_begin, *at_end; /* and those at the ends of the last step */
@@ -195,10 +192,10 @@ typedef struct {
     size_t real_count; /* of all parts' variables, the rotor's first */
     /* scratch */
     double *saved_reals;      /* (real_count,) */
-    Complex *assumed, *sent, *plane_signals; /* (e, o), (e, o), (p, o) signals over a step */
+    Complex *sent, *plane_signals; /* (e, 4), (p, 4) signals over a step */
     Knot *ends, *answers;           /* (p,), (e,) */
-    double *u, *g_u, *moved, *disturbed_answers, *residual, *du, *old; /* (o e,) as `pack` makes them */
-    double *square, *work;         /* (o e, o e), 2 (o e, o e) */
+    double *u, *g_u, *moved, *disturbed_answers, *residual, *du, *old; /* (4 e,) as `pack` makes them */
+    double *square, *work;         /* (4 e, 4 e), 2 (4 e, 4 e) */
     double *masses;                /* (rotor's planes,) */
     double *decay;                 /* 2 (4 n, 4 n) for n stations */
     struct Impacts *impacts;       /* of impacts.c */
@@ -254,9 +251,9 @@ double brief_length(const Unit *unit);
 
 /* -- system.c ------------------------------------ */
 
-/* Step the rotor under force signals (e, o); accelerations of the planes in c->ends. */
+/* Step the rotor under force signals (e, 4); accelerations of the planes in c->ends. */
 int composite_rotor_pass(Unit *unit, const Complex *forces, double step);
-/* Step the balancers that exchange force under signals (p, o); their forces in c->answers. */
+/* Step the balancers that exchange force under signals (p, 4); their forces in c->answers. */
 int composite_balancer_pass(Unit *unit, const Complex *accelerations, double step);
 /* Step the balancers that exchange none, once the others have finished. */
 int composite_follow(Unit *unit, double step);
@@ -299,26 +296,23 @@ double shaft_speed(const Composite *c);
 /* -- signals.c ---------------------------------- */
 
 /* A signal of which the start alone is known. */
-void knot_from_start(const Knot *start, int orders, Complex *signal);
+void knot_from_start(const Knot *start, Complex *signal);
 /* A signal held at a value. */
-void knot_held(const Knot *knot, int orders, Complex *signal);
-void knot_hermite(const Knot *start, const Knot *end, int orders, double step, Complex *signal);
-/* The quintic that is a parabola and ends a step so: over a negligible one, of which the derivatives of
-   knot_hermite would be rounding. */
-void knot_leading(const Knot *end, double step, Complex *signal);
-Knot knot_end(const Complex *signal, int orders, double step);
-void signal_predicted(const Signal *signal, int orders, Complex *ahead);
-void signal_move(Signal *signal, const Knot *end, int orders, double step);
+void knot_held(const Knot *knot, Complex *signal);
+void knot_hermite(const Knot *start, const Knot *end, double step, Complex *signal);
+Knot knot_end(const Complex *signal, double step);
+void signal_predicted(const Signal *signal, Complex *ahead);
+void signal_move(Signal *signal, const Knot *end, double step);
 
 /* -- loop.c ---------------------------------------- */
 
-/* What the loop, or a part of it, makes of u; vectors have of every unknown the value, the slope times
-   step, and of quintics the second derivative times its square. */
+/* What the loop, or a part of it, makes of u; vectors have of every unknown the value, and the slope
+   times step. */
 typedef int (*Response)(Unit *unit, const double *u, double step, double *answer);
-void loop_pack(const Composite *c, const Knot *ends, int count, double step, double *u);
-void loop_unpack(const Composite *c, const double *u, int count, double step, Knot *ends);
+void loop_pack(const Knot *ends, int count, double step, double *u);
+void loop_unpack(const double *u, int count, double step, Knot *ends);
 double loop_size(const double *u, int count); /* largest modulus of `count` complex numbers */
-/* dG/du (rows, o e) by differences of size `change`. */
+/* dG/du (rows, 4 e) by differences of size `change`. */
 int loop_jacobian(Unit *unit, Response response, const double *u, const double *g_u, double change,
                   int rows, double step, double *matrix);
 /* The inverse of 1 - dG/du; 1 with the reason when the loop has gain 1. */

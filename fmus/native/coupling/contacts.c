@@ -30,7 +30,7 @@ int contacts_ahead(Unit *unit, double *step)
 
 static size_t loop_bytes(const Composite *c)
 {
-    const size_t count = (size_t)(c->orders * c->unknowns);
+    const size_t count = (size_t)(UNKNOWN_REALS * c->unknowns);
     return count * count * sizeof(double);
 }
 

@@ -83,7 +83,7 @@ static Instant drive_of(const Composite *c, const Part *part)
     const double spin_up[4] = {course->drive.acceleration, 0.0, 0.0, 0.0};
     Instant now;
     now.spin = spin_of(0.0, composite_speed(c, course->clock.time), spin_up);
-    now.motion[0] = now.motion[1] = now.motion[2] = complex_of(0.0, 0.0);
+    now.motion[0] = now.motion[1] = complex_of(0.0, 0.0);
     shift_signal(now.motion, 1, balls->track.offset, now.spin.speed, spin_up);
     if (part->exchange >= 0) {
         const Knot *plane = &c->accelerations[c->member_planes[part->exchange]].now;

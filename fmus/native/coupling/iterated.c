@@ -29,26 +29,13 @@ void iterated_begin(Composite *c)
         course->loop.rounding / (course->loop.corrections < 0.0 ? course->loop.tolerance : LOOSE_RESIDUAL);
 }
 
-static int leads(const Composite *c)
-{
-    return c->course->division.crossing > 0.0 && c->orders == QUINTIC_ORDERS;
-}
-
-/* The step that unknowns count by [s]: in a negligible one second derivatives would count for nothing. */
-static double measure(const Composite *c, double step)
-{
-    return leads(c) ? c->course->loop.solved_step : step;
-}
-
 /* A signal over a step that ends so. */
 static void knot_continue(const Composite *c, const Knot *start, const Knot *end, double step, Complex *signal)
 {
     if (c->course->adaptive.constant_signals > 0.0) {
-        knot_held(end, c->orders, signal);
-    } else if (leads(c)) {
-        knot_leading(end, step, signal);
+        knot_held(end, signal);
     } else {
-        knot_hermite(start, end, c->orders, step, signal);
+        knot_hermite(start, end, step, signal);
     }
 }
 
@@ -56,18 +43,17 @@ static void knot_continue(const Composite *c, const Knot *start, const Knot *end
 static int pass(Unit *unit, const double *u, double step)
 {
     Composite *c = unit->own;
-    const int o = c->orders;
     int k;
     for (k = 0; k < c->unknowns; k++) {
         Knot end;
-        loop_unpack(c, u + o * k, 1, measure(c, step), &end);
-        knot_continue(c, &c->forces[k].now, &end, step, c->sent + o * k);
+        loop_unpack(u + UNKNOWN_REALS * k, 1, step, &end);
+        knot_continue(c, &c->forces[k].now, &end, step, c->sent + SIGNAL_ORDERS * k);
     }
     if (composite_rotor_pass(unit, c->sent, step)) {
         return 1;
     }
     for (k = 0; k < c->planes; k++) {
-        knot_continue(c, &c->accelerations[k].now, c->ends + k, step, c->plane_signals + o * k);
+        knot_continue(c, &c->accelerations[k].now, c->ends + k, step, c->plane_signals + SIGNAL_ORDERS * k);
     }
     return composite_balancer_pass(unit, c->plane_signals, step);
 }
@@ -75,10 +61,10 @@ static int pass(Unit *unit, const double *u, double step)
 /* Where signals are held only their values count. */
 static void drop_slopes(const Composite *c, double *u)
 {
-    const int o = c->orders, count = o * c->unknowns;
+    const int count = UNKNOWN_REALS * c->unknowns;
     int i;
     for (i = 0; i < count && c->course->adaptive.constant_signals > 0.0; i++) {
-        u[i] = i % o < 2 ? u[i] : 0.0;
+        u[i] = i % UNKNOWN_REALS < 2 ? u[i] : 0.0;
     }
 }
 
@@ -91,33 +77,33 @@ double iterated_attempt(Unit *unit, double step, int passes)
 {
     Composite *c = unit->own;
     Course *course = c->course;
-    const int o = c->orders, count = o * c->unknowns, half = count / 2;
+    const int count = UNKNOWN_REALS * c->unknowns, half = count / 2;
     /* what is left of a force makes a steep slope in a brief step */
     const double allowed = course->loop.tolerance;
     const double tolerance =
         course->event.steps_left > 0.0  ? smaller(allowed, closed(course))
         : course->adaptive.constant_signals > 0.0 ? larger(GAIN_ROUNDING * course->loop.gain, HELD * allowed)
                                       : allowed;
-    const double counted = measure(c, step);
     double error = 0.0, error_before = 0.0;
     int number, i;
     course->loop.ahead = -1.0;
-    loop_rescale(c, counted);
+    loop_rescale(c, step);
     for (i = 0; i < c->unknowns; i++) {
+        Complex assumed[SIGNAL_ORDERS];
         Knot ahead;
         if (course->adaptive.constant_signals > 0.0) {
-            knot_held(&c->forces[i].now, o, c->assumed + o * i);
+            knot_held(&c->forces[i].now, assumed);
         } else {
-            signal_predicted(c->forces + i, o, c->assumed + o * i);
+            signal_predicted(c->forces + i, assumed);
         }
-        ahead = knot_end(c->assumed + o * i, o, step);
-        loop_pack(c, &ahead, 1, counted, c->u + o * i);
+        ahead = knot_end(assumed, step);
+        loop_pack(&ahead, 1, step, c->u + UNKNOWN_REALS * i);
     }
     for (number = 1;; number++) {
         if (pass(unit, c->u, step)) {
             return -1.0;
         }
-        loop_pack(c, c->answers, c->unknowns, counted, c->g_u);
+        loop_pack(c->answers, c->unknowns, step, c->g_u);
         drop_slopes(c, c->g_u);
         memcpy(c->old, c->residual, (size_t)count * sizeof(double));
         for (i = 0; i < count; i++) {
@@ -187,7 +173,7 @@ static int respond_to_pass(Unit *unit, const double *u, double step, double *ans
         return 1;
     }
     composite_restore(c);
-    loop_pack(c, c->answers, c->unknowns, step, answer);
+    loop_pack(c->answers, c->unknowns, step, answer);
     return 0;
 }
 
@@ -196,7 +182,7 @@ static int respond_to_pass(Unit *unit, const double *u, double step, double *ans
 static int learn_anew(Unit *unit, double step)
 {
     Composite *c = unit->own;
-    const int count = c->orders * c->unknowns, half = count / 2;
+    const int count = UNKNOWN_REALS * c->unknowns, half = count / 2;
     double change;
     int wrong = respond_to_pass(unit, c->u, step, c->g_u);
     if (!wrong) {
@@ -216,11 +202,11 @@ int iterated_after_start(Unit *unit, double step)
     const size_t states = c->state_count * sizeof(double), reals = c->real_count * sizeof(double);
     int k, wrong;
     for (k = 0; k < c->unknowns; k++) {
-        Complex from_start[QUINTIC_ORDERS];
+        Complex from_start[SIGNAL_ORDERS];
         Knot end;
-        knot_from_start(&c->forces[k].now, c->orders, from_start);
-        end = knot_end(from_start, c->orders, step);
-        loop_pack(c, &end, 1, step, c->u + c->orders * k);
+        knot_from_start(&c->forces[k].now, from_start);
+        end = knot_end(from_start, step);
+        loop_pack(&end, 1, step, c->u + UNKNOWN_REALS * k);
     }
     /* the host may still ask for a time within the last step, or for outputs at its end */
     memcpy(c->at_end, c->at_begin, states);

@@ -9,32 +9,24 @@ enum { SQUARINGS = 50 };
 
 /* -- vectors --------------------------------------------------------------------------------- */
 
-void loop_pack(const Composite *c, const Knot *ends, int count, double step, double *u)
+void loop_pack(const Knot *ends, int count, double step, double *u)
 {
     int k;
-    for (k = 0; k < count; k++, u += c->orders) {
+    for (k = 0; k < count; k++, u += UNKNOWN_REALS) {
         u[0] = ends[k].value.re;
         u[1] = ends[k].value.im;
         u[2] = step * ends[k].slope.re;
         u[3] = step * ends[k].slope.im;
-        if (c->orders == QUINTIC_ORDERS) {
-            u[4] = step * step * ends[k].second.re;
-            u[5] = step * step * ends[k].second.im;
-        }
     }
 }
 
-void loop_unpack(const Composite *c, const double *u, int count, double step, Knot *ends)
+void loop_unpack(const double *u, int count, double step, Knot *ends)
 {
-    const double per_step = 1.0 / step, square = per_step * per_step;
+    const double per_step = 1.0 / step;
     int k;
-    for (k = 0; k < count; k++, u += c->orders) {
+    for (k = 0; k < count; k++, u += UNKNOWN_REALS) {
         ends[k].value = complex_of(u[0], u[1]);
         ends[k].slope = complex_of(per_step * u[2], per_step * u[3]);
-        ends[k].second = complex_of(0.0, 0.0);
-        if (c->orders == QUINTIC_ORDERS) {
-            ends[k].second = complex_of(square * u[4], square * u[5]);
-        }
     }
 }
 
@@ -87,12 +79,13 @@ double spectral_radius(int n, double *matrix, double *work)
 /* The part of a matrix between values, (2 e, 2 e). */
 static void values_of(const Composite *c, const double *matrix, double *values)
 {
-    const int count = 2 * c->unknowns, o = c->orders;
+    const int count = 2 * c->unknowns;
     int i, j;
     for (i = 0; i < count; i++) {
         for (j = 0; j < count; j++) {
-            const int row = o * (i / 2) + i % 2, column = o * (j / 2) + j % 2;
-            *values++ = matrix[row * o * c->unknowns + column];
+            const int row = UNKNOWN_REALS * (i / 2) + i % 2;
+            const int column = UNKNOWN_REALS * (j / 2) + j % 2;
+            *values++ = matrix[row * UNKNOWN_REALS * c->unknowns + column];
         }
     }
 }
@@ -108,7 +101,7 @@ int loop_jacobian(Unit *unit, Response response, const double *u, const double *
                   int rows, double step, double *matrix)
 {
     Composite *c = unit->own;
-    const int count = c->orders * c->unknowns;
+    const int count = UNKNOWN_REALS * c->unknowns;
     int i, j;
     for (j = 0; j < count; j++) {
         memcpy(c->moved, u, (size_t)count * sizeof(double));
@@ -126,7 +119,7 @@ int loop_jacobian(Unit *unit, Response response, const double *u, const double *
 int loop_invert(Unit *unit, const double *jacobian, double step)
 {
     Composite *c = unit->own;
-    const int n = c->orders * c->unknowns, values = 2 * c->unknowns;
+    const int n = UNKNOWN_REALS * c->unknowns, values = 2 * c->unknowns;
     int i, singular;
     c->course->loop.solved_step = step;
     memset(c->solution, 0, (size_t)(n * n) * sizeof(double));
@@ -153,18 +146,18 @@ int loop_invert(Unit *unit, const double *jacobian, double step)
 void loop_rescale(Composite *c, double step)
 {
     const double ratio = step / c->course->loop.solved_step;
-    /* of value, slope * h and second * h^2 of a knot, each as real and imaginary part */
-    const double powers[QUINTIC_ORDERS] = {1.0, 1.0, ratio, ratio, ratio * ratio, ratio * ratio};
-    const int count = c->orders * c->unknowns;
+    /* of value and slope * h of a knot, each as real and imaginary part */
+    const double powers[UNKNOWN_REALS] = {1.0, 1.0, ratio, ratio};
+    const int count = UNKNOWN_REALS * c->unknowns;
     double *element = c->solution;
     int i, j, k;
     if (ratio == 1.0) {
         return;
     }
     for (i = 0; i < count; i++) {
-        const double power = powers[i % c->orders];
-        for (j = 0; j < count; j += c->orders) {
-            for (k = 0; k < c->orders; k++) {
+        const double power = powers[i % UNKNOWN_REALS];
+        for (j = 0; j < count; j += UNKNOWN_REALS) {
+            for (k = 0; k < UNKNOWN_REALS; k++) {
                 *element *= power;
                 *element++ /= powers[k];
             }
@@ -176,7 +169,7 @@ void loop_rescale(Composite *c, double step)
 /* Broyden's good update (1965) of the inverse, by Sherman and Morrison. */
 void loop_learn(Composite *c, const double *du, const double *old, const double *now)
 {
-    const int n = c->orders * c->unknowns;
+    const int n = UNKNOWN_REALS * c->unknowns;
     double *change = c->work, *predicted = c->work + n, *row = c->work + 2 * n, weight = 0.0;
     int i, j;
     for (i = 0; i < n; i++) {
@@ -204,11 +197,11 @@ static int rotor_answer(Unit *unit, const double *u, double step)
     Knot ends[1];
     int k;
     for (k = 0; k < c->unknowns; k++) {
-        loop_unpack(c, u + c->orders * k, 1, step, ends);
-        knot_from_start(ends, c->orders, c->sent + c->orders * k);
+        loop_unpack(u + UNKNOWN_REALS * k, 1, step, ends);
+        knot_from_start(ends, c->sent + SIGNAL_ORDERS * k);
     }
     if (c->motor) {
-        shaft_tell(unit, c->sent + c->orders * c->exchanges, 0.0);
+        shaft_tell(unit, c->sent + SIGNAL_ORDERS * c->exchanges, 0.0);
     }
     composite_set_forces(unit, c->sent, 0.0);
     if (rotor->unit->equations->outputs(rotor->unit)) {
@@ -232,8 +225,8 @@ static int respond_at_start(Unit *unit, const double *u, double step, double *an
     for (k = 0; k < c->exchanges; k++) {
         Part *part = c->parts + c->members[k];
         double *input = part->unit->real + part->unit->layout.inputs.first;
-        memset(input, 0, (size_t)c->orders * sizeof(Complex));
-        memcpy(input, c->ends + c->member_planes[k], (size_t)c->orders / 2 * sizeof(Complex));
+        memset(input, 0, SIGNAL_ORDERS * sizeof(Complex));
+        memcpy(input, c->ends + c->member_planes[k], sizeof(Knot));
         if (part->unit->equations->outputs(part->unit)) {
             return composite_part_failed(unit, part);
         }
@@ -242,7 +235,7 @@ static int respond_at_start(Unit *unit, const double *u, double step, double *an
     if (c->motor && shaft_answer(unit, c->answers + c->exchanges)) {
         return 1;
     }
-    loop_pack(c, c->answers, c->unknowns, step, answer);
+    loop_pack(c->answers, c->unknowns, step, answer);
     return 0;
 }
 
@@ -251,7 +244,7 @@ static int solve_start(Unit *unit, double step)
 {
     Composite *c = unit->own;
     Course *course = c->course;
-    const int count = c->orders * c->unknowns, half = count / 2;
+    const int count = UNKNOWN_REALS * c->unknowns, half = count / 2;
     const double tolerance = larger(START_TOLERANCE, START_ROUNDING * course->loop.gain);
     double size = 0.0, left = 0.0, before;
     int turn, i;
@@ -267,7 +260,7 @@ static int solve_start(Unit *unit, double step)
         }
         size = larger(loop_size(c->u, half), loop_size(c->g_u, half));
         if (turn && left <= larger(tolerance * size, course->loop.rounding)) {
-            loop_unpack(c, c->g_u, c->unknowns, step, c->answers);
+            loop_unpack(c->g_u, c->unknowns, step, c->answers);
             for (i = 0; i < c->unknowns; i++) {
                 c->forces[i].now = c->answers[i];
             }
@@ -289,7 +282,7 @@ static int solve_start(Unit *unit, double step)
 int loop_consistent_start(Unit *unit, double step)
 {
     Composite *c = unit->own;
-    const int count = c->orders * c->unknowns;
+    const int count = UNKNOWN_REALS * c->unknowns;
     double change;
     int i;
     memset(c->u, 0, (size_t)count * sizeof(double));

@@ -279,7 +279,6 @@ int resolution_check(Unit *unit, double step)
 {
     Composite *c = unit->own;
     Course *course = c->course;
-    const double share = c->orders == QUINTIC_ORDERS ? QUINTIC_MISS_PER_ERROR : MISS_PER_ERROR;
     double signal_error = 0.0, times, worst;
     const Signal *lost = NULL;
     int k, cause = 0, lost_number = 0;
@@ -296,7 +295,7 @@ int resolution_check(Unit *unit, double step)
         }
     }
     /* a first step has no past to be judged by: the second one's miss is its miss too */
-    times = (course->resolution.blind > 0.0 ? 2.0 : 1.0) / share;
+    times = (course->resolution.blind > 0.0 ? 2.0 : 1.0) / MISS_PER_ERROR;
     course->resolution.blind = signal_error == 0.0;
     worst = estimate(c, step, times, signal_error, &cause);
     if (worst > course->total.error) {

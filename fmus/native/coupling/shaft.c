@@ -51,7 +51,6 @@ static Knot answer(const Composite *c)
     Knot knot;
     knot.value = complex_of(c->course->shaft.spin_scale * out[RATE], 0.0);
     knot.slope = complex_of(c->course->shaft.spin_scale * out[RATE_SLOPE], 0.0);
-    knot.second = complex_of(0.0, 0.0);
     c->course->shaft.speed_reached = out[SPEED_REACHED];
     return knot;
 }
@@ -140,8 +139,7 @@ int shaft_pass(Unit *unit, double step, Knot *spin)
     begin.slope = complex_of(course->shaft.torque[1], 0.0);
     end.value = complex_of(course->shaft.torque_reached[0], 0.0);
     end.slope = complex_of(course->shaft.torque_reached[1], 0.0);
-    begin.second = end.second = complex_of(0.0, 0.0);
-    knot_hermite(&begin, &end, SIGNAL_ORDERS, step, cubic);
+    knot_hermite(&begin, &end, step, cubic);
     for (k = 0; k < SIGNAL_ORDERS; k++) {
         motor->real[motor->layout.inputs.first + (size_t)k] = cubic[k].re;
     }

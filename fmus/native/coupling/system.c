@@ -22,16 +22,11 @@ static void outer_signal(const Composite *c, int plane, double step, Complex *si
         const double speed = spins[k].speed;
         ends[k].value = seen;
         ends[k].slope = complex_of(speed * seen.im, -speed * seen.re);
-        ends[k].second = complex_of(0.0, 0.0);
-        if (c->orders == QUINTIC_ORDERS) {
-            ends[k].second =
-                complex_product(complex_of(-speed * speed, -spins[k].rates[0]), seen);
-        }
     }
     if (step > 0.0) {
-        knot_hermite(ends, ends + 1, c->orders, step, signal);
+        knot_hermite(ends, ends + 1, step, signal);
     } else {
-        knot_from_start(ends, c->orders, signal);
+        knot_from_start(ends, signal);
     }
 }
 
@@ -40,7 +35,7 @@ static void add_signal(const Composite *c, size_t first, int plane, const Comple
     Unit *rotor = c->parts->unit;
     const size_t planes = (size_t)rotor->layout.sizes.planes;
     int k;
-    for (k = 0; k < c->orders; k++) {
+    for (k = 0; k < SIGNAL_ORDERS; k++) {
         double *force = rotor->real + first + 2 * (planes * (size_t)k + (size_t)plane);
         force[0] += signal[k].re;
         force[1] += signal[k].im;
@@ -55,12 +50,12 @@ void composite_set_forces(Unit *unit, const Complex *forces, double step)
     size_t first;
     const size_t count = rotor->equations->signals(&rotor->layout, &first);
     int k;
-    memset(rotor->real + first, 0, (size_t)c->orders * count * sizeof(double));
+    memset(rotor->real + first, 0, SIGNAL_ORDERS * count * sizeof(double));
     for (k = 0; k < c->exchanges; k++) {
-        add_signal(c, first, c->parts[c->members[k]].plane, forces + c->orders * k);
+        add_signal(c, first, c->parts[c->members[k]].plane, forces + SIGNAL_ORDERS * k);
     }
     for (k = 0; k < planes; k++) {
-        Complex signal[QUINTIC_ORDERS];
+        Complex signal[SIGNAL_ORDERS];
         if (c->outer_forces[2 * k] != 0.0 || c->outer_forces[2 * k + 1] != 0.0) {
             outer_signal(c, k, step, signal);
             add_signal(c, first, k, signal);
@@ -76,10 +71,6 @@ static Knot knot_of(const Unit *unit, int index, int count)
     Knot knot;
     knot.value = complex_of(value[0], value[1]);
     knot.slope = complex_of(slope[0], slope[1]);
-    knot.second = complex_of(0.0, 0.0);
-    if (unit->layout.sizes.order == 5) {
-        knot.second = complex_of(slope[2 * count], slope[2 * count + 1]);
-    }
     return knot;
 }
 
@@ -117,7 +108,7 @@ int composite_rotor_pass(Unit *unit, const Complex *forces, double step)
     Composite *c = unit->own;
     c->course->total.passes += 1.0;
     if (c->motor) {
-        shaft_tell(unit, forces + c->orders * c->exchanges, step);
+        shaft_tell(unit, forces + SIGNAL_ORDERS * c->exchanges, step);
     }
     composite_set_forces(unit, forces, step);
     if (composite_advance(unit, c->parts, step) || ended_early(c, c->parts, step)) {
@@ -141,11 +132,10 @@ void composite_place(const Composite *c, const Part *part)
 int composite_balancer_pass(Unit *unit, const Complex *accelerations, double step)
 {
     Composite *c = unit->own;
-    const size_t size = 2 * (size_t)c->orders;
     int k;
     for (k = 0; k < c->exchanges; k++) {
         Part *part = c->parts + c->members[k];
-        copy_doubles(size, &accelerations[c->orders * c->member_planes[k]].re,
+        copy_doubles(2 * SIGNAL_ORDERS, &accelerations[SIGNAL_ORDERS * c->member_planes[k]].re,
                      part->unit->real + part->unit->layout.inputs.first);
         composite_place(c, part);
         if (composite_advance(unit, part, step) || ended_early(c, part, step)) {
@@ -231,7 +221,7 @@ int composite_accept(Unit *unit, const Knot *accelerations, const Knot *forces, 
     Composite *c = unit->own;
     int k;
     for (k = 0; k < c->planes; k++) {
-        signal_move(c->accelerations + k, accelerations + k, c->orders, step);
+        signal_move(c->accelerations + k, accelerations + k, step);
     }
     for (k = 0; k < c->unknowns; k++) {
         const Complex value = forces[k].value;
@@ -243,7 +233,7 @@ int composite_accept(Unit *unit, const Knot *accelerations, const Knot *forces, 
                         c->course->clock.time + step);
             return 1;
         }
-        signal_move(c->forces + k, forces + k, c->orders, step);
+        signal_move(c->forces + k, forces + k, step);
     }
     if (c->motor) {
         shaft_accept(c);
@@ -254,7 +244,7 @@ int composite_accept(Unit *unit, const Knot *accelerations, const Knot *forces, 
 
 static void forget(Signal *signal)
 {
-    knot_from_start(&signal->now, QUINTIC_ORDERS, signal->last);
+    knot_from_start(&signal->now, signal->last);
     signal->last_step = 0.0;
 }
 

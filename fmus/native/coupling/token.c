@@ -93,14 +93,13 @@ static const char *read_part(Unit *unit, Part *part, const char *at)
     if (!at) {
         return NULL;
     }
-    c->orders = c->parts->unit->layout.sizes.order + 1;
     is_motor = part->unit->equations == &MOTOR_EQUATIONS;
     is_mounted = !first && !is_motor;
     if (first != (part->unit->equations == &ROTOR_EQUATIONS) || c->motor ||
-        part->unit->layout.sizes.order + 1 != c->orders || part->unit->layout.sizes.fixed_frame ||
+        part->unit->layout.sizes.fixed_frame ||
         (is_mounted && plane - 1 >= (uint64_t)c->parts->unit->layout.sizes.planes)) {
         refuse_composition(unit, "its parts must be a rotor, balancers on its planes and at "
-                           "most one motor, with signals of one order that turn with the rotor");
+                           "most one motor, with signals that turn with the rotor");
         return NULL;
     }
     c->motor = is_motor ? part : NULL;
@@ -278,8 +277,8 @@ static int connect(Unit *unit)
 static int describe(Unit *unit, const char *own_starts)
 {
     const Composite *c = unit->own;
-    const Table *table = table_of("Composite", c->motor ? "motor" : "", "", 3);
-    Sizes sizes = {1, 1, 1, 1, 0, 2, 0, 3, 0};
+    const Table *table = table_of("Composite", c->motor ? "motor" : "", "");
+    Sizes sizes = {1, 1, 1, 1, 0, 2, 0, 0};
     Layout own;
     Variable *reals;
     double *starts;

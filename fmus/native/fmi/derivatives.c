@@ -2,7 +2,6 @@
 #include <string.h>
 
 #include "base/elementary.h"
-#include "base/signals.h"
 #include "fmi/unit.h"
 
 /* Part of a parameter by which it is moved: a difference of order 4 then errs by 1e-12. */
@@ -27,11 +26,11 @@ static int within(size_t reference, Range range)
 static int derivative_of(Unit *unit, size_t reference, double *value)
 {
     size_t first, block = unit->equations->signals ? unit->equations->signals(&unit->layout, &first) : 0;
-    Range known = unit->layout.computed, all = known;
-    all.count = (size_t)(unit->layout.sizes.order + 1) / 2 * block;
-    known.count = all.count - block;
-    *value = within(reference, known) ? unit->real[reference + block] : 0.0;
-    return within(reference, all) ? 0 : unit->equations->slope(unit, reference, value);
+    Range signals = unit->layout.computed, both = signals; /* their slopes stand behind them */
+    signals.count = block;
+    both.count = 2 * block;
+    *value = within(reference, signals) ? unit->real[reference + block] : 0.0;
+    return within(reference, both) ? 0 : unit->equations->slope(unit, reference, value);
 }
 
 Status unit_get_derivatives(Unit *unit, const unsigned *references, size_t count,
@@ -166,9 +165,6 @@ static const char *wrong_sides(const Unit *unit, Range outputs, const unsigned *
     size_t k;
     if (unit->equations == &COMPOSITE_EQUATIONS) {
         return "a composite has no directional derivatives";
-    }
-    if (unit->layout.sizes.order != 3) {
-        return "a unit with signals of order 5 gives none";
     }
     for (k = 0; k < known_count; k++) {
         if (!within(knowns[k], unit->layout.inputs) &&

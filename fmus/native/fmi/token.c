@@ -59,7 +59,6 @@ static int *size_named(Sizes *sizes, const char *name)
            : text_equal(name, "weights")    ? &sizes->weights
            : text_equal(name, "sliders")    ? &sizes->sliders
            : text_equal(name, "points")     ? &sizes->points
-           : text_equal(name, "order")      ? &sizes->order
            : text_equal(name, "unequal")    ? &sizes->unequal
                                             : NULL;
 }
@@ -87,14 +86,13 @@ static const char *read_options(const char *token, const Table **table, Sizes *s
             *size = (int)number;
         }
     }
-    *table = at ? table_of(unit, kind, shaft, sizes->order) : NULL;
+    *table = at ? table_of(unit, kind, shaft) : NULL;
     if (!*table) {
         return "names a unit that this library does not have";
     }
     if ((text_equal(kind, "planar") && sizes->stations != 1) ||
         (text_equal(kind, "two_support") && sizes->stations != 2) ||
         (text_equal(kind, "flexible") && sizes->stations < 2) || sizes->points < 2 ||
-        (sizes->order != 3 && sizes->sliders) ||
         layout_count(*table, sizes, MOST_REALS) > MOST_REALS) {
         return "has a size in which this unit does not exist";
     }
@@ -103,7 +101,7 @@ static const char *read_options(const char *token, const Table **table, Sizes *s
 
 int token_read(const char *token, const Table **table, Sizes *sizes, Text *reason)
 {
-    const Sizes none = {1, 1, 1, 1, 0, 2, 0, 3, 0};
+    const Sizes none = {1, 1, 1, 1, 0, 2, 0, 0};
     const char *wrong;
     *sizes = none;
     text_format(reason, "identity '%s': ", token ? token : "");

@@ -145,6 +145,21 @@ Status unit_step(Unit *unit, double time, double step)
 
 /* -- inside ---------------------------------------------------------------------------------- */
 
+int unit_check(Unit *unit, const unsigned *references, size_t count, const double *values)
+{
+    int wrong = 0;
+    size_t k;
+    for (k = 0; k < count; k++) {
+        const size_t reference = references ? references[k] : k;
+        if (!layout_allows(&unit->layout, reference, values[k])) {
+            text_put(wrong ? &unit->reason : unit_reason(unit), wrong ? "; " : "");
+            layout_refuse(&unit->layout, reference, values[k], &unit->reason);
+            wrong = 1;
+        }
+    }
+    return wrong;
+}
+
 int unit_refresh(Unit *unit, int level)
 {
     const Equations *equations = unit->equations;

@@ -52,21 +52,6 @@ static int refuse_values(Unit *unit, const unsigned *references, size_t count, R
     return wrong;
 }
 
-int unit_check(Unit *unit, const unsigned *references, size_t count, const double *values)
-{
-    int wrong = 0;
-    size_t k;
-    for (k = 0; k < count; k++) {
-        const size_t reference = references ? references[k] : k;
-        if (!layout_allows(&unit->layout, reference, values[k])) {
-            text_put(wrong ? &unit->reason : unit_reason(unit), wrong ? "; " : "");
-            layout_refuse(&unit->layout, reference, values[k], &unit->reason);
-            wrong = 1;
-        }
-    }
-    return wrong;
-}
-
 /* How stale the outputs may be for a value to be read. */
 static int level_of(const Unit *unit, size_t reference)
 {

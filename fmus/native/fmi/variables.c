@@ -5,13 +5,13 @@
 #include "base/elementary.h"
 #include "layout.h"
 
-const Table *table_of(const char *unit, const char *kind, const char *shaft, int order)
+const Table *table_of(const char *unit, const char *kind, const char *shaft)
 {
     int k;
     for (k = 0; k < TABLE_COUNT; k++) {
         const Table *table = TABLES + k;
         if (text_equal(table->unit, unit) && text_equal(table->kind, kind) &&
-            text_equal(table->shaft, shaft) && table->order == order) {
+            text_equal(table->shaft, shaft)) {
             return table;
         }
     }

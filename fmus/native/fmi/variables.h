@@ -42,7 +42,6 @@ typedef struct {
 /* The variables of a kind of unit. */
 typedef struct {
     const char *unit, *kind, *shaft;
-    int order;
     const Declared *declared;
     const Block *blocks;
     int block_count;
@@ -54,7 +53,6 @@ typedef struct {
 typedef struct {
     int stations, planes, unbalances, weights, sliders, points;
     int fixed_frame; /* signals along fixed axes */
-    int order;       /* of the signals: 3, or 5 */
     int unequal;     /* weights each with a mass, drag and radius of its own */
 } Sizes;
 
@@ -79,9 +77,8 @@ typedef struct {
     Range parameters, inputs, computed, observed;
 } Layout;
 
-/* The table of this unit, kind, shaft and order of the signals (parts of `kind` and `shaft` not had
-   are ""), or NULL. */
-const Table *table_of(const char *unit, const char *kind, const char *shaft, int order);
+/* The table of this unit, kind and shaft (those not had are ""), or NULL. */
+const Table *table_of(const char *unit, const char *kind, const char *shaft);
 
 /* Number of Reals; above `most` for any larger number. */
 size_t layout_count(const Table *table, const Sizes *sizes, size_t most);

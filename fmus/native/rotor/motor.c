@@ -75,7 +75,7 @@ static void on_line(const Line *line, double time, double *speed, double *angle)
 {
     Motor *motor = line->motor;
     const double rate = slope_of(motor, line->piece) / motor->inertia;
-    const double *s = quadrature(&motor->quadrature, SIGNAL_ORDERS, -rate, time), *t = s + 5;
+    const double *s = quadrature(&motor->quadrature, -rate, time), *t = s + 5;
     const double g0 = (torque_at(motor, line->piece) + line->torque[0]) / motor->inertia -
                       rate * speed_at(motor, line->piece);
     const double g1 = line->torque[1] / motor->inertia, g2 = line->torque[2] / motor->inertia;

@@ -114,19 +114,19 @@ int exponential(int parts, int size, int upper, double *matrix, double *scratch,
     return FINE;
 }
 
-int step_matrix_rows(int stations, int planes, int orders, int axes)
+int step_matrix_rows(int stations, int planes, int axes)
 {
-    return axes * (2 * stations + orders / 2 * planes);
+    return 2 * axes * (stations + planes);
 }
 
-int step_matrix_columns(int stations, int planes, int orders, int axes)
+int step_matrix_columns(int stations, int planes, int axes)
 {
-    return axes * (2 * stations + orders * planes + 1);
+    return axes * (2 * stations + SIGNAL_ORDERS * planes + 1);
 }
 
-size_t step_matrix_scratch(int stations, int planes, int orders, int axes)
+size_t step_matrix_scratch(int stations, int planes, int axes)
 {
-    const size_t size = (size_t)step_matrix_columns(stations, planes, orders, axes);
+    const size_t size = (size_t)step_matrix_columns(stations, planes, axes);
     const size_t parts = axes == 1 ? 2 : 1;
     return 4 * parts * size * size; /* Z, its exponential, and what that needs */
 }
@@ -148,12 +148,12 @@ static void set_turning(int parts, int size, int first, int count, double speed,
 }
 
 /* Matrix Z (columns, columns) of the autonomous system (q, v, f_0.., e)' = Z (q, v, f_0.., e). */
-static int set_generator(const LinearRotor *rotor, double speed, int turning_force, int orders,
-                         double *z, double *scratch, Failure *failure)
+static int set_generator(const LinearRotor *rotor, double speed, int turning_force, double *z,
+                         double *scratch, Failure *failure)
 {
     const int axes = linear_rotor_isotropic(rotor) ? 1 : 2, parts = 3 - axes;
     const int p = rotor->plane_count, dof = axes * rotor->stations, forces = axes * p;
-    const int size = step_matrix_columns(rotor->stations, p, orders, axes), e = size - axes;
+    const int size = step_matrix_columns(rotor->stations, p, axes), e = size - axes;
     const size_t width = (size_t)(2 * dof + forces + axes) * parts;
     double *rows = scratch, *work = rows + dof * width;
     int i, k;
@@ -168,12 +168,12 @@ static int set_generator(const LinearRotor *rotor, double speed, int turning_for
         copy_doubles((size_t)(2 * dof + forces) * parts, rows, row);
         copy_doubles((size_t)axes * parts, rows + (2 * dof + forces) * parts, row + e * parts);
     }
-    for (k = 0; k < orders; k++) {
+    for (k = 0; k < SIGNAL_ORDERS; k++) {
         const int first = 2 * dof + k * forces;
         if (turning_force) {
             set_turning(parts, size, first, p, speed, z);
         }
-        for (i = first; i < first + forces && k + 1 < orders; i++) {
+        for (i = first; i < first + forces && k + 1 < SIGNAL_ORDERS; i++) {
             z[((size_t)i * size + i + forces) * parts] = 1.0;
         }
     }
@@ -181,17 +181,18 @@ static int set_generator(const LinearRotor *rotor, double speed, int turning_for
     return FINE;
 }
 
-int step_matrix(const LinearRotor *rotor, double speed, double step, int turning_force, int orders,
+int step_matrix(const LinearRotor *rotor, double speed, double step, int turning_force,
                 double *matrix, double *scratch, Failure *failure)
 {
     const int axes = linear_rotor_isotropic(rotor) ? 1 : 2, parts = 3 - axes;
     const int n = rotor->stations, p = rotor->plane_count, dof = axes * n, forces = axes * p;
-    const int size = step_matrix_columns(n, p, orders, axes);
+    const int size = step_matrix_columns(n, p, axes);
     const size_t count = (size_t)size * size * parts, width = (size_t)size * parts;
     double *z = scratch, *propagated = z + count, *work = propagated + count;
-    double *rates = work, *next = rates + dof * width, *planes = next + dof * width;
+    double *accelerations = work, *jerks = work + dof * width, *planes = jerks + dof * width;
+    double *of_planes = matrix + 2 * (size_t)dof * width;
     size_t i;
-    int k, code = set_generator(rotor, speed, turning_force, orders, z, work, failure);
+    int code = set_generator(rotor, speed, turning_force, z, work, failure);
     if (code) {
         return code;
     }
@@ -204,15 +205,10 @@ int step_matrix(const LinearRotor *rotor, double speed, double step, int turning
     }
     copy_doubles(2 * dof * width, propagated, matrix);
     /* e^{Zt} Z, not Z e^{Zt}: a stiff support would lose the small difference of k q and F */
-    matrix_product(parts, dof, size, size, propagated + dof * width, z, rates);
+    matrix_product(parts, dof, size, size, propagated + dof * width, z, accelerations);
+    matrix_product(parts, dof, size, size, accelerations, z, jerks);
     matrix_per_axis(parts, axes, p, n, rotor->planes, planes);
-    for (k = 0; k < orders / 2; k++) { /* of the acceleration, the jerk and so on */
-        double *spare = rates;
-        matrix_product(parts, forces, dof, size, planes, rates,
-                       matrix + (2 * (size_t)dof + (size_t)k * forces) * width);
-        matrix_product(parts, dof, size, size, rates, z, next);
-        rates = next;
-        next = spare;
-    }
+    matrix_product(parts, forces, dof, size, planes, accelerations, of_planes);
+    matrix_product(parts, forces, dof, size, planes, jerks, of_planes + (size_t)forces * width);
     return FINE;
 }

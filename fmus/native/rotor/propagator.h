@@ -5,26 +5,24 @@
 #include <stddef.h>
 
 #include "base/failure.h"
+#include "base/cubic.h"
 #include "rotor/linear_rotor.h"
 
 /* The first `upper` rows of e^matrix (size, size), in place, by a Taylor series and doubling of e^A - 1;
    rows from `upper` on have zeros in the columns before it.  scratch: 2 parts size^2 doubles. */
 int exponential(int parts, int size, int upper, double *matrix, double *scratch, Failure *failure);
 
-/* Elements in a row and rows of a step matrix; in doubles it has rows * columns * parts.
-
-   orders: numbers that tell a force signal, value and derivatives: 4 of a cubic, 6 of a quintic. */
-int step_matrix_rows(int stations, int planes, int orders, int axes);
-int step_matrix_columns(int stations, int planes, int orders, int axes);
+/* Elements in a row and rows of a step matrix; in doubles it has rows * columns * parts. */
+int step_matrix_rows(int stations, int planes, int axes);
+int step_matrix_columns(int stations, int planes, int axes);
 /* Doubles of scratch for step_matrix. */
-size_t step_matrix_scratch(int stations, int planes, int orders, int axes);
+size_t step_matrix_scratch(int stations, int planes, int axes);
 
-/* Matrix (rows, columns) that takes (q, v, f_0..f_3, e) to (q, v, a, j) one `step` [s] later, of
-   quintics to the jerk's derivative as well.
+/* Matrix (rows, columns) that takes (q, v, f_0..f_3, e) to (q, v, a, j) one `step` [s] later.
 
    a and j are acceleration and jerk of the p planes in fixed axes; axes and parts are those of
    linear_rotor.h.  With `turning_force` 0 the f_k are derivatives in fixed axes.  With step = 0 it evaluates a and j at the start. */
-int step_matrix(const LinearRotor *rotor, double speed, double step, int turning_force, int orders,
+int step_matrix(const LinearRotor *rotor, double speed, double step, int turning_force,
                 double *matrix, double *scratch, Failure *failure);
 
 #endif

@@ -1,8 +1,7 @@
 #include "rotor/push_series.h"
 
+#include "base/cubic.h"
 #include "base/elementary.h"
-
-enum { MOST_ORDERS = 6 };
 
 SpinSeries spin_series(const Spin *start, double t, double h)
 {
@@ -51,14 +50,13 @@ static Complex pull_of(const SpinSeries *spin, int k)
 }
 
 /* Coefficients of a force from its derivatives, which stand `stride` doubles apart. */
-static void shift_force(const double *force, int orders, int stride, double t, double h,
-                        Complex *coefficients)
+static void shift_force(const double *force, int stride, double t, double h, Complex *coefficients)
 {
     double power = 1.0;
     int k, j;
-    for (k = 0; k < orders; k++, power *= h / k) {
+    for (k = 0; k < SIGNAL_ORDERS; k++, power *= h / k) {
         double re = 0.0, im = 0.0;
-        for (j = orders - 1; j >= k; j--) {
+        for (j = SIGNAL_ORDERS - 1; j >= k; j--) {
             const double factor = t / (j - k + 1);
             re = force[j * stride] + factor * re;
             im = force[j * stride + 1] + factor * im;
@@ -89,9 +87,9 @@ void fill_pushes(const Drive *drive, const SpinSeries *spin, double t, double h,
         }
     }
     for (i = 0; i < p; i++) {
-        Complex force[MOST_ORDERS];
-        shift_force(drive->forces + 2 * i, drive->orders, 2 * p, t, h, force);
-        for (m = 0; m < drive->orders && m <= terms; m++) {
+        Complex force[SIGNAL_ORDERS];
+        shift_force(drive->forces + 2 * i, 2 * p, t, h, force);
+        for (m = 0; m < SIGNAL_ORDERS && m <= terms; m++) {
             if (drive->turning_force) {
                 add_turned(turn, terms, m, stride, force[m], pushes + 2 * i);
             } else {

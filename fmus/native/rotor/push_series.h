@@ -6,8 +6,8 @@
 
 /* What moves the rotor over a step, as it is at the start. */
 typedef struct {
-    const double *forces; /* (orders, p) complex forces on the planes and their derivatives */
-    int orders, planes;   /* 4 of cubic forces, 6 of quintic ones; p */
+    const double *forces; /* (4, p) complex forces on the planes and their derivatives */
+    int planes;           /* p */
     int turning_force;    /* whether they are in the rotor frame, or in fixed axes */
     Spin spin;
 } Drive;

@@ -5,7 +5,7 @@
 #include "rotor/first_fall.h"
 
 enum { TERMS = MOST_COEFFICIENTS - 1 }; /* 0.5^18/18! is far below rounding */
-enum { MOST_STRETCHES = 10000, MOST_SWEEPS = 10000, MOST_DERIVATIVES = 4 };
+enum { MOST_STRETCHES = 10000, MOST_SWEEPS = 10000, MOST_DERIVATIVES = 3 };
 static const double REACH = 0.5, SWEEP_CONVERGED = 1e-15;
 static const double LIMIT_ROUNDING = 1e-12; /* of a limit: a force so near to it has reached it */
 
@@ -478,15 +478,14 @@ int taylor_motion(TaylorStep *method, const double *state, const double *slider_
 }
 
 int taylor_plane_motion(TaylorStep *method, const double *state, double *slider_states,
-                        const Drive *drive, double t, int orders, double *planes,
-                        Failure *failure)
+                        const Drive *drive, double t, double *planes, Failure *failure)
 {
     const int p = method->plane_count, n = method->half / 2;
     double *rates = method->faster + method->half;
     int k;
-    const int code =
-        taylor_motion(method, state, slider_states, drive, t, orders, rates, failure);
-    for (k = 1; k < orders && !code; k++, planes += 2 * p) {
+    const int code = taylor_motion(method, state, slider_states, drive, t, MOST_DERIVATIVES, rates,
+                                   failure);
+    for (k = 1; k < MOST_DERIVATIVES && !code; k++, planes += 2 * p) {
         combine_vectors(method->planes, p, n, rates + k * method->half, planes);
     }
     for (k = 0; k < method->count && !code; k++) {

@@ -56,14 +56,12 @@ int taylor_advance(TaylorStep *method, double *state, double *slider_states, con
 int taylor_resolve(TaylorStep *method, const double *state, double *slider_states,
                    const Drive *drive, double t, Failure *failure);
 
-/* Derivatives of the displacements at time t, of order 1 to `orders` (at most 4). */
+/* Derivatives of the displacements at time t, of order 1 to `orders` (at most 3). */
 int taylor_motion(TaylorStep *method, const double *state, const double *slider_states,
                   const Drive *drive, double t, int orders, double *rates, Failure *failure);
 
-/* Derivatives of the planes' displacements in fixed axes at time t, of order 2 to `orders`, and the
-   friction forces. */
+/* Acceleration and jerk of the planes in fixed axes at time t, and the friction forces. */
 int taylor_plane_motion(TaylorStep *method, const double *state, double *slider_states,
-                        const Drive *drive, double t, int orders, double *planes,
-                        Failure *failure);
+                        const Drive *drive, double t, double *planes, Failure *failure);
 
 #endif

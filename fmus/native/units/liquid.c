@@ -1,10 +1,10 @@
 /* The liquid balancer of Dubovik 2006 as a unit. */
 #include "base/elementary.h"
-#include "base/signals.h"
+#include "base/cubic.h"
 #include "fmi/unit.h"
 #include "weights/liquid.h"
 
-enum { LIQUID_SIGNALS = 2, TOUCHES = 1 };
+enum { LIQUID_SIGNALS = 2, BEHIND_SIGNALS = LIQUID_SIGNALS * SIGNAL_ORDERS, TOUCHES = 1 };
 
 /* Inputs behind the signal, and outputs behind the force with its derivatives. */
 enum { X, Y };
@@ -14,12 +14,6 @@ typedef struct {
     Liquid liquid;
     double carried, sent; /* parts of the added mass: through the port, in the force [kg] */
 } Own;
-
-/* Numbers that tell the signal, value and derivatives, and the exact derivatives of the force. */
-static size_t orders_of(const Unit *unit)
-{
-    return (size_t)unit->layout.sizes.order + 1;
-}
 
 static int liquid_parameters(Unit *unit)
 {
@@ -59,14 +53,14 @@ static void liquid_put_outputs(Unit *unit, double t)
 {
     const Own *own = unit->own;
     const double *in = unit->real + unit->layout.inputs.first;
-    const double *place = in + LIQUID_SIGNALS * orders_of(unit);
+    const double *place = in + BEHIND_SIGNALS;
     double *out = unit->real + unit->layout.computed.first;
     const Complex displacement = complex_of(place[X], place[Y]);
     const double clearance = liquid_clearance(&own->liquid, displacement);
-    Complex motion[3];
-    size_t k;
-    signal_at((const Complex *)(const void *)in, (int)orders_of(unit), t, motion);
-    for (k = 0; k < orders_of(unit) / 2; k++, out += LIQUID_SIGNALS) {
+    Complex motion[2];
+    int k;
+    cubic_at((const Complex *)(const void *)in, t, motion);
+    for (k = 0; k < 2; k++, out += LIQUID_SIGNALS) {
         out[0] = own->sent != 0.0 ? -own->sent * motion[k].re : 0.0;
         out[1] = own->sent != 0.0 ? -own->sent * motion[k].im : 0.0;
     }
@@ -104,7 +98,7 @@ static size_t liquid_signals(const Layout *layout, size_t *first)
 /* The gap bends over the displacement; all else is linear. */
 static double liquid_reach(const Unit *unit, size_t input)
 {
-    const size_t behind = unit->layout.inputs.first + LIQUID_SIGNALS * orders_of(unit);
+    const size_t behind = unit->layout.inputs.first + BEHIND_SIGNALS;
     const double *place = unit->real + behind;
     return input < behind ? larger(1.0, absolute(unit->real[input]))
                           : 1e-3 * magnitude(complex_of(place[X], place[Y]));

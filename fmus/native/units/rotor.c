@@ -24,16 +24,15 @@ static int rotor_allocate(Unit *unit)
 {
     Rotor *own = unit->own;
     const Sizes *sizes = &unit->layout.sizes;
-    const int n = sizes->stations, p = sizes->planes, orders = sizes->order + 1;
+    const int n = sizes->stations, p = sizes->planes;
     const size_t stations = (size_t)n, planes = (size_t)p, free = n > 2 ? stations - 2 : 0;
     /* of two axes: half as much would do for one */
-    const size_t columns = (size_t)step_matrix_columns(n, p, orders, 2);
-    const size_t matrix = (size_t)step_matrix_rows(n, p, orders, 2) * columns;
+    const size_t columns = (size_t)step_matrix_columns(n, p, 2);
+    const size_t matrix = (size_t)step_matrix_rows(n, p, 2) * columns;
     int k, missing = 0;
     own->kind = rotor_kind(&unit->layout);
     own->stations = n;
     own->planes = p;
-    own->orders = orders;
     own->unbalances = sizes->unbalances;
     own->turning = !sizes->fixed_frame;
     own->slider_count = 2 * sizes->sliders;
@@ -48,9 +47,9 @@ static int rotor_allocate(Unit *unit)
     own->values = doubles(unit, 2 * stations + 3 * (size_t)sizes->unbalances + free * free +
                                     linear_rotor_flexible_scratch(n), &missing);
     own->unsorted = doubles(unit, matrix, &missing);
-    own->matrix_scratch = doubles(unit, step_matrix_scratch(n, p, orders, 2), &missing);
+    own->matrix_scratch = doubles(unit, step_matrix_scratch(n, p, 2), &missing);
     own->operand = doubles(unit, columns, &missing);
-    own->result = doubles(unit, 4 * stations + (size_t)orders * planes, &missing);
+    own->result = doubles(unit, 4 * (stations + planes), &missing);
     own->sag = doubles(unit, 2 * stations, &missing);
     own->sag_of.added_mass = doubles(unit, planes, &missing);
     for (k = 0; k < KEPT_MATRICES; k++) {
@@ -70,8 +69,8 @@ static int rotor_parameters(Unit *unit)
     }
     own->axes = linear_rotor_isotropic(&own->rotor) ? 1 : 2;
     own->parts = 3 - own->axes;
-    own->rows = step_matrix_rows(own->stations, own->planes, own->orders, own->axes);
-    own->columns = step_matrix_columns(own->stations, own->planes, own->orders, own->axes);
+    own->rows = step_matrix_rows(own->stations, own->planes, own->axes);
+    own->columns = step_matrix_columns(own->stations, own->planes, own->axes);
     for (k = 0; k < KEPT_MATRICES; k++) {
         own->kept[k].of.made = 0;
     }
@@ -112,7 +111,7 @@ static int rotor_step_unit(Unit *unit, double length)
     end_speed[0] = end.speed;
     end_speed[1] = length;
     copy_doubles(2 * (size_t)own->slider_count, own->slider_states, rotor_slider_states(unit));
-    rotor_put(own, own->result + motion, unit->memory[REST], end.speed, end.rates[0],
+    rotor_put(own, own->result + motion, unit->memory[REST], end.speed,
               unit->real + unit->layout.computed.first);
     return 0;
 }

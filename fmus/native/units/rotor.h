@@ -3,7 +3,6 @@
 #define AUTOBALANCER_UNIT_ROTOR_H
 
 #include "base/elementary.h"
-#include "base/signals.h"
 #include "fmi/unit.h"
 #include "rotor/linear_rotor.h"
 #include "rotor/propagator.h"
@@ -36,7 +35,6 @@ typedef struct {
 
 typedef struct {
     int kind, stations, planes, unbalances, turning;
-    int orders; /* numbers that tell a force signal: value and derivatives */
     LinearRotor rotor;
     int axes, parts; /* as in propagator.h */
     int rows, columns; /* of a step matrix, in elements */
@@ -91,9 +89,9 @@ void rotor_made(const Unit *unit, MadeFor *of, double speed);
 const double *rotor_matrix(Unit *unit, double speed, double step);
 /* own->result = matrix own->operand. */
 void rotor_apply(Rotor *own, const double *matrix);
-/* Motion of the stations, and acceleration and jerk of the planes (with signals of order 5 its
-   derivative), after `step` [s], in own->result; all in fixed axes, x and y alternating; the acceleration is less gravity's, which
-   every body on the rotor feels: what an accelerometer would read. */
+/* Motion of the stations, and acceleration and jerk of the planes, after `step` [s], in own->result; all
+   in fixed axes, x and y alternating; the acceleration is less gravity's, which every body on the rotor
+   feels: what an accelerometer would read. */
 int rotor_propagate(Unit *unit, double step);
 /* Directions and forces of the sliders in the unit's memory. */
 double *rotor_slider_states(const Unit *unit);
@@ -101,10 +99,8 @@ double *rotor_slider_states(const Unit *unit);
 int rotor_make_taylor(Unit *unit);
 /* Vectors (x, y alternating) turned by the angle with this cosine and sine; `to` may be `pairs`. */
 void rotor_rotated(const double *pairs, size_t count, double c, double s, double *to);
-/* Computed outputs from acceleration and jerk of the planes in fixed axes, with signals of order 5
-   the jerk's derivative as well. */
-void rotor_put(Rotor *own, const double *planes, double angle, double speed, double spin_up,
-               double *out);
+/* Computed outputs from acceleration and jerk of the planes in fixed axes. */
+void rotor_put(Rotor *own, const double *planes, double angle, double speed, double *out);
 /* The computed outputs as they are with the present inputs. */
 int rotor_outputs_now(Unit *unit, double *out);
 /* Torque on the shaft and its slope at the present time; 1 with the reason. */

@@ -38,8 +38,8 @@ const double *rotor_matrix(Unit *unit, double speed, double step)
     }
     kept = oldest(own);
     loaded = rotor_anew(unit, &kept->of);
-    if (step_matrix(&loaded, speed, step, own->turning, own->orders, own->unsorted,
-                    own->matrix_scratch, &failure)) {
+    if (step_matrix(&loaded, speed, step, own->turning, own->unsorted, own->matrix_scratch,
+                    &failure)) {
         unit_failed(unit, &failure);
         return NULL;
     }
@@ -80,7 +80,6 @@ static Drive drive_since(Unit *unit, double ago)
     const Spin start = spin_of(0.0, in[0], in + SPIN_UP);
     Drive drive;
     drive.forces = in + SPUN;
-    drive.orders = own->orders;
     drive.planes = own->planes;
     drive.turning_force = own->turning;
     drive.spin = start;
@@ -116,7 +115,7 @@ static int propagate_series(Unit *unit, double step)
                            : taylor_resolve(&own->taylor, state, slider_states, &drive, 0.0, &failure);
     }
     if (code || taylor_plane_motion(&own->taylor, state, slider_states, &drive, own->reached,
-                                    1 + own->orders / 2, state + motion, &failure)) {
+                                    state + motion, &failure)) {
         return unit_failed(unit, &failure);
     }
     return 0;
@@ -191,7 +190,7 @@ void rotor_apply(Rotor *own, const double *matrix)
         add_multiples(2, rows, columns, own->operand, matrix, 2 * (size_t)rows, own->result);
         return;
     }
-    for (i = 0; i + 4 <= rows; i += 4) { /* two axes: 4 rows a station and plane */
+    for (i = 0; i < rows; i += 4) { /* two axes: 4 rows a station and plane */
         const double *m = matrix + i;
         double a = 0.0, b = 0.0, c = 0.0, d = 0.0;
         for (k = 0; k < columns; k++, m += rows) {
@@ -206,16 +205,6 @@ void rotor_apply(Rotor *own, const double *matrix)
         own->result[i + 2] = c;
         own->result[i + 3] = d;
     }
-    if (i < rows) { /* the jerk's derivative on an odd number of planes */
-        const double *m = matrix + i;
-        double a = 0.0, b = 0.0;
-        for (k = 0; k < columns; k++, m += rows) {
-            a += own->operand[k] * m[0];
-            b += own->operand[k] * m[1];
-        }
-        own->result[i] = a;
-        own->result[i + 1] = b;
-    }
 }
 
 /* State, forces and turn that a step begins with, in own->operand, less the sag; 1 with the reason. */
@@ -223,11 +212,11 @@ static int set_operand(Unit *unit)
 {
     Rotor *own = unit->own;
     const size_t p = (size_t)own->planes, forces = 4 * (size_t)own->stations;
-    const size_t turn = forces + 2 * (size_t)own->orders * p;
+    const size_t turn = forces + 2 * SIGNAL_ORDERS * p;
     const Complex turned = turned_by(own->turned, unit->memory[REST]);
     copy_doubles(forces, unit->memory + MOTION, own->operand);
     if (own->turning) {
-        rotor_rotated(rotor_drive(unit) + SPUN, (size_t)own->orders * p, turned.re, turned.im,
+        rotor_rotated(rotor_drive(unit) + SPUN, SIGNAL_ORDERS * p, turned.re, turned.im,
                       own->operand + forces);
     } else {
         copy_doubles(turn - forces, rotor_drive(unit) + SPUN, own->operand + forces);
@@ -280,26 +269,19 @@ int rotor_propagate(Unit *unit, double step)
     return 0;
 }
 
-void rotor_put(Rotor *own, const double *planes, double angle, double speed, double spin_up,
-               double *out)
+void rotor_put(Rotor *own, const double *planes, double angle, double speed, double *out)
 {
-    const size_t n = 2 * (size_t)own->planes, exact = (size_t)own->orders / 2;
+    const size_t n = 2 * (size_t)own->planes;
     size_t k;
-    copy_doubles(exact * n, planes, out);
+    copy_doubles(2 * n, planes, out);
     if (own->turning) {
         const Complex turned = turned_by(own->turned, angle);
-        /* (a e^{-i beta})'' = (s - 2 i w j - (w^2 + i w') a) e^{-i beta} */
-        for (k = 0; exact == 3 && k < n; k += 2) {
-            const double *a = planes + k, *j = a + n;
-            out[2 * n + k] += speed * (2.0 * j[1] - speed * a[0]) + spin_up * a[1];
-            out[2 * n + k + 1] -= speed * (2.0 * j[0] + speed * a[1]) + spin_up * a[0];
-        }
         /* (a e^{-i beta})' = (j - i w a) e^{-i beta} */
         for (k = 0; k < n; k += 2) {
             out[n + k] += speed * out[k + 1];
             out[n + k + 1] -= speed * out[k];
         }
-        rotor_rotated(out, exact * n / 2, turned.re, -turned.im, out);
+        rotor_rotated(out, n, turned.re, -turned.im, out);
     }
 }
 
@@ -309,7 +291,6 @@ int rotor_outputs_now(Unit *unit, double *out)
     if (rotor_propagate(unit, 0.0)) {
         return 1;
     }
-    rotor_put(own, own->result + 4 * own->stations, unit->memory[REST], rotor_drive(unit)[0],
-              rotor_drive(unit)[SPIN_UP], out);
+    rotor_put(own, own->result + 4 * own->stations, unit->memory[REST], rotor_drive(unit)[0], out);
     return 0;
 }

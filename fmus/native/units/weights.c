@@ -26,7 +26,6 @@ static int weights_allocate(Unit *unit)
 {
     Balls *own = unit->own;
     own->count = unit->layout.sizes.weights;
-    own->orders = unit->layout.sizes.order + 1;
     own->scratch = unit_allocate(unit, track_scratch(own->count), sizeof(double));
     own->turned = unit_allocate(unit, 2 * (size_t)own->count, sizeof(Turned));
     return !own->scratch || !own->turned;
@@ -80,11 +79,6 @@ static int weights_parameters(Unit *unit)
     if (track_prepare(track, &failure)) {
         return unit_failed(unit, &failure);
     }
-    if (own->orders == QUINTIC_ORDERS && track->eventful) {
-        fail(&failure, "order = 5: only point weights have such signals; weight_radius and "
-                       "rolling_resistance must be 0");
-        return unit_failed(unit, &failure);
-    }
     own->stop_at_contact = flag(unit, "stop_at_contact") && unit->may_end_early;
     own->carried = flag(unit, "inertia_as_force") ? 0.0 : weights_added_mass(&track->weights);
     own->sent = weights_added_mass(&track->weights) - own->carried;
@@ -106,8 +100,8 @@ static int weights_begin(Unit *unit)
     return 0;
 }
 
-/* Residual force of the weights on the rotor and its derivatives in its frame, without pulses; 1 with
-   the reason. */
+/* Residual force of the weights on the rotor and its slope in its frame, without pulses; 1 with the
+   reason. */
 static int find_reaction(Unit *unit, const Instant *plane, Complex *force)
 {
     const Balls *own = unit->own;
@@ -115,7 +109,7 @@ static int find_reaction(Unit *unit, const Instant *plane, Complex *force)
     const double *angles = unit->memory;
     Failure failure;
     if (track_reaction(&own->track, angles, angles + count, angles + 2 * count, plane,
-                       own->orders / 2, force, own->turned, own->scratch, &failure)) {
+                       force, own->turned, own->scratch, &failure)) {
         return unit_failed(unit, &failure);
     }
     return 0;
@@ -125,9 +119,8 @@ static int find_reaction(Unit *unit, const Instant *plane, Complex *force)
 static int weights_put_outputs(Unit *unit)
 {
     const Balls *own = unit->own;
-    const int half = own->orders / 2;
     double *out = unit->real + unit->layout.computed.first;
-    Complex pulse_acceleration, force[3];
+    Complex pulse_acceleration, force[2];
     Instant plane = find_plane_motion(unit, &pulse_acceleration);
     int k;
     if (find_reaction(unit, &plane, force)) {
@@ -135,14 +128,14 @@ static int weights_put_outputs(Unit *unit)
     }
     force[0] = complex_sum(force[0], weights_pulse(unit));
     plane.motion[0] = complex_sum(plane.motion[0], pulse_acceleration);
-    for (k = 0; k < half && own->sent != 0.0; k++) {
+    for (k = 0; k < 2 && own->sent != 0.0; k++) {
         force[k] = complex_difference(force[k], complex_scaled(own->sent, plane.motion[k]));
     }
     if (unit->layout.sizes.fixed_frame) {
-        rotate_derivatives(force, half, &plane.spin, 1);
+        rotate_derivatives(force, &plane.spin, 1);
     }
-    memcpy(out, force, (size_t)half * sizeof *force);
-    out[2 * half] = own->carried;
+    memcpy(out, force, sizeof force);
+    out[ADDED_MASS] = own->carried;
     return 0;
 }
 
@@ -155,7 +148,7 @@ static void take_off_answer(double mobility, Complex pulse, Complex given, doubl
     const Complex end[2] = {complex_scaled(mobility, given), {0.0, 0.0}};
     Complex answer[SIGNAL_ORDERS];
     int k;
-    signal_hermite(start, end, SIGNAL_ORDERS, length, answer);
+    cubic_between(start, end, length, answer);
     for (k = 0; k < SIGNAL_ORDERS; k++) {
         cubic[k] = complex_difference(cubic[k], answer[k]);
     }
@@ -212,36 +205,36 @@ static int step_with_events(Unit *unit, Complex *cubic, double speed, const doub
 static void find_centre_signal(const Unit *unit, double length, Complex *signal)
 {
     const Balls *own = unit->own;
-    const double *in = weights_drive(unit);
+    const double *in = weights_inputs(unit);
     const Spin start = spin_of(in[ANGLE], in[SPEED], in + ACCELERATION);
-    memcpy(signal, weights_signal(unit), (size_t)own->orders * sizeof *signal);
+    memcpy(signal, weights_signal(unit), SIGNAL_ORDERS * sizeof *signal);
     if (unit->layout.sizes.fixed_frame) {
-        Complex ends[2][3];
+        Complex ends[2][2];
         int k;
         for (k = 0; k < 2; k++) {
             const Spin spin = spin_after(&start, k * length);
-            signal_at(weights_signal(unit), own->orders, k * length, ends[k]);
-            rotate_derivatives(ends[k], own->orders / 2, &spin, 0);
+            cubic_at(weights_signal(unit), k * length, ends[k]);
+            rotate_derivatives(ends[k], &spin, 0);
         }
-        signal_hermite(ends[0], ends[1], own->orders, length, signal);
+        cubic_between(ends[0], ends[1], length, signal);
     }
-    shift_signal(signal, own->orders, own->track.offset, in[SPEED], in + ACCELERATION);
+    shift_signal(signal, SIGNAL_ORDERS, own->track.offset, in[SPEED], in + ACCELERATION);
 }
 
 static int weights_step_unit(Unit *unit, double length)
 {
     Balls *own = unit->own;
-    const double *in = weights_drive(unit), *spin_up = in + ACCELERATION;
+    const double *in = weights_inputs(unit), *spin_up = in + ACCELERATION;
     double *angles = unit->memory, *speeds = unit->memory + own->count;
-    Complex signal[QUINTIC_ORDERS];
+    Complex signal[SIGNAL_ORDERS];
     Failure failure;
     find_centre_signal(unit, length, signal);
     if (own->track.eventful) {
         if (step_with_events(unit, signal, in[SPEED], spin_up, length)) {
             return 1;
         }
-    } else if (weights_advance(&own->track.weights, angles, speeds, signal, own->orders, spin_up,
-                               length, angles, speeds, &own->quadrature, own->turned, &failure)) {
+    } else if (weights_advance(&own->track.weights, angles, speeds, signal, spin_up, length,
+                               angles, speeds, &own->quadrature, own->turned, &failure)) {
         return unit_failed(unit, &failure);
     }
     unit->memory[unit->memory_count - 1] = unit->made;
@@ -271,7 +264,7 @@ static void weights_observe_torques(Unit *unit)
     const Balls *own = unit->own;
     const double *angles = unit->memory, *speeds = angles + own->count;
     double *out = unit->real + unit->layout.real_count - 2;
-    Complex pulse_acceleration, force[3];
+    Complex pulse_acceleration, force[2];
     const Instant plane = find_plane_motion(unit, &pulse_acceleration);
     Failure failure;
     if (find_reaction(unit, &plane, force) ||

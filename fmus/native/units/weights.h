@@ -11,14 +11,11 @@ enum { SIGNALS = 2 };
 enum { MASS, TRACK_RADIUS, KAPPA, DRAG, WEIGHT_RADIUS, RESTITUTION, MOBILITY, ROLLING };
 enum { OFFSET_XI = 8, OFFSET_ETA = 9 };
 enum { SHORTEST_STOPPED = 10, FIRST_ANGLE = 11 };
-/* with quintic signals two derivatives more stand before these */
 enum { ANGLE = 8, SPEED = 9, ACCELERATION = 10 };
-enum { INPUTS = 14 }; /* the last of them derivatives of the acceleration */
 enum { FORCE = 0, FORCE_SLOPE = 2, ADDED_MASS = 4 };
 
 typedef struct {
     int count;
-    int orders; /* numbers that tell a signal: value and derivatives */
     Track track;
     int stop_at_contact;  /* whether a step ends behind the first event */
     double carried, sent; /* parts of the added mass: through the port, in the force [kg] */
@@ -27,16 +24,15 @@ typedef struct {
     double *scratch;
 } Balls;
 
-/* The inputs, from where angle, speed and acceleration have their names. */
-static inline const double *weights_drive(const Unit *unit)
+static inline const double *weights_inputs(const Unit *unit)
 {
-    return unit->real + unit->layout.inputs.first + 2 * (unit->layout.sizes.order - 3);
+    return unit->real + unit->layout.inputs.first;
 }
 
 /* The acceleration's signal over the step. */
 static inline const Complex *weights_signal(const Unit *unit)
 {
-    return (const Complex *)(const void *)(unit->real + unit->layout.inputs.first);
+    return (const Complex *)(const void *)weights_inputs(unit);
 }
 
 /* -- weights_motion.c ---------------------------------------------------------------------- */
@@ -44,9 +40,9 @@ static inline const Complex *weights_signal(const Unit *unit)
 /* What collisions have left owed, and the pulse at the end of the last step, in the unit's memory. */
 double *weights_impulses(const Unit *unit);
 Complex weights_pulse(const Unit *unit);
-/* A vector in fixed axes and its derivatives, `count` (2 or 3) in all, in place as they are seen in axes
-   that turn with the rotor, or against it. */
-void rotate_derivatives(Complex *derivatives, int count, const Spin *spin, int against);
+/* A vector in fixed axes and its slope, in place as they are seen in axes that turn with the rotor, or
+   against it. */
+void rotate_derivatives(Complex *derivatives, const Spin *spin, int against);
 /* How the plane's centre and the rotor move at the end of the last step, or where inputs are set since.
    The weights' jump at a collision has the rotor's part in it: they do not feel how the plane answers the
    pulse, which is left out and given apart. */

@@ -5,6 +5,7 @@
 #include "base/elementary.h"
 #include "constants.h"
 
+enum { LAST_PHI = SIGNAL_ORDERS + 1 };
 #define NEARBY 0.16 /* rad: the series of a turn by less leave out less than 1e-16 */
 
 Weights weights_single(const Weights *weights, int k)
@@ -82,36 +83,28 @@ double weights_alignment(int count, const double *angles, Turned *turned)
     return magnitude(sum) / count;
 }
 
-void phi_functions(double z, int count, double *phi)
+void phi_functions(double z, double *phi)
 {
-    double inverse = 1.0, term, last; /* inverse: 1/k! */
-    int j = count, k;
+    static const double factorials[LAST_PHI + 1] = {1.0, 1.0, 2.0, 6.0, 24.0, 120.0};
+    double term, last;
+    int j = LAST_PHI, k;
     if (z < -1.0) {
-        double factorial = 1.0;
         phi[0] = natural_exp(z);
-        for (k = 0; k < count; k++) {
-            factorial *= k ? k : 1;
-            phi[k + 1] = (phi[k] - 1.0 / factorial) / z;
+        for (k = 0; k < LAST_PHI; k++) {
+            phi[k + 1] = (phi[k] - 1.0 / factorials[k]) / z;
         }
         return;
     }
     /* upward recursion loses digits for small |z|: sum the last one, the others follow downward */
-    for (k = 2; k <= count; k++) {
-        inverse *= k;
-    }
-    term = last = 1.0 / inverse;
+    term = last = 1.0 / factorials[LAST_PHI];
     while (absolute(term) > 1e-18 * last) {
         j++;
         term *= z / j;
         last += term;
     }
-    phi[count] = last;
-    for (k = count - 1; k >= 0; k--) {
-        double factorial = 1.0;
-        for (j = 2; j <= k; j++) {
-            factorial *= j;
-        }
-        phi[k] = z * phi[k + 1] + 1.0 / factorial;
+    phi[LAST_PHI] = last;
+    for (k = LAST_PHI - 1; k >= 0; k--) {
+        phi[k] = z * phi[k + 1] + 1.0 / factorials[k];
     }
 }
 
@@ -121,16 +114,16 @@ Quadrature quadrature_empty(void)
     return empty;
 }
 
-const double *quadrature(Quadrature *memory, int orders, double damping_rate, double step)
+const double *quadrature(Quadrature *memory, double damping_rate, double step)
 {
-    double phi[QUINTIC_ORDERS + 2], power = 1.0;
+    double phi[LAST_PHI + 1], power = 1.0;
     int k;
     if (memory->damping_rate != damping_rate || memory->step != step) {
-        phi_functions(-damping_rate * step, orders + 1, phi);
-        for (k = 0; k <= orders; k++) {
+        phi_functions(-damping_rate * step, phi);
+        for (k = 0; k < LAST_PHI; k++) {
             memory->response[k] = power * phi[k];
             power *= step;
-            memory->response[orders + 1 + k] = power * phi[k + 1];
+            memory->response[LAST_PHI + k] = power * phi[k + 1];
         }
         memory->damping_rate = damping_rate;
         memory->step = step;
@@ -138,19 +131,19 @@ const double *quadrature(Quadrature *memory, int orders, double damping_rate, do
     return memory->response;
 }
 
-void find_drive(const Driven *by, int count, Complex direction, double angle_rate,
-                double damping_rate, double *drive)
+Driven driven_by(const Instant *now, double spin_share)
+{
+    const Driven driven = {{now->motion[0], now->motion[1]},
+                           {spin_share * now->spin.rates[0], spin_share * now->spin.rates[1]}};
+    return driven;
+}
+
+void find_drive(const Driven *by, Complex direction, double angle_rate, double *drive)
 {
     const Complex along = complex_product(by->motion[0], direction);
     const Complex slope = complex_product(by->motion[1], direction);
-    const double rate = angle_rate;
     drive[0] = along.im - by->lag[0];
-    drive[1] = slope.im - along.re * rate - by->lag[1];
-    if (count == 3) {
-        drive[2] = complex_product(by->motion[2], direction).im - 2.0 * slope.re * rate -
-                   along.re * (drive[0] - damping_rate * rate) - along.im * rate * rate -
-                   by->lag[2];
-    }
+    drive[1] = slope.im - along.re * angle_rate - by->lag[1];
 }
 
 /* rect(lever, -angle) from `direction`, the same `moved` radians before: a small turn is cheap. */
@@ -168,36 +161,28 @@ static Complex direction_at(Complex direction, double moved, double lever, doubl
     return complex_product(direction, complex_of(c, -moved * s));
 }
 
-/* A sum and 2 or 3 products. */
-static double add_weighted(double sum, int count, const double *weights, const double *values)
-{
-    sum = sum + weights[0] * values[0] + weights[1] * values[1];
-    return count == 3 ? sum + weights[2] * values[2] : sum;
-}
-
 int weights_substep(double *angle, double *angle_rate, const Driven *start, const Driven *end,
-                    int orders, double lever, Complex unit, double damping_rate,
-                    const double *response, double step, Failure *failure)
+                    double lever, Complex unit, const double *response, double step,
+                    Failure *failure)
 {
     const Complex direction = complex_scaled(lever, complex_conjugate(unit));
-    const int half = orders / 2;
-    const double *s = response + 1, *t = s + orders + 1; /* to the drive's derivatives */
+    const double *s = response + 1, *t = s + SIGNAL_ORDERS + 1; /* to the drive's derivatives */
     const double from = *angle;
-    double begin[3], reached[3], higher[3], free_rate, free_angle, new_rate, new_angle;
+    double begin[2], reached[2], second, third, free_rate, free_angle, new_rate, new_angle;
     double change = 1.0; /* a weight moves less than 0.15 rad in a substep: it contracts fast */
     int iteration;
-    find_drive(start, half, direction, *angle_rate, damping_rate, begin);
-    free_rate = add_weighted(response[0] * *angle_rate, half, s, begin);
-    free_angle = add_weighted(from + response[orders + 1] * *angle_rate, half, t, begin);
+    find_drive(start, direction, *angle_rate, begin);
+    free_rate = response[0] * *angle_rate + s[0] * begin[0] + s[1] * begin[1];
+    free_angle = from + t[-1] * *angle_rate + t[0] * begin[0] + t[1] * begin[1];
     new_angle = free_angle;
     new_rate = free_rate;
     for (iteration = 0; iteration < MAX_ITERATIONS; iteration++) {
         const double last_angle = new_angle, last_rate = new_rate, last_change = change;
-        find_drive(end, half, direction_at(direction, new_angle - from, lever, new_angle),
-                   new_rate, damping_rate, reached);
-        hermite_rates(begin, reached, orders, step, higher);
-        new_rate = add_weighted(free_rate, half, s + half, higher);
-        new_angle = add_weighted(free_angle, half, t + half, higher);
+        find_drive(end, direction_at(direction, new_angle - from, lever, new_angle), new_rate,
+                   reached);
+        hermite(begin[0], begin[1], reached[0], reached[1], step, &second, &third);
+        new_rate = free_rate + s[2] * second + s[3] * third;
+        new_angle = free_angle + t[2] * second + t[3] * third;
         change = absolute(new_angle - last_angle) + absolute(new_rate - last_rate) * step;
         if (converged(change, last_change, new_angle)) {
             *angle = new_angle;
@@ -265,21 +250,16 @@ static int count_substeps(const Weights *weights, const double *angles, const do
 }
 
 /* What drives weights `time` into a step. */
-static Driven driven_at(const Complex *signal, int orders, const Spin *spin, double share,
-                        double time)
+static Driven driven_at(const Complex *signal, const Spin *spin, double share, double time)
 {
-    const Spin now = spin_after(spin, time);
-    Driven driven;
-    int k;
-    signal_at(signal, orders, time, driven.motion);
-    for (k = 0; k < 3; k++) {
-        driven.lag[k] = share * now.rates[k];
-    }
-    return driven;
+    Instant now;
+    cubic_at(signal, time, now.motion);
+    now.spin = spin_after(spin, time);
+    return driven_by(&now, share);
 }
 
 int weights_advance(const Weights *weights, const double *angles, const double *speeds,
-                    const Complex *signal, int orders, const double *spin_up, double step,
+                    const Complex *signal, const double *spin_up, double step,
                     double *new_angles, double *new_speeds, Quadrature *memory, Turned *turned,
                     Failure *failure)
 {
@@ -292,7 +272,7 @@ int weights_advance(const Weights *weights, const double *angles, const double *
     int k, j, count, code = FINE;
     for (k = 0; weights->each && k < weights->count && !code; k++) {
         const Weights one = weights_single(weights, k);
-        code = weights_advance(&one, angles + k, speeds + k, signal, orders, spin_up, step,
+        code = weights_advance(&one, angles + k, speeds + k, signal, spin_up, step,
                                new_angles + k, new_speeds + k, memory,
                                turned ? turned + 2 * k : NULL, failure);
     }
@@ -304,9 +284,9 @@ int weights_advance(const Weights *weights, const double *angles, const double *
         return failure->code;
     }
     h = count > 1 ? step / count : step;
-    response = quadrature(memory, orders, damping_rate, h);
-    begin = driven_at(signal, orders, &spin, share, 0.0);
-    first = driven_at(signal, orders, &spin, share, h);
+    response = quadrature(memory, damping_rate, h);
+    begin = driven_at(signal, &spin, share, 0.0);
+    first = driven_at(signal, &spin, share, h);
     for (k = 0; k < weights->count && !code; k++) {
         const double behind = turns_behind(angles[k]);
         double angle = angles[k] - behind, speed = speeds[k];
@@ -315,10 +295,9 @@ int weights_advance(const Weights *weights, const double *angles, const double *
         for (j = 1; j <= count && !code; j++, start = end, end = ends + j % 2) {
             const Complex unit = turned_by(turned ? turned + 2 * k : NULL, angle);
             if (j > 1) {
-                ends[j % 2] = driven_at(signal, orders, &spin, share, j * h);
+                ends[j % 2] = driven_at(signal, &spin, share, j * h);
             }
-            code = weights_substep(&angle, &speed, start, end, orders, lever, unit, damping_rate,
-                                   response, h, failure);
+            code = weights_substep(&angle, &speed, start, end, lever, unit, response, h, failure);
         }
         new_angles[k] = angle + behind;
         new_speeds[k] = speed;
@@ -326,34 +305,27 @@ int weights_advance(const Weights *weights, const double *angles, const double *
     return code;
 }
 
-void add_derivatives(Complex unit, const double *rates, int count, Complex *sums)
+void add_derivatives(Complex unit, const double *rates, Complex *sums)
 {
     const double nu = rates[0], nu_1 = rates[1], nu_2 = rates[2], squared = nu * nu;
-    const Complex factors[4] = { /* derivatives of e^{i theta} of order 1 to 3, over it */
-        {0.0, nu}, {-squared, nu_1}, {-3.0 * nu * nu_1, nu_2 - nu * squared}, {0.0, 0.0}};
+    const Complex factors[3] = { /* derivatives of e^{i theta} of order 1 to 3, over it */
+        {0.0, nu}, {-squared, nu_1}, {-3.0 * nu * nu_1, nu_2 - nu * squared}};
     int k;
     sums[0] = complex_sum(sums[0], unit);
     for (k = 1; k < 4; k++) {
         sums[k] = complex_sum(sums[k], complex_product(factors[k - 1], unit));
     }
-    if (count == 5) {
-        const Complex fourth = {squared * squared - 3.0 * nu_1 * nu_1 - 4.0 * nu * nu_2,
-                                rates[3] - 6.0 * squared * nu_1};
-        sums[4] = complex_sum(sums[4], complex_product(fourth, unit));
-    }
 }
 
-void find_force(double moment, const Complex *u, const Spin *spin, int count, Complex *force)
+void find_force(double moment, const Complex *u, const Spin *spin, Complex *force)
 {
-    const double w = spin->speed, w1 = spin->rates[0], w2 = spin->rates[1], w3 = spin->rates[2];
+    const double w = spin->speed, w1 = spin->rates[0], w2 = spin->rates[1];
     /* the k-th derivative of u'' + 2 i w u' + (i w' - w^2) u is u^(k + 2) + 2 i w u^(k + 1) and the sum
        of factors[k][j] u^(j) */
-    const Complex factors[3][3] = {
-        {{-w * w, w1}, {0.0, 0.0}, {0.0, 0.0}},
-        {{-2.0 * w * w1, w2}, {-w * w, 3.0 * w1}, {0.0, 0.0}},
-        {{-2.0 * (w1 * w1 + w * w2), w3}, {-4.0 * w * w1, 4.0 * w2}, {-w * w, 5.0 * w1}}};
+    const Complex factors[2][2] = {{{-w * w, w1}, {0.0, 0.0}},
+                                   {{-2.0 * w * w1, w2}, {-w * w, 3.0 * w1}}};
     int k, j;
-    for (k = 0; k < count; k++) {
+    for (k = 0; k < 2; k++) {
         Complex sum = complex_product(complex_of(0.0, 2.0 * w), u[k + 1]);
         sum = complex_sum(u[k + 2], sum);
         for (j = k; j >= 0; j--) {
@@ -363,46 +335,32 @@ void find_force(double moment, const Complex *u, const Spin *spin, int count, Co
     }
 }
 
-/* What drives one weight. */
-static Driven driven_now(const Instant *now, double share)
-{
-    Driven driven;
-    int k;
-    for (k = 0; k < 3; k++) {
-        driven.motion[k] = now->motion[k];
-        driven.lag[k] = share * now->spin.rates[k];
-    }
-    return driven;
-}
-
 void weights_reaction(const Weights *weights, const double *angles, const double *speeds,
-                      const Instant *now, int count, Complex *force, Turned *turned)
+                      const Instant *now, Complex *force, Turned *turned)
 {
     const double lever = weights_lever(weights);
-    Complex sums[5] = {{0.0, 0.0}, {0.0, 0.0}, {0.0, 0.0}, {0.0, 0.0}, {0.0, 0.0}};
+    Complex sums[4] = {{0.0, 0.0}, {0.0, 0.0}, {0.0, 0.0}, {0.0, 0.0}};
     double damping_rate = 0.0;
     Driven by;
-    int k, j;
+    int k;
     for (k = 0; k < weights->count; k++) {
         Complex unit = unit_of(turned, angles, k);
-        double drive[3], rates[4];
+        double drive[2], rates[3];
         if (!k || weights->each) {
             const Weights one = weights_single(weights, k);
             damping_rate = weights_damping_rate(&one);
-            by = driven_now(now, weights_spin_share(&one));
+            by = driven_by(now, weights_spin_share(&one));
         }
-        find_drive(&by, count, complex_scaled(lever, complex_conjugate(unit)), speeds[k],
-                   damping_rate, drive);
+        find_drive(&by, complex_scaled(lever, complex_conjugate(unit)), speeds[k], drive);
         rates[0] = speeds[k];
-        for (j = 0; j < count; j++) {
-            rates[j + 1] = drive[j] - damping_rate * rates[j];
-        }
+        rates[1] = drive[0] - damping_rate * rates[0];
+        rates[2] = drive[1] - damping_rate * rates[1];
         if (weights->each) {
             unit = complex_scaled(weights->each[k], unit);
         }
-        add_derivatives(unit, rates, count + 2, sums);
+        add_derivatives(unit, rates, sums);
     }
-    find_force(weights->mass * weights->track_radius, sums, &now->spin, count, force);
+    find_force(weights->mass * weights->track_radius, sums, &now->spin, force);
 }
 
 void weights_unhindered(const Weights *weights, const double *angles, const double *speeds,
@@ -414,9 +372,9 @@ void weights_unhindered(const Weights *weights, const double *angles, const doub
         const Weights one = weights_single(weights, k);
         const double arm = weights_arm(&one) / weights_arm(weights);
         const double damping_rate = weights_damping_rate(&one);
-        const Driven by = driven_now(now, weights_spin_share(&one));
+        const Driven by = driven_by(now, weights_spin_share(&one));
         double drive[2], bend;
-        find_drive(&by, 2, rect(weights_lever(&one), -angles[k]), speeds[k], damping_rate, drive);
+        find_drive(&by, rect(weights_lever(&one), -angles[k]), speeds[k], drive);
         bend = drive[0] - damping_rate * speeds[k];
         turned[0] += arm * bend;
         turned[1] += arm * (drive[1] - damping_rate * bend);

@@ -2,10 +2,9 @@
 #ifndef AUTOBALANCER_WEIGHTS_H
 #define AUTOBALANCER_WEIGHTS_H
 
-#include "base/complex_number.h"
+#include "base/cubic.h"
 #include "base/elementary.h"
 #include "base/failure.h"
-#include "base/signals.h"
 #include "base/spin.h"
 
 #define TOO_MANY_SUBSTEPS                                                                         \
@@ -22,25 +21,25 @@ typedef struct {
     const double *each;  /* (3, N) mass, drag and radius of each over those above; NULL: all alike */
 } Weights;
 
-/* What drives weights at one time: acceleration of the track's centre in the rotor frame, its slope and,
-   of quintic signals, its second derivative; and how the rotor turns. */
+/* What drives weights at one time: acceleration of the track's centre in the rotor frame and its slope;
+   and how the rotor turns. */
 typedef struct {
-    Complex motion[3];
+    Complex motion[2];
     Spin spin;
 } Instant;
 
 /* The same of one weight, with its lag s w', by which it falls behind where it is free, and the lag's
-   derivatives in place of the rotor's. */
+   slope in place of how the rotor turns. */
 typedef struct {
-    Complex motion[3];
-    double lag[3];
+    Complex motion[2];
+    double lag[2];
 } Driven;
 
 /* Exact response of angle and rate over a step, remembered for one damping rate and step: of the rate, to
-   itself and to the drive's derivatives of order 0 to orders - 1, then of the angle. */
+   itself and to the drive's derivatives of order 0 to 3, then of the angle. */
 typedef struct {
     double damping_rate, step;
-    double response[2 * (QUINTIC_ORDERS + 1)];
+    double response[2 * (SIGNAL_ORDERS + 1)];
 } Quadrature;
 
 /* Weight k alone, with its own mass, drag and radius. */
@@ -62,24 +61,26 @@ Complex weights_static_moment(const Weights *weights, const double *angles, Turn
 /* |sum e^{2 i theta}|/N: 0 for evenly spread weights, 1 for a pair. */
 double weights_alignment(int count, const double *angles, Turned *turned);
 
-/* phi_0(z)..phi_count(z) for z <= 0; count at most 8. */
-void phi_functions(double z, int count, double *phi);
+/* phi_0(z)..phi_5(z) for z <= 0. */
+void phi_functions(double z, double *phi);
 /* A quadrature that remembers nothing, and the response for a damping rate and step. */
 Quadrature quadrature_empty(void);
-const double *quadrature(Quadrature *memory, int orders, double damping_rate, double step);
+const double *quadrature(Quadrature *memory, double damping_rate, double step);
 
-/* Drive Im(a e^{-i theta}), with a direction lever e^{-i theta}, less the lag; and its time derivatives
-   along the motion, `count` (2 or 3) in all. */
-void find_drive(const Driven *by, int count, Complex direction, double angle_rate,
-                double damping_rate, double *drive);
+/* What drives one weight, which falls behind by this part of the rotor's angular acceleration. */
+Driven driven_by(const Instant *now, double spin_share);
+
+/* Drive Im(a e^{-i theta}), with a direction lever e^{-i theta}, less the lag; and its slope along the
+   motion. */
+void find_drive(const Driven *by, Complex direction, double angle_rate, double *drive);
 
 /* Angle and rate of one weight after `step`, in place: drag is integrated exactly, the drive as a cubic
-   (order 4) or quintic (order 6) with its exact derivatives at both ends.
+   with its exact slopes at both ends (order 4).
 
    lever: -1/(kappa R), times a group's factor; unit: e^{i angle}; response: of `quadrature`. */
 int weights_substep(double *angle, double *angle_rate, const Driven *start, const Driven *end,
-                    int orders, double lever, Complex unit, double damping_rate,
-                    const double *response, double step, Failure *failure);
+                    double lever, Complex unit, const double *response, double step,
+                    Failure *failure);
 
 /* Whether the next iteration of a substep would change no more than rounding: a linear one changes
    next by change^2/last_change.
@@ -103,21 +104,19 @@ double fastest_rate(int count, const double *speeds, const Complex *signal, doub
    frame over the step; spin_up (4,): angular acceleration of the rotor and its derivatives; turned
    (N, 2) as `turned_by` keeps them, or NULL. */
 int weights_advance(const Weights *weights, const double *angles, const double *speeds,
-                    const Complex *signal, int orders, const double *spin_up, double step,
+                    const Complex *signal, const double *spin_up, double step,
                     double *new_angles, double *new_speeds, Quadrature *memory, Turned *turned,
                     Failure *failure);
 
-/* Add a weight's e^{i theta} (`unit`, times its mass) and its time derivatives, `count` in all (4 or 5),
-   to their sums; rates: of theta, from order 1 on. */
-void add_derivatives(Complex unit, const double *rates, int count, Complex *sums);
-/* Force -(m R u e^{i beta})'' e^{-i beta} and its derivatives, `count` in all, from u and its derivatives
-   up to order count + 1. */
-void find_force(double moment, const Complex *u, const Spin *spin, int count, Complex *force);
+/* Add a weight's e^{i theta} (`unit`, times its mass) and its time derivatives of order 1 to 3 to their
+   sums; rates (3,): the derivatives of theta. */
+void add_derivatives(Complex unit, const double *rates, Complex *sums);
+/* Force -(m R u e^{i beta})'' e^{-i beta} and its slope, from u and its derivatives of order 1 to 3. */
+void find_force(double moment, const Complex *u, const Spin *spin, Complex *force);
 
-/* Residual force on the rotor in the rotor frame and its exact derivatives, `count` (2 or 3) in all;
-   N m is not in it. */
+/* Residual force on the rotor in the rotor frame and its exact slope; N m is not in it. */
 void weights_reaction(const Weights *weights, const double *angles, const double *speeds,
-                      const Instant *now, int count, Complex *force, Turned *turned);
+                      const Instant *now, Complex *force, Turned *turned);
 
 /* Sum of theta'' and its slope, of weights that nothing but drag hinders; of unequal ones each times
    its arm over `weights_arm`. */

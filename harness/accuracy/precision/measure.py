@@ -31,7 +31,6 @@ from .methods import (
     TimedRun,
     coupling_methods,
     monolith_methods,
-    one_file_methods,
     ready,
 )
 from .reference import refuse_without_reference, right_motion, signal_ranges
@@ -161,8 +160,6 @@ def all_methods(scene: Scene) -> list[Method]:
     """Every method that could run the scene."""
     exchanges = any(not isinstance(b, Liquid) or b.inertia_as_force for b in scene.balancer)
     methods = coupling_methods(exchanges)
-    if exchanges and scene.takes_quintics:
-        methods += one_file_methods(5)
     if scene.operation.motor:
         methods = [m for m in methods if m.name in UNDER_A_MOTOR]
     return methods + monolith_methods()

@@ -87,7 +87,7 @@ class Method:
         """The method without its step or tolerance, in words."""
         words = [self.name]
         if self.order is not None:
-            words.append({0: "held", 1: "linear", 3: "cubic", 5: "quintic"}[self.order])
+            words.append({0: "held", 1: "linear", 3: "cubic"}[self.order])
         if self.tolerance is not None and not self.in_one_piece:
             words.append("tolerance")
         elif self.name == "iterated":
@@ -183,16 +183,9 @@ def coupling_methods(exchanges_force: bool) -> list[Method]:
     methods += [Method("iterated", 3, n, passes) for passes in (1, None) for n in ITERATED_STEPS]
     methods += [Method("iterated", 3, tolerance=t) for t in TOLERANCES]
     methods += [Method("compensated", 3, n, units="python") for n in PYTHON_STEPS]
-    return methods + one_file_methods()
-
-
-def one_file_methods(order: int = 3) -> list[Method]:
-    """The composite with given steps, and with a tolerance; signals of this order."""
-    steps = sorted(ONE_FILE_STEPS)
-    methods = [Method("iterated", order, n, 1, one_file=True) for n in steps]
-    return methods + [
-        Method("iterated", order, tolerance=t, one_file=True) for t in ONE_FILE_TOLERANCES
-    ]
+    methods += [Method("iterated", 3, n, 1, one_file=True) for n in sorted(ONE_FILE_STEPS)]
+    methods += [Method("iterated", 3, tolerance=t, one_file=True) for t in ONE_FILE_TOLERANCES]
+    return methods
 
 
 def monolith_methods() -> list[Method]:

@@ -146,7 +146,7 @@ VALUES = [
     ),
     ("[operation]\nspeed = 3.0", "", "operation: missing; give a value"),
     ('"auto"', '"jacob"', 'coupling.scheme = "jacob": must be one of'),
-    ('"auto"', '"auto"\norder = 2', "coupling.order = 2: must be one of 0, 1, 3 or 5"),
+    ('"auto"', '"auto"\norder = 5', "coupling.order = 5: must be one of 0, 1 or 3"),
     ('"auto"', '"auto"\norder = true', "coupling.order = true: must be one of 0 (held)"),
     ('"auto"', '"auto"\nsteps_per_rev = 2', "coupling.steps_per_rev = 2: must be 4 or more"),
     (
