@@ -83,7 +83,7 @@ static int planar(Unit *unit)
                            .unbalance_angle = real[7]};
     Failure failure;
     if (linear_rotor_planar(&values, &own->rotor, &failure)) {
-        return unit_failed(unit, &failure, NULL, 0);
+        return unit_failed(unit, &failure);
     }
     return 0;
 }
@@ -115,7 +115,7 @@ static int two_support(Unit *unit)
     Failure failure;
     support_values(real + 5, values.stiffness, values.damping);
     if (linear_rotor_two_support(&values, &own->rotor, &failure)) {
-        return unit_failed(unit, &failure, NULL, 0);
+        return unit_failed(unit, &failure);
     }
     return 0;
 }
@@ -134,9 +134,7 @@ static int station_at(Unit *unit, const double *z, size_t reference)
     if (!(absolute(z[nearest] - place) <= SAME_PLACE * absolute(z[n - 1] - z[0]))) {
         Text *reason = unit_reason(unit);
         layout_shown(&unit->layout, reference, place, reason);
-        text_put(reason, ": must be the place of a station, one of ");
-        text_list(reason, z, (size_t)n);
-        text_put(reason, " m");
+        text_format(reason, ": must be the place of a station, one of %l m", z, (size_t)n);
         return -1;
     }
     return nearest;
@@ -203,9 +201,7 @@ static int flexible(Unit *unit)
         }
     }
     if (linear_rotor_flexible(&values, &own->rotor, scratch, &failure)) {
-        return failure.code == FAILURE_NOT_ELASTIC
-                   ? unit_failed(unit, &failure, scratch, (size_t)(bent * bent))
-                   : unit_failed(unit, &failure, z, (size_t)n);
+        return unit_failed(unit, &failure);
     }
     return misplaced >= 0; /* the reason is that of the first one */
 }
