@@ -25,7 +25,6 @@ from .axis import Axis, Map, refuse_axes
 from .boundaries import criterion_of
 from .main_motion import MainMotion
 from .map_store import open_map
-from .whirl import whirl_at
 
 Vector = NDArray[np.float64]
 Reasons = NDArray[np.object_]  # why points have no growth rate; empty where they have
@@ -33,8 +32,6 @@ _STRIPS = {
     "growth": "largest growth rate [1/s]",
     "criterion": "negative: balanced by the criterion",
     "why_not": "why there is no growth rate",
-    "whirl": "amplitude that remains where weights cannot balance [m]",
-    "whirl_growth": "growth rate of that whirl [1/s]",
 }
 _ROWS = 8  # values of the slow axis solved together; more would hide the progress
 _PLASTIC = 1.324717957244746  # its powers spread points evenly over a square
@@ -62,9 +59,6 @@ class StabilityMap(Map):
 
     Attributes:
         growth: largest growth rate [1/s]; NaN where weights cannot balance.
-        whirl: largest amplitude of the whirl that remains where the weights cannot balance [m]; NaN
-            elsewhere, and where there is no steady whirl.
-        whirl_growth: growth rate of deviations from it [1/s].
         criterion: negative where the criterion says balanced, in units of its largest value; None
             where it does not apply.
         no_criterion: why not.
@@ -75,8 +69,6 @@ class StabilityMap(Map):
     drawn_by: ClassVar[str] = "..stability.plot:plot_map"
 
     growth: Vector
-    whirl: Vector
-    whirl_growth: Vector
     criterion: Vector | None
     no_criterion: str
     points: tuple[MapPoint, ...]
@@ -104,14 +96,6 @@ class StabilityMap(Map):
             f"{self.growth.size} points: {int((self.growth <= 0.0).sum())} balanced, "
             f"{int((self.growth > 0.0).sum())} not, {none} where the weights cannot balance"
         )
-        if none:
-            stable = self.whirl[self.whirl_growth < 0.0]
-            ends = (
-                f", of {1e3 * stable.min():.4g} to {1e3 * stable.max():.4g} mm"
-                if len(stable)
-                else ""
-            )
-            yield f"where they cannot, a stable whirl remains at {len(stable)} points{ends}"
         if self.criterion is None:
             yield f"criterion: does not apply: {self.no_criterion}"
         if self.points:
@@ -128,11 +112,8 @@ class StabilityMap(Map):
             word = ""
             if self.criterion is not None:
                 word = "stable" if self.criterion[j, i] < 0.0 else "unstable"
-            whirl = float(self.whirl[j, i]), float(self.whirl_growth[j, i])
-            point = measured.get((j, i), "")
-            rows.append((*self._place(j, i), float(growth), word, point, *whirl))
-        growths = ("growth rate [1/s]", "criterion", "cosim growth rate [1/s]")
-        heads = (*self.labels, *growths, "whirl [m]", "whirl growth rate [1/s]")
+            rows.append((*self._place(j, i), float(growth), word, measured.get((j, i), "")))
+        heads = (*self.labels, "growth rate [1/s]", "criterion", "cosim growth rate [1/s]")
         return Sheet(heads, rows, title=self.title)
 
 
@@ -166,9 +147,7 @@ def stability_map(
         kept = open_map(store, "stability map", scene, x, y, _STRIPS, **form)
     strips = in_order(_strip, jobs, workers, lambda done: report(share * done), kept.get("strip"))
     grids = [np.concatenate(arrays) for arrays in zip(*strips, strict=True)]
-    growth, criterion, why_not, whirl, whirl_growth = (
-        grid.T if transposed else grid for grid in grids
-    )
+    growth, criterion, why_not = (grid.T if transposed else grid for grid in grids)
     work = [(scene, {x.path: x.values[i], y.path: y.values[j]}) for i, j in places]
     rates = in_order(
         _measure, work, workers, lambda done: report(0.5 + 0.5 * done), kept.get("point")
@@ -179,8 +158,6 @@ def stability_map(
         x,
         y,
         growth,
-        whirl,
-        whirl_growth,
         criterion if applies else None,
         "" if applies else _why_no_criterion(scene),
         tuple(MapPoint(*place, *rate) for place, rate in zip(places, rates, strict=True)),
@@ -190,8 +167,8 @@ def stability_map(
 
 def _strip(
     job: tuple[Scene, str, list[float], Axis],
-) -> tuple[Vector, Vector, Reasons, Vector, Vector]:
-    """Growth rates, the criterion, reasons, whirls, (values of the slow axis, all of the fast)."""
+) -> tuple[Vector, Vector, Reasons]:
+    """Growth rates, the criterion, reasons, (values of the slow axis, all of the fast)."""
     scene, slow, values, fast = job
     along = fast.path == SPEED
     others = [{}] if along else [{fast.path: value} for value in fast.values]
@@ -202,19 +179,8 @@ def _strip(
     speeds = fast.values if along else np.array([scenes[0].profile().end])
     growth, why_not = _rates(assemblies, speeds)
     criterion = np.concatenate([_criterion(a, speeds) for a in assemblies])
-    whirl = _whirls(scenes, speeds, np.isnan(growth) & (why_not == ""))
     shape = len(values), len(fast.values)
-    grids = growth, criterion, why_not, *whirl
-    return tuple(grid.reshape(shape) for grid in grids)  # type: ignore[return-value]
-
-
-def _whirls(scenes: Sequence[Scene], speeds: Vector, unbalanced: Vector) -> tuple[Vector, Vector]:
-    """Amplitude and growth rate of the whirl where weights cannot balance (scenes, speeds)."""
-    amplitude, growth = np.full(unbalanced.shape, math.nan), np.full(unbalanced.shape, math.nan)
-    for i, j in np.argwhere(unbalanced).tolist():
-        one = whirl_at(scenes[i], float(speeds[j]))
-        growth[i, j], amplitude[i, j] = one.growth, max(one.amplitude, default=math.nan)
-    return amplitude, growth
+    return growth.reshape(shape), criterion.reshape(shape), why_not.reshape(shape)
 
 
 def _rates(assemblies: Sequence[Assembly], speeds: Vector) -> tuple[Vector, Reasons]:

@@ -51,26 +51,12 @@ def plot_map(data: StabilityMap, path: Path | None) -> Path | Drawing:
         handles.append(
             Patch(facecolor="0.85", edgecolor="0.6", hatch="///", label="weights cannot balance")
         )
-        handles += _whirls(axes, data)
     handles += _points(axes, data)
     axes.set(xlim=(x[0], x[-1]), ylim=(y[0], y[-1]))
     figure.legend(
         handles=handles, loc="outside lower center", ncols=min(3, len(handles)), fontsize="small"
     )
     return save(figure, path)
-
-
-def _whirls(axes: Any, data: StabilityMap) -> list[Artist]:
-    """Amplitude of the whirl that remains, as lines where it is stable."""
-    shown = np.where(data.whirl_growth < 0.0, data.whirl, math.nan)
-    if np.isfinite(shown).sum() < 4:
-        return []
-    factor, unit = metres(float(np.nanmax(shown)))
-    lines = axes.contour(
-        data.x.values, data.y.values, shown * factor, levels=5, colors="tab:green", linewidths=1.0
-    )
-    axes.clabel(lines, fontsize="small")
-    return [Line2D([], [], color="tab:green", label=f"stable whirl that remains [{unit}]")]
 
 
 def plot_run_map(data: RunMap, path: Path | None) -> Path | Picture:
