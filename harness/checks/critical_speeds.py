@@ -1,4 +1,4 @@
-"""Critical speeds of the coupled units held against Floquet, and shown by runs in time."""
+"""Critical speeds of the coupled units against Floquet, and runs from rest."""
 
 from __future__ import annotations
 
@@ -10,20 +10,18 @@ from ..errors import SceneError
 from ..scene import Scene
 from ..scene.check import CriticalSpeedsCheck
 from ..stability.boundaries import speeds
-from ..stability.in_time import growth_in_run, needed_revolutions, run_from_rest
-from ..stability.main_motion import MainMotion
+from ..stability.in_time import needed_revolutions, run_from_rest
 from ..stability.speeds import Speeds
 from .report import text
 from .row import Row, Rows
 
 SPEED_TOLERANCE = 1e-3  # relative, co-simulated against Floquet: the coupling's error
-GROWTH_TOLERANCE = 5e-3  # relative, of a rate fitted to a run: what faster motions leave in it
 BALANCED_SHARE = 0.01  # residual moment over that at the start
 FLOQUET = "Floquet multipliers about the main motion"
 
 
 def check_critical_speeds(scene: Scene, check: CriticalSpeedsCheck) -> Iterator[Row]:
-    """One row for each critical speed, each fitted run and each run from rest.
+    """One row for each critical speed and each run from rest.
 
     Raises:
         SceneError: the weights cannot balance the scene's unbalance, or a replaced value is wrong.
@@ -42,8 +40,6 @@ def check_critical_speeds(scene: Scene, check: CriticalSpeedsCheck) -> Iterator[
         _, nearest = min(pairs, default=(math.inf, math.nan))
         quantity = f"{prefix}published critical speed [rad/s]"
         yield rows.number(quantity, speed, nearest, check.published_within, scene.source)
-    for speed in check.growth_runs:
-        yield growth_row(rows, scene, speed, prefix)
     for speed in check.runs_from_rest:
         yield rest_row(rows, scene, speed, prefix)
 
@@ -70,14 +66,6 @@ def speed_rows(rows: Rows, result: Speeds, prefix: str, scale: float = 1.0) -> I
     if not shown:
         exact, measured = (f"{result.lowest[m]} throughout" for m in ("floquet", "cosim"))
         yield rows.statement(f"{prefix}{span}", exact, measured, exact == measured, FLOQUET)
-
-
-def growth_row(rows: Rows, scene: Scene, speed: float, prefix: str) -> Row:
-    expected = float(growth_rates(scene.assembly(), speed)[0])
-    with MainMotion(scene, separate=True) as motion:
-        measured = growth_in_run(motion, speed, int(needed_revolutions(expected, speed)))
-    quantity = f"{prefix}growth rate in a run in time at {speed:g} rad/s [1/s]"
-    return rows.number(quantity, expected, measured, GROWTH_TOLERANCE, FLOQUET)
 
 
 def rest_row(rows: Rows, scene: Scene, speed: float, prefix: str) -> Row:

@@ -11,6 +11,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,8 +21,9 @@ from ..errors import SimulationError
 from ..scene import Scene
 from .cosimulation import CoSimulation
 from .fmu import Closing
-from .names import stations, weight
+from .names import by_unit, stations, weight
 from .one_file import composition_in_c, why_separate
+from .plan import plan
 from .schedule import at_fixed_steps, steps_per_rev
 
 Vector = NDArray[np.float64]
@@ -100,18 +102,18 @@ class Revolution(Closing):
         changes = {"operation.speed": scene.profile().end, "coupling.order": order}
         self.scene = scene = at_fixed_steps(scene.replace(changes))
         self.steps = steps or steps_per_rev(scene)
-        self.cosim = CoSimulation(scene, watch=False)
         self._one_file = None if separate or why_separate(scene) else composition_in_c(scene)
         self.states = states(scene)
         self.rotor: dict[str, float] = {}
-        self._drives = [one.name for one in self.cosim.plan.units if one.driven]
-        self._outputs = {
-            name: unit.group([s.output for s in self.states if s.unit == name])
-            for name, unit in self.cosim.units.items()
-            if any(s.unit == name for s in self.states)
-        }
-        start = {one.name: one.start for one in self.cosim.plan.units}
+        units = plan(scene).units
+        self._drives = [one.name for one in units if one.driven]
+        start = {one.name: one.start for one in units}
         self.first = np.array([float(start[s.unit].get(s.start, 0.0)) for s in self.states])
+
+    @cached_property
+    def cosim(self) -> CoSimulation:
+        """The separate units: one file runs without them."""
+        return CoSimulation(self.scene, watch=False)
 
     def scale(self, speed: float) -> Vector:
         """Size of each state at a speed [rad/s]: lengths and angles, rates times the speed."""
@@ -136,7 +138,12 @@ class Revolution(Closing):
 
     def _turned(self, state: Vector, speed: float) -> Vector:
         self.begin(state, speed)
-        return self.turn(speed)
+        step = self._step(speed)
+        for _ in range(self.steps):
+            self.cosim.step(step)
+        outputs = by_unit(f"{s.unit}.{s.output}" for s in self.states)
+        units = ((self.cosim.units[name], names) for name, names in outputs.items())
+        return np.concatenate([unit.get(unit.group(names)) for unit, names in units])
 
     def begin(self, state: Vector, speed: float) -> None:
         """Start the units from a state, rotor at its starting angle."""
@@ -147,13 +154,6 @@ class Revolution(Closing):
         for value, s in zip(state, self.states, strict=True):
             changes.setdefault(s.unit, {})[s.start] = float(value)
         self.cosim.start(changes, self._step(speed))
-
-    def turn(self, speed: float) -> Vector:
-        """Step the units through one more revolution; their states then."""
-        step = self._step(speed)
-        for _ in range(self.steps):
-            self.cosim.step(step)
-        return self.now()
 
     def record(
         self, state: Vector, speed: float, outputs: Sequence[str], revolutions: int = 1
@@ -169,11 +169,6 @@ class Revolution(Closing):
 
     def _step(self, speed: float) -> float:
         return 2.0 * math.pi / (abs(speed) * self.steps)
-
-    def now(self) -> Vector:
-        """Present states of the units."""
-        units = self.cosim.units
-        return np.concatenate([units[name].get(group) for name, group in self._outputs.items()])
 
     def monodromy(self, state: Vector, speed: float) -> Matrix:
         """Derivative of the map at a state, (n, n), in units of the states' scales."""
@@ -221,4 +216,5 @@ class Revolution(Closing):
 
     def close(self) -> None:
         """Free the units."""
-        self.cosim.close()
+        if "cosim" in vars(self):
+            self.cosim.close()

@@ -26,8 +26,6 @@ class CriticalSpeedsCheck(Table):
     """Values replaced in the scene, as by `Scene.replace`: `{"weights.drag" = 0.1}`."""
     range: Annotated[tuple[Positive, Positive], AfterValidator(_rising), SI("rad/s")]
     """Lowest and highest speed at which boundaries are looked for."""
-    growth_runs: Annotated[tuple[Positive, ...], SI("rad/s")] = ()
-    """Speeds at which the growth rate is also fitted to a run in time."""
     runs_from_rest: Annotated[tuple[Positive, ...], SI("rad/s")] = ()
     """Speeds at which a run from rest must end as predicted."""
     published: Annotated[tuple[Positive, ...], SI("rad/s")] = ()

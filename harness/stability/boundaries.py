@@ -5,7 +5,8 @@ critical speeds of the rotor alone, its resonances, are another matter (`models.
 
 criterion: the closed formula of Filimonikhina 2017 for planar rotors.
 floquet: exact linear stability of the equations.
-cosim: largest multiplier of the coupled units' one-revolution map, no equation involved.
+cosim: largest multiplier of the coupled units' one-revolution map, without their equations of
+    motion.
 proved: bands of speeds in which stability or instability is proved, for all machines within
     tolerances (`proved`).
 """
