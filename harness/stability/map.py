@@ -1,4 +1,4 @@
-"""Stability over two parameters of a scene: growth rates on a grid, some points co-simulated."""
+"""Stability over two parameters of a scene: growth rates on a grid."""
 
 from __future__ import annotations
 
@@ -7,15 +7,13 @@ import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ...models.assembly import Assembly
 from ...models.stability import growth_map
-from ..errors import SimulationError
-from ..output.store import StoredItems
 from ..output.table import Sheet
 from ..output.words import kinds_of
 from ..output.workers import Progress, Workers, in_order
@@ -23,7 +21,6 @@ from ..scene import Scene
 from ..scene.replace import SPEED
 from .axis import Axis, Map, refuse_axes
 from .boundaries import criterion_of
-from .main_motion import MainMotion
 from .map_store import open_map
 
 Vector = NDArray[np.float64]
@@ -34,23 +31,6 @@ _STRIPS = {
     "why_not": "why there is no growth rate",
 }
 _ROWS = 8  # values of the slow axis solved together; more would hide the progress
-_PLASTIC = 1.324717957244746  # its powers spread points evenly over a square
-
-
-@dataclass(frozen=True)
-class MapPoint:
-    """A co-simulated point.
-
-    Attributes:
-        x, y: places on both axes.
-        growth: largest growth rate [1/s]; NaN where there is no verdict.
-        refusal: why not.
-    """
-
-    x: int
-    y: int
-    growth: float
-    refusal: str = ""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -62,7 +42,6 @@ class StabilityMap(Map):
         criterion: negative where the criterion says balanced, in units of its largest value; None
             where it does not apply.
         no_criterion: why not.
-        points: co-simulated.
         failure: why a point has no growth rate, where its equations cannot be solved; else empty.
     """
 
@@ -71,17 +50,7 @@ class StabilityMap(Map):
     growth: Vector
     criterion: Vector | None
     no_criterion: str
-    points: tuple[MapPoint, ...]
     failure: Reasons
-
-    @property
-    def agreeing(self) -> int:
-        """Co-simulated points on the same side as Floquet, or without a main motion by both."""
-        return sum(
-            (p.growth > 0.0) == (self.growth[p.y, p.x] > 0.0)
-            and math.isnan(p.growth) == math.isnan(self.growth[p.y, p.x])
-            for p in self.points
-        )
 
     def lines(self) -> Iterator[str]:
         """What was found, in words.
@@ -98,22 +67,18 @@ class StabilityMap(Map):
         )
         if self.criterion is None:
             yield f"criterion: does not apply: {self.no_criterion}"
-        if self.points:
-            yield f"{self.agreeing} of {len(self.points)} co-simulated points agree with Floquet"
-        refused = [*failed, *(p.refusal for p in self.points if p.refusal)]
-        for count, reason in kinds_of(refused)[:3]:
+        for count, reason in kinds_of(failed)[:3]:
             yield f"{count} without a verdict, such as: {reason}"
 
     def table(self) -> Sheet:
         """One line a point of the grid."""
-        measured = {(p.y, p.x): p.growth for p in self.points}
         rows = []
         for (j, i), growth in np.ndenumerate(self.growth):
             word = ""
             if self.criterion is not None:
                 word = "stable" if self.criterion[j, i] < 0.0 else "unstable"
-            rows.append((*self._place(j, i), float(growth), word, measured.get((j, i), "")))
-        heads = (*self.labels, "growth rate [1/s]", "criterion", "cosim growth rate [1/s]")
+            rows.append((*self._place(j, i), float(growth), word))
+        heads = (*self.labels, "growth rate [1/s]", "criterion")
         return Sheet(heads, rows, title=self.title)
 
 
@@ -122,36 +87,28 @@ def stability_map(
     x: Axis,
     y: Axis,
     *,
-    cosim: int = 0,
     workers: Workers = 1,
     progress: Progress | None = None,
     store: Path | None = None,
 ) -> StabilityMap:
-    """Growth rates by Floquet over two parameters, and by co-simulation at some points.
+    """Growth rates by Floquet over two parameters.
 
     Arguments are those of `Scene.map`, which says what is raised.
     """
     scene.refuse_friction("a map of growth rates is that")
     refuse_axes(x, y)
-    report = progress or (lambda done: None)
-    share = 1.0 if not cosim else 0.5
     transposed = y.path == SPEED  # a strip runs along the speed if that takes part
     slow, fast = (x, y) if transposed else (y, x)
     rows = _ROWS if fast.path == SPEED else 1
     starts = range(0, len(slow.values), rows)
     jobs = [(scene, slow.path, slow.values[i : i + rows].tolist(), fast) for i in starts]
-    places = grid_points(cosim, len(x.values), len(y.values))
-    kept: dict[str, StoredItems] = {}
+    kept = None
     if store is not None:
-        form: dict[str, Any] = {"along": "x" if transposed else "y", "rows": rows, "places": places}
-        kept = open_map(store, "stability map", scene, x, y, _STRIPS, **form)
-    strips = in_order(_strip, jobs, workers, lambda done: report(share * done), kept.get("strip"))
+        along = "x" if transposed else "y"
+        kept = open_map(store, "stability map", scene, x, y, _STRIPS, along=along, rows=rows)
+    strips = in_order(_strip, jobs, workers, progress, kept)
     grids = [np.concatenate(arrays) for arrays in zip(*strips, strict=True)]
     growth, criterion, why_not = (grid.T if transposed else grid for grid in grids)
-    work = [(scene, {x.path: x.values[i], y.path: y.values[j]}) for i, j in places]
-    rates = in_order(
-        _measure, work, workers, lambda done: report(0.5 + 0.5 * done), kept.get("point")
-    )
     applies = bool(np.isfinite(criterion).any())
     return StabilityMap(
         scene,
@@ -160,7 +117,6 @@ def stability_map(
         growth,
         criterion if applies else None,
         "" if applies else _why_no_criterion(scene),
-        tuple(MapPoint(*place, *rate) for place, rate in zip(places, rates, strict=True)),
         why_not,
     )
 
@@ -214,28 +170,3 @@ def _why_no_criterion(scene: Scene) -> str:
     except ValueError as error:
         return str(error)
     return "no point of the map has one"
-
-
-def grid_points(count: int, columns: int, rows: int) -> list[tuple[int, int]]:
-    """Different points of a grid, evenly spread, the same for the same count.
-
-    Additive recurrence of the plastic number: no two of n points in the unit square are nearer than
-    0.6/sqrt(n), while Halton's and Sobol's sequences come down to 0.4 and less.
-    """
-    points: dict[tuple[int, int], None] = {}
-    for k in itertools.count(1):
-        if len(points) == min(count, columns * rows):
-            break
-        u, v = (0.5 + k / _PLASTIC) % 1.0, (0.5 + k / _PLASTIC**2) % 1.0
-        points[int(u * columns), int(v * rows)] = None
-    return list(points)
-
-
-def _measure(job: tuple[Scene, dict[str, float]]) -> tuple[float, str]:
-    scene, changes = job
-    scene = scene.replace(changes)
-    try:
-        with MainMotion(scene) as motion:
-            return motion.growth(scene.profile().end), ""
-    except SimulationError as error:  # one point without a verdict must not cost the map
-        return math.nan, str(error)
