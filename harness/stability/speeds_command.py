@@ -59,14 +59,17 @@ def command(
         raise UserError(f"--method {method!r}: name at least one of {', '.join(METHODS)}")
     loaded = changed_scene(scene, changes)
     low, high = options.speed_range(range_)
-    with progress_bar(f"critical speeds of {loaded.name}") as progress:
+    key = f"--range {low:g} {high:g}"
+    with costs.limited(at_most, key), progress_bar(f"critical speeds of {loaded.name}") as progress:
+        # certificates crowd at boundaries: their rate does not tell how long a proof will take
+        estimated = progress if "proved" in names else costs.within(at_most, key, progress)
         result = loaded.speeds(
             low,
             high,
             names,
             narrowest=narrowest,
             workers=os.cpu_count() or 1,
-            progress=costs.within(at_most, f"--range {low:g} {high:g}", progress),
+            progress=estimated,
             within=within,
         )
     if result.methods or result.proof is None:

@@ -135,12 +135,6 @@ def test_published_intervals_hold_the_critical_speeds(row):
         assert any(low - allowed <= speed <= high + allowed for speed in speeds)
 
 
-def test_known_boundaries():
-    row = TABLE_1[3]
-    speeds = [c.speed for c in balancing_boundaries(Dimensionless.of_row(row).assembly(), 0.5, 9.0)]
-    assert speeds == pytest.approx([1.0143, 5.0499, 8.3223], abs=6e-5)
-
-
 def test_second_unstable_bands_the_paper_does_not_report():
     cases = {
         (0.1, 0.25, 0.5): (10.2, 11.4),
@@ -284,13 +278,6 @@ def test_weights_that_cannot_balance_are_refused_with_both_numbers():
     two = two_stations(isotropic=True)
     with pytest.raises(CannotBalance, match="whatever their moment"):
         growth_rates(Assembly(two.rotor, two.balancers[:1]), 3.0)
-
-
-def test_map_marks_assemblies_without_a_main_motion():
-    result = growth_map([balls(), balls(unbalance=0.021), balls(count=3)], [1.0, 3.0])
-    assert np.isnan(result[1]).all()
-    assert result[0] == pytest.approx(growth_rates(balls(), [1.0, 3.0]))
-    assert result[2] == pytest.approx(growth_rates(balls(count=3), [1.0, 3.0]))
 
 
 def test_liquid_alone_has_dubovik_roots_and_limit():
