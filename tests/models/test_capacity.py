@@ -16,6 +16,7 @@ from autobalancer.models.papers.capacity import (
     capacity,
     capacity_shape,
     fastest_count,
+    filled_sector,
     full_ratio,
     half_angle,
     largest_alignment,
@@ -38,6 +39,19 @@ from tests.papers import (
     fan_angles,
     slow_roots,
 )
+
+
+def test_errata_of_table_1():
+    """One s is cut off, one rounded twice, and three sectors are wrong."""
+    printed = [0.105, 0.060, 0.051, 0.044, 0.037, 0.031, 0.027, 0.023]
+    found = [capacity_shape("balls", best_ratio("balls", n), n) for n in range(1, 9)]
+    rounded = [n for n, s, p in zip(range(1, 9), found, printed, strict=True) if round(s, 3) != p]
+    assert rounded == [3]
+    assert math.floor(found[2] * 1000) / 1000 == printed[2]
+    five = capacity_shape("rollers", best_ratio("rollers", 5), 5)
+    assert (round(five, 3), round(round(five, 4), 3)) == (0.139, 0.140)
+    sectors = [math.degrees(filled_sector(best_ratio("rollers", n), n)) for n in (5, 7, 8)]
+    assert sectors == pytest.approx([195.8, 204.5, 207.5], abs=0.05)
 
 
 @pytest.mark.parametrize("kind", ["balls", "rollers"])
