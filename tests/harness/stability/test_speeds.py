@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 
 from autobalancer.harness import SimulationError, UserError, check, load_scene, speeds
+from autobalancer.harness.checks.critical_speeds import needed_revolutions
 from autobalancer.harness.master.revolution import Revolution
 from autobalancer.harness.scene import Scene
 from autobalancer.harness.stability.crossings import crossings, nodes_around
-from autobalancer.harness.stability.in_time import needed_revolutions
 from autobalancer.harness.stability.main_motion import MainMotion, NoMainMotion
 from autobalancer.harness.stability.speeds import Speeds
 from autobalancer.models.linear.balanced import balanced_angles
