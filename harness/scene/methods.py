@@ -47,7 +47,6 @@ class Methods:
         *,
         narrowest: float | None = None,
         within: str = "",
-        workers: Workers = 1,
         progress: Progress | None = None,
     ) -> Speeds:
         """Speeds at which balancing begins or ends, by independent methods (Filimonikhina 2017).
@@ -75,7 +74,7 @@ class Methods:
 
         asked = methods.split(",") if isinstance(methods, str) else list(methods)
         names = [name.strip() for name in asked if name.strip()]
-        options: dict[str, Any] = {"workers": workers, "progress": progress, "within": within}
+        options: dict[str, Any] = {"progress": progress, "within": within}
         return speeds(self._scene, (low, high), names, narrowest=narrowest, **options)
 
     def map(

@@ -13,12 +13,10 @@ proved: bands of speeds in which stability or instability is proved, for all mac
 
 from __future__ import annotations
 
-import functools
 import math
 from collections.abc import Iterable
 from dataclasses import replace
 from importlib.util import find_spec
-from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,15 +24,15 @@ from numpy.typing import NDArray
 from ...models.assembly import Assembly
 from ...models.criteria import Criterion
 from ...models.linear.balanced import CannotBalance, balanced_angles
-from ...models.linear.boundaries import Crossing, balancing_boundaries
+from ...models.linear.boundaries import balancing_boundaries
 from ...models.stability import growth_rates
 from ..errors import SimulationError, UserError
-from ..output.workers import Progress, Workers, in_order
+from ..output.workers import Progress
 from ..scene import Scene
 from ..scene.methods import DEFAULT_METHODS
 from ..scene.quantities import LARGEST
 from ..units import si_number
-from .crossings import Side, crossings, nodes_around, side
+from .crossings import crossings, nodes_around, side
 from .main_motion import MainMotion, NoMainMotion
 from .speeds import Speeds
 from .whirl import whirls
@@ -42,7 +40,6 @@ from .whirl import whirls
 METHODS = (*DEFAULT_METHODS, "proved")
 MOST_SPEEDS = 100_000  # of one scan: more is a slip of the keyboard
 SCAN = 60  # intervals of a co-simulated scan without `narrowest`
-_PARTS = 8  # of a scan, so that progress is seen
 
 
 def speeds(
@@ -51,7 +48,6 @@ def speeds(
     methods: Iterable[str] = DEFAULT_METHODS,
     *,
     narrowest: float | None = None,
-    workers: Workers = 1,
     progress: Progress | None = None,
     whirl: bool = True,
     within: str = "",
@@ -63,7 +59,7 @@ def speeds(
     both ends of the range; without Floquet it scans the range itself.
 
     Args:
-        range, methods, narrowest, workers, progress: as `Scene.speeds`, which says what is raised.
+        range, methods, narrowest, progress: as `Scene.speeds`, which says what is raised.
         whirl: whether to run the scene for what remains where weights cannot balance.
         within: tolerances for the method proved: "rotor.stiffness=5%, rotor.damping=10 N s/m".
         separate: co-simulate separate FMUs coupled in Python even where one file can run in C.
@@ -102,7 +98,7 @@ def speeds(
         result = _by_proof(scene, result, narrowest, within, progress)
     why = _why_no_rest(scene) if "floquet" in wanted else ""
     if "cosim" in wanted:
-        _by_units(scene, result, why, narrowest, separate, workers, progress)
+        _by_units(scene, result, why, narrowest, separate, progress)
     return replace(result, whirl=whirls(scene, result.range, why)) if why and whirl else result
 
 
@@ -184,31 +180,23 @@ def _by_units(
     why: str,
     narrowest: float | None,
     separate: bool,
-    workers: Workers,
     progress: Progress | None,
 ) -> None:
     """Boundaries by the units, unless there is a reason `why` the rotor cannot rest."""
     if why:
         result.refused["cosim"] = why
         return
-    nodes = _nodes(result, narrowest)
-    cuts = np.linspace(0, len(nodes) - 1, 1 + min(_PARTS, max(1, (len(nodes) - 1) // 2)))
-    spans = [nodes[a : b + 1].tolist() for a, b in pairwise(cuts.astype(int))]
     try:
-        if workers == 1:
-            with MainMotion(scene, separate=separate) as motion:
-                search = functools.partial(crossings, motion.growth)
-                searched = in_order(search, spans, 1, progress)
-        else:
-            search = functools.partial(_search, scene, separate)
-            searched = in_order(search, spans, workers, progress)
+        with MainMotion(scene, separate=separate) as motion:
+            nodes = _nodes(result, narrowest).tolist()
+            found, lowest = crossings(motion.growth, nodes, progress)
     except SimulationError as error:
         if not (result.methods or isinstance(error, NoMainMotion)):
             raise
         result.refused["cosim"] = str(error)
         return
-    result.methods["cosim"] = tuple(c for found, _ in searched for c in found)
-    result.lowest["cosim"] = searched[0][1]
+    result.methods["cosim"] = tuple(found)
+    result.lowest["cosim"] = lowest
 
 
 def _nodes(result: Speeds, narrowest: float | None) -> NDArray[np.float64]:
@@ -221,9 +209,3 @@ def _nodes(result: Speeds, narrowest: float | None) -> NDArray[np.float64]:
 def intervals_of_scan(span: tuple[float, float], narrowest: float | None) -> int:
     """Intervals in which the co-simulation looks where Floquet does not say where."""
     return SCAN if narrowest is None else math.ceil((span[1] - span[0]) / narrowest)
-
-
-def _search(scene: Scene, separate: bool, nodes: list[float]) -> tuple[list[Crossing], Side]:
-    """Crossings among some speeds, and the side on which the first one is."""
-    with MainMotion(scene, separate=separate) as motion:
-        return crossings(motion.growth, nodes)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import os
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -68,7 +67,6 @@ def command(
             high,
             names,
             narrowest=narrowest,
-            workers=os.cpu_count() or 1,
             progress=estimated,
             within=within,
         )

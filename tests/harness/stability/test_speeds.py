@@ -209,7 +209,6 @@ def test_methods_that_fail_leave_the_answers_of_the_others(monkeypatch, invoke):
     found = speeds(load_scene("filimonikhina"), (4.5, 5.5))
     assert found.refused == {"cosim": "weights overlap by 0.0345 rad"}
     assert list(found.methods) == ["criterion", "floquet"]
-    monkeypatch.setattr("os.cpu_count", lambda: 1)
     outcome = invoke("speeds", "filimonikhina", "--range", 4.5, 5.5)
     assert outcome.exit_code == 0, outcome.output
     assert "cosim: no answer: weights overlap by 0.0345 rad" in outcome.output
@@ -260,8 +259,7 @@ def test_an_unknown_method_is_refused():
 # -- command --------------------------------------------------------------------------------------
 
 
-def test_command_prints_and_writes_the_speeds(invoke, tmp_path, monkeypatch):
-    monkeypatch.setattr("os.cpu_count", lambda: 1)
+def test_command_prints_and_writes_the_speeds(invoke, tmp_path):
     target = tmp_path / "speeds.json"
     outcome = invoke(
         "speeds", "filimonikhina", "--range", 4.5, 5.5,
