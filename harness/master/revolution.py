@@ -86,7 +86,7 @@ class Revolution(Closing):
     """One revolution of a scene's coupled units as a map of their states.
 
     Args:
-        scene: its start values are the first guess of the main motion.
+        scene: whose units.
         steps: communication steps per revolution; by default the scene's.
         separate: couple separate FMUs in Python even where the scene can run as one file.
 
@@ -176,43 +176,27 @@ class Revolution(Closing):
         slopes = derivative(lambda s: self(s, speed), state, np.diag(scale), scale)
         return slopes / scale[:, None]
 
-    def steady(
-        self, speed: float, guess: Vector | None = None, monodromy: Matrix | None = None
-    ) -> tuple[Vector, Matrix]:
-        """Main motion: the states that one revolution returns to, and the monodromy matrix there.
-
-        Weights in a family of equilibria stay nearest to the guess (least squares).
+    def steady(self, speed: float, monodromy: Matrix | None = None) -> Vector:
+        """States that one revolution of a linear machine returns to: a rotor, with liquid or not.
 
         Args:
-            monodromy: where it is known to be the same everywhere, as that of a rotor alone; by
-                default measured at every iteration.
+            monodromy: where it is known; the same everywhere.
 
         Raises:
-            SimulationError: no fixed point near the guess.
+            SimulationError: there is no such motion.
         """
-        state = self.first.copy() if guess is None else np.array(guess, float)
-        scale = self.scale(speed)
+        state, scale = np.zeros(len(self.states)), self.scale(speed)
+        slopes = self.monodromy(state, speed) if monodromy is None else monodromy
         for _ in range(FIXED_POINT_ITERATIONS):
-            slopes = self.monodromy(state, speed) if monodromy is None else monodromy
             residual = (self(state[None], speed)[0] - state) / scale
             step = np.linalg.lstsq(np.eye(len(state)) - slopes, residual, rcond=RANK)[0]
             state = state + step * scale
             if np.abs(residual).max() <= FIXED_POINT_TOLERANCE * (1 + np.abs(state / scale).max()):
-                return state, slopes
+                return state
         raise SimulationError(
-            f"no main motion found at {speed:g} rad/s: one revolution still moves the states by "
+            f"no steady motion found at {speed:g} rad/s: one revolution still moves the states by "
             f"{np.abs(residual).max():.3g} of their scale after {FIXED_POINT_ITERATIONS} iterations"
         )
-
-    def multipliers(self, speed: float, state: Vector | None = None) -> NDArray[np.complex128]:
-        """Multipliers of the main motion, largest modulus first; `state` if it is known."""
-        monodromy = self.steady(speed)[1] if state is None else self.monodromy(state, speed)
-        values = np.linalg.eigvals(monodromy).astype(complex)
-        return values[np.argsort(-np.abs(values), kind="stable")]
-
-    def growth_rates(self, speed: float, state: Vector | None = None) -> Vector:
-        """ln|multiplier| / period, largest first [1/s]."""
-        return np.log(np.abs(self.multipliers(speed, state))) * abs(speed) / (2.0 * math.pi)
 
     def close(self) -> None:
         """Free the units."""

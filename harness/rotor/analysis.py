@@ -227,11 +227,8 @@ def _displacements(count: int) -> list[str]:
 
 def _steady(units: Revolution, speed: float) -> NDArray[np.complexfloating]:
     """Synchronous amplitude (2, n) of the revolution that repeats itself."""
-    rest = np.zeros(len(units.states))
-    # the rotor alone is linear: its map is the same everywhere
-    state, _ = units.steady(speed, rest, units.monodromy(rest, speed))
     count = len(units.scene.rotor.stations)
-    table = units.record(state, speed, ["angle", *_displacements(count)])
+    table = units.record(units.steady(speed), speed, ["angle", *_displacements(count)])
     return synchronous(table[:, 0], table[:, 1:].T).reshape(2, count)
 
 
