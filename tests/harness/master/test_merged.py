@@ -10,7 +10,7 @@ from autobalancer.harness.scatter.report import document, lines
 from autobalancer.harness.scatter.study import scatter
 from autobalancer.harness.scatter.vary import Variation
 from autobalancer.harness.scene import Scene
-from autobalancer.models.whirl.together import difference_growth
+from autobalancer.models.linear.together import difference_growth
 
 TOGETHER = [0.1, 0.1, 0.1]
 
