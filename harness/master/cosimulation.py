@@ -60,20 +60,24 @@ class CoSimulation(Closing):
         coupled: whether there is a loop.
         chooses_steps: whether a tolerance chooses each step of a first run.
         meets_events: whether steps end where weights collide or stick, or supports stick.
-        ends_steps_at_corners: of a motor's characteristic.
         time: reached so far [s]; may be set to where a step was to end.
 
     Raises:
         UnitError: an FMU is missing, corrupt, or of a different build.
-        SceneError: the coupling is one that only one file has.
+        SceneError: the scene has a motor or a coupling that only one file has.
     """
 
     chooses_steps = False
-    meets_events = ends_steps_at_corners = False
+    meets_events = False
 
     def __init__(self, scene: Scene, *, fmus: Path | None = None, watch: bool = True) -> None:
         self.scene, self.order = scene, scene.coupling.order
         refuse_loose_tolerance(scene)
+        if scene.operation.motor:
+            raise SceneError(
+                f"{scene.name}: operation.motor: a motor is coupled in C alone: run the scene as "
+                "one file, without separate units"
+            )
         if self.order == 5:
             raise SceneError(
                 f"{scene.name}: coupling.order = 5: quintic signals are coupled in C alone, as one "

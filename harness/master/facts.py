@@ -78,7 +78,7 @@ def result(
 
 
 def exchanging(scene: Scene) -> bool:
-    """Whether something has to be guessed over a step: a balancer's force, how a motor turns."""
+    """Whether something has to be predicted over a step: a balancer's force, how a motor turns."""
     sent = any(balancer.exchanges_force for balancer in scene.balancer)
     return sent or scene.operation.motor is not None
 

@@ -90,7 +90,6 @@ class Controlled:
         motor = cosim.scene.operation.motor
         bent = motor is not None and len(motor.table or ()) > 2
         jumping = touching or (cosim.scene.has_events and not cosim.meets_events)
-        jumping = jumping or (bent and not cosim.ends_steps_at_corners)
         self._ends_at_events = cosim.scene.has_events or bent
         self._left = LEFT_OF_JUMPS if motor or touching else 1.0
         self._caution = MOTOR_CAUTION if motor else CAUTION

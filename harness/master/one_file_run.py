@@ -61,8 +61,6 @@ class OneFileRun(Closing):
             asked of a scheme or an order that cannot keep it.
     """
 
-    ends_steps_at_corners = True
-
     def __init__(self, scene: Scene, order: int | None = None) -> None:
         self.scene = scene = as_run(scene)
         refuse_loose_tolerance(scene)

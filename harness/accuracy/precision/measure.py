@@ -25,7 +25,6 @@ from ...output.workers import ItemProgress
 from ...scene import Scene
 from ...scene.balancer import Liquid
 from .methods import (
-    UNDER_A_MOTOR,
     Method,
     Runner,
     TimedRun,
@@ -164,7 +163,7 @@ def all_methods(scene: Scene) -> list[Method]:
     if exchanges and scene.takes_quintics:
         methods += one_file_methods(5)
     if scene.operation.motor:
-        methods = [m for m in methods if m.name in UNDER_A_MOTOR]
+        methods = [m for m in methods if m.one_file and m.name != "compensated"]
     return methods + monolith_methods()
 
 

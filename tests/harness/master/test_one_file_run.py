@@ -16,7 +16,6 @@ TOLERANCES = [
     ("two_balls", {"coupling.tolerance": 1e-6}),
     ("two_balls", {"coupling.tolerance": 1e-4, "run.revolutions": 400}),  # comes to rest
     ("two_plane_rodrigues", {"coupling.tolerance": 1e-5, "run.revolutions": 5}),
-    ("sommerfeld", {"coupling.tolerance": 1e-4, "run.revolutions": 8}),
 ]
 
 
