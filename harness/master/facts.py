@@ -98,8 +98,8 @@ def events(facts: Facts) -> list[str]:
             notes.append(
                 f"tolerance = {tolerance:g} is not kept: runs with ever shorter steps still "
                 f"differ, the relative error of the motion is about {facts.estimated_error:.1g}: "
-                f"use {_looser(facts.estimated_error)}a smaller run.revolutions, or verify, which "
-                "measures every signal's error and says whether neighbouring motions diverge"
+                f"use {_looser(facts.estimated_error)}a smaller run.revolutions; where "
+                "neighbouring motions diverge, only mean and rms of a long run are known"
             )
     elif facts.estimated_error >= STATED_ERROR:
         notes.append(
@@ -114,7 +114,7 @@ def events(facts: Facts) -> list[str]:
     elif (facts.scene.coupling.steps_per_rev or FEW) < FEW and exchanging(facts.scene):
         notes.append(
             f"{facts.scene.coupling.steps_per_rev} steps per revolution are few, and errors that "
-            "gather over many revolutions are not estimated: verify measures them"
+            "gather over many revolutions are not estimated: use a tolerance"
         )
     return notes
 
@@ -122,7 +122,7 @@ def events(facts: Facts) -> list[str]:
 def _looser(error: float) -> str:
     """The tolerance that such an error keeps, as advice; empty where none so loose is allowed."""
     kept = 10.0 ** math.ceil(math.log10(error))
-    return f"coupling.tolerance = {kept:g}, " if kept <= LOOSEST_TOLERANCE else ""
+    return f"coupling.tolerance = {kept:g} or " if kept <= LOOSEST_TOLERANCE else ""
 
 
 def advice(error: Exception, scene: Scene, meets_events: bool = False) -> str:
