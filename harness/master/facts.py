@@ -16,6 +16,9 @@ from .result import Result
 from .velocity import velocities, with_velocities
 
 NO_CALLS = "calls of FMI (the one file's units are coupled in C, from memory to memory)"
+NOT_ESTIMATED = (
+    "the error of separate units in given steps is not estimated: use a tolerance, or one file"
+)
 FEW = 10  # given steps per revolution from which the estimate of what they miss can be trusted
 
 
@@ -46,8 +49,8 @@ class Facts:
     steps: int
     unconverged: int
     worst_residual: float
-    estimated_error: float
-    unresolved: int
+    estimated_error: float = 0.0
+    unresolved: int = 0
 
 
 def result(
@@ -111,6 +114,8 @@ def events(facts: Facts) -> list[str]:
             f"{facts.unresolved} of {facts.steps} steps were too long for signals that "
             "vary faster: use more coupling.steps_per_rev, or a tolerance"
         )
+    elif facts.calls and exchanging(facts.scene):
+        notes.append(NOT_ESTIMATED)
     elif (facts.scene.coupling.steps_per_rev or FEW) < FEW and exchanging(facts.scene):
         notes.append(
             f"{facts.scene.coupling.steps_per_rev} steps per revolution are few, and errors that "

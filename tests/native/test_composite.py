@@ -55,13 +55,12 @@ def test_a_scene_moves_as_separate_units_coupled_in_python(hosted, name):
         size = max(np.ptp(expected[signal]), 1e-3 * np.abs(expected[signal]).max())
         for found in motions:
             assert np.abs(found[:, k] - expected[signal]).max() <= allowed * size, signal
-    facts = ["signal_units", "events", "steps", "unconverged"]
+    facts = ["signal_units", "steps", "unconverged"]
     if allowed == RANGE:
         facts.append("passes")
     for fact in facts:
         assert getattr(run, fact) == getattr(expected, fact), fact
     assert run.time.tolist() == expected.time.tolist()
-    assert run.estimated_error == pytest.approx(expected.estimated_error, rel=1e-6)
 
 
 @pytest.mark.slow

@@ -14,7 +14,6 @@ from numpy.typing import NDArray
 
 from autobalancer.harness.errors import SimulationError, UserError
 from autobalancer.harness.master.names import kin
-from autobalancer.harness.master.resolution import Resolution
 from autobalancer.harness.master.result import Result
 from autobalancer.harness.master.run import cosimulate
 from autobalancer.harness.scene import Scene
@@ -165,16 +164,12 @@ def _against(
 
 
 def right_if_let_go_on(scene: Scene) -> bool:
-    """Whether a refused run ends right when what it is judged by on the way is only noted."""
-    before = Resolution.strict
-    Resolution.strict = False
+    """Whether a refused run ends right on separate FMUs, which estimate no error of given steps."""
     try:
         result = _run(scene, separate=True)
         return max(deviations(result, motion(scene, result)).values()) <= RIGHT
     except (_Endless, SimulationError, UserError, ArithmeticError):
         return False
-    finally:
-        Resolution.strict = before
 
 
 def classify(verdict: Verdict, tolerance: float | None) -> str:
