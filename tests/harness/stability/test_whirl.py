@@ -106,4 +106,4 @@ def test_a_scene_that_does_not_run_in_c_says_so():
     scene = load_scene("bristol").replace({"coupling.order": 1})
     found = speeds(scene, (300.0, 340.0), ["floquet"]).whirl
     assert not found.at
-    assert "coupling.order = 1: of one file must be 3 or 5" in " ".join(found.lines())
+    assert "coupling.order = 1: of one file must be 3" in " ".join(found.lines())
