@@ -18,7 +18,6 @@ from .liquid_window import check_liquid_window
 from .ranking import check_ranking
 from .rig import GROUPS, check_rig
 from .row import Row
-from .runtimes import check_runtimes
 from .slow_root import check_slow_root
 from .sommerfeld import check_sommerfeld
 
@@ -27,7 +26,6 @@ CHECKS: dict[str, Callable[..., Iterator[Row]]] = {
     "liquid_window": check_liquid_window,
     "critical_speeds": check_critical_speeds,
     "capacity": check_capacity,
-    "runtimes": check_runtimes,
     "sommerfeld": check_sommerfeld,
     "filimonikhina_table": check_row,
     "goncharov_table": check_sizes,
@@ -37,8 +35,8 @@ CHECKS: dict[str, Callable[..., Iterator[Row]]] = {
     "contact_order": check_contact_order,
     "rig": check_rig,
 }
-# compare runs with runs; the theory of the others has no gravity
-UNDER_GRAVITY = ("contact_order", "runtimes")
+# compares runs with runs; the theory of the others has no gravity
+UNDER_GRAVITY = ("contact_order",)
 # options of every part that can be done on its own
 SPLIT: dict[str, list[dict[str, Any]]] = {
     "filimonikhina_table": [{"index": index} for index in range(len(TABLES))],

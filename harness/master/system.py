@@ -16,8 +16,7 @@ import numpy as np
 from ..errors import SimulationError
 from .fmu import Fmu, Variables
 from .names import components, signals
-from .plan import MOTOR, ROTOR, Plan
-from .shaft import Shaft
+from .plan import ROTOR, Plan
 from .signals import Cubics, Knots, Signals
 
 
@@ -49,9 +48,7 @@ class System:
 
     Attributes:
         exchanges: balancers that exchange force, in order.
-        shaft: the motor's part, where one drives the rotor.
-        forces: of the exchanges, and then the shaft's acceleration counted as one; `force_names`
-            as well.
+        forces: of the exchanges; `force_names` as well.
         accelerations: of every plane that exchanges force; `acceleration_names` as well.
         has_no_past: no step has been taken since the start or the last jump of the drive.
     """
@@ -60,11 +57,7 @@ class System:
         self.plan, self.units, self.order, self.has_no_past = plan, dict(units), order, True
         self.rotor = units[ROTOR]
         self._connect_planes()
-        self.shaft = Shaft(plan, units, order) if MOTOR in units else None
         self.members = [self.rotor, *(e.unit for e in self.exchanges)]
-        if self.shaft:
-            self.force_names.append(self.shaft.name)
-            self.members.append(self.shaft.motor)
         self.forces = Signals(len(self.force_names))
         self._states: list[c_void_p] = []
         self.watched: list[tuple[Fmu, Variables, Variables]] = []
@@ -76,7 +69,7 @@ class System:
     @property
     def coupled(self) -> bool:
         """Whether there is a loop: something is assumed for a step and answered at its end."""
-        return bool(self.force_names)
+        return bool(self.exchanges)
 
     def _connect_planes(self) -> None:
         """Find the variables of forces and accelerations, of the rotor and of the balancers."""
@@ -130,8 +123,6 @@ class System:
 
     def rotor_pass(self, forces: Cubics, time: float, step: float) -> Knots:
         """Step the rotor under the cubics of `forces`; accelerations of the planes."""
-        if self.shaft:
-            self.shaft.write(forces[-1], step)
         if not self.exchanges:
             self.rotor.step(time, step)
             return self.accelerations.now
@@ -150,8 +141,6 @@ class System:
             exchange.inputs.vectors[:] = accelerations[exchange.plane][: self.order + 1]
             exchange.unit.exchange(exchange.inputs, exchange.outputs, time, step)
             ends.append(self._knots(exchange.outputs))
-        if self.shaft:
-            ends.append(self.shaft.step(time, step))
         return np.concatenate(ends) if ends else self.forces.now
 
     def answer(self, accelerations: Cubics) -> Knots:
@@ -162,18 +151,16 @@ class System:
             exchange.unit.send(exchange.inputs)
             exchange.unit.fetch(exchange.outputs)
             knots.append(self._knots(exchange.outputs))
-        return np.concatenate([*knots, self.shaft.begin()] if self.shaft else knots)
+        return np.concatenate(knots)
 
     def set_forces(self, forces: Cubics) -> None:
         """Write the sum of the forces on every plane that exchanges force, and how it turns."""
-        if self.shaft:
-            self.shaft.write(forces[-1])
         self._sum_forces(forces)
         self.rotor.send(self._forces)
 
     def _sum_forces(self, forces: Cubics) -> None:
         self._force_rows[:] = 0.0
-        for exchange, cubic in zip(self.exchanges, forces, strict=False):
+        for exchange, cubic in zip(self.exchanges, forces, strict=True):
             self._force_rows[exchange.plane] += cubic[: self.order + 1]
 
     def read_accelerations(self) -> Knots:
@@ -232,8 +219,6 @@ class System:
         self.has_no_past = False
         self.accelerations.accept(*accelerations, step)
         self.forces.accept(*forces, step)
-        if self.shaft:
-            self.shaft.accept()
 
     def drop_past(self) -> None:
         """Drop what the signals did before now: it says nothing of what comes."""
@@ -259,5 +244,3 @@ class System:
                 source, target = carried[one.name].source, carried[one.name].target.variable
                 mass = unit.get(unit.group([source.variable]))[0]
                 masses[target] = masses.get(target, 0.0) + mass
-        if self.shaft:
-            self.shaft.restart()

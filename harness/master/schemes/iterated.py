@@ -16,7 +16,6 @@ from ....models.constants import (
     JACOBIAN_CHANGE,
     LOOSE_RESIDUAL,
     MAX_PASSES,
-    MISS_PER_ERROR,
     SLOW_CONVERGENCE,
 )
 from ...errors import LoopError
@@ -35,8 +34,6 @@ class Iterated(Scheme):
         corrections: corrector passes of every step, or None to go on until converged.
         rounding: of forces that cancel [N]; no smaller residual is asked for.
     """
-
-    miss_per_error = MISS_PER_ERROR
 
     def __init__(
         self,

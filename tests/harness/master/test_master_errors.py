@@ -245,12 +245,12 @@ def test_the_memory_of_saved_states_serves_every_step_and_is_given_back(held, co
             cosim.start()
             assert not held
         for _ in range(3):
-            cosim.step(1e-3, 1e-3)
+            cosim.step(1e-3)
         assert cosim.units["rotor"].calls["save"] >= 3
         assert len(held) == len(cosim.system.members)
         cosim.system.forces.now[0, 0] = math.nan
         with pytest.raises(SimulationError, match="F_xi"):
-            cosim.step(1e-3, 1e-3)
+            cosim.step(1e-3)
         assert len(held) == len(cosim.system.members)
     assert held == []
 
