@@ -18,7 +18,7 @@ LONGEST_NAME = 63  # of MATLAB, whose Simulink imports FMUs
 
 
 def one_of(*words: str, of: tuple[str, ...] = ()) -> Any:
-    """A choice out of words, the first of them unless told otherwise; `of` as for `count`."""
+    """A choice out of words, by default the first of them; `of` as for `count`."""
     return field(default=words[0], metadata={"words": words, "of": of})
 
 

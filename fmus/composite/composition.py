@@ -28,7 +28,7 @@ class Part:
         start: parameters and start values.
         plane: of the rotor's unit that a balancer sits on, from 1.
         exchanges_force: whether its force and the plane's acceleration are exchanged.
-        follows: whether it is told its plane's place.
+        follows: whether it gets the place of its plane.
     """
 
     name: str

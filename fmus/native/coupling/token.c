@@ -5,7 +5,7 @@
        Composite;scheme=auto;corrections=-;part=rotor,0,-,RotorOnSupports/...;start=0:4028000000000000;
        part=balls,1,s,BallBalancer/...;own=1:4044000000000000
 
-   A part: name, plane of the rotor from 1, s where it exchanges force and v where it is told its plane's
+   A part: name, plane of the rotor from 1, s where it exchanges force and v where it follows its plane's
    place, token.  The rotor is the first part and a motor the last; both have plane 0 and no letters.
    `start` and `flags` are of the part before them, as fmi/token.h has them; `own` are the start values of
    the composite's own variables. */
@@ -168,7 +168,7 @@ static const char *read_entry(Unit *unit, const char *at, const char **own)
     return wrong ? NULL : token_next(at);
 }
 
-/* Have steps end at events, where there are any to be taken back and no motor drives: weights are told
+/* Have steps end at events, where there are any to be taken back and no motor drives: weights get
    the mean of its acceleration over a step, not what it is at a time in it. */
 static void stop_at_contacts(Composite *c)
 {

@@ -38,7 +38,7 @@ Status front_terminate(Unit *unit, const char *function);
 Status front_reset(Unit *unit, const char *function);
 /* A call of model exchange. */
 Status front_exchange(Unit *unit, const char *function, ExchangeCall call, double *values, size_t count);
-/* What a host is told of where it wants to know: there is none of it. */
+/* Clear a flag of the host, which passes NULL where it does not need it. */
 #define FRONT_CLEAR(flag)                                                                         \
     if (flag) {                                                                                   \
         *flag = 0;                                                                                \
