@@ -100,7 +100,7 @@ class Revolution(Closing):
         changes = {"operation.speed": scene.profile().end, "coupling.order": order}
         self.scene = scene = at_fixed_steps(scene.replace(changes))
         self.steps = steps or steps_per_rev(scene)
-        self.cosim = CoSimulation(scene, watch=False)
+        self.cosim = CoSimulation(scene)
         self._one_file = None if separate or why_separate(scene) else composition_in_c(scene)
         self.states = states(scene)
         self.rotor: dict[str, float] = {}
