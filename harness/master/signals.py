@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 Knots = NDArray[np.complex128]  # (n, 2)
 Cubics = NDArray[np.complex128]  # (n, 4)
+Courses = tuple[Cubics, Knots]  # over a step, and at its end
 
 
 def cubics_from_start(knots: Knots) -> Cubics:

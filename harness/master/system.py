@@ -17,7 +17,7 @@ from ..errors import SimulationError
 from .fmu import Fmu, Variables
 from .names import components, signals
 from .plan import ROTOR, Plan
-from .signals import Cubics, Knots, Signals
+from .signals import Courses, Cubics, Knots, Signals
 
 
 @dataclass(slots=True)
@@ -194,13 +194,7 @@ class System:
         for unit, state in zip(self.members, self._states, strict=True):
             unit.free(state)
 
-    def accept(
-        self,
-        accelerations: tuple[Cubics, Knots],
-        forces: tuple[Cubics, Knots],
-        time: float,
-        step: float,
-    ) -> None:
+    def accept(self, accelerations: Courses, forces: Courses, time: float, step: float) -> None:
         """Take over the signals of a finished step: their cubics and their ends.
 
         Raises:
