@@ -112,7 +112,7 @@ class Revolution(Closing):
     @cached_property
     def cosim(self) -> CoSimulation:
         """The separate units: one file runs without them."""
-        return CoSimulation(self.scene, watch=False)
+        return CoSimulation(self.scene)
 
     def scale(self, speed: float) -> Vector:
         """Size of each state at a speed [rad/s]: lengths and angles, rates times the speed."""

@@ -40,8 +40,8 @@ class PlainCheck(Table):
     unbalance, Goncharov 2017 (5) (`capacity`); a motor before the rotor's resonance, caught below
     the limit torque and passing above it (`sommerfeld`).  Of one bundled scene: Tables 1 and 2 of
     Filimonikhina 2017; of Goncharov 2017 Table 1 (`goncharov_table`), Fig. 7
-    (`goncharov_ranking`), (1) (`slow_root`), (10) and (13) (`largest_spread`); the order of
-    convergence of two balls that touch; the rig of Rodrigues et al. 2010."""
+    (`goncharov_ranking`), (1) (`slow_root`), (10) and (13) (`largest_spread`); the rig of
+    Rodrigues et al. 2010."""
 
     kind: Literal[
         "liquid_window",
@@ -52,7 +52,6 @@ class PlainCheck(Table):
         "goncharov_ranking",
         "slow_root",
         "largest_spread",
-        "contact_order",
         "rig",
     ]
 

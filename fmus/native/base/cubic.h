@@ -15,26 +15,14 @@ static inline void hermite(double start, double slope, double end, double end_sl
     *third = (6.0 * (slope + end_slope) - 12.0 * rise) * (per_step * per_step);
 }
 
-/* Value of a complex cubic `time` after its start. */
-static inline Complex cubic_value(const Complex *cubic, double time)
-{
-    Complex sum = complex_sum(cubic[2], complex_scaled(time / 3.0, cubic[3]));
-    sum = complex_sum(cubic[1], complex_scaled(0.5 * time, sum));
-    return complex_sum(cubic[0], complex_scaled(time, sum));
-}
-
-/* Its slope there. */
-static inline Complex cubic_slope(const Complex *cubic, double time)
-{
-    const Complex sum = complex_sum(cubic[2], complex_scaled(0.5 * time, cubic[3]));
-    return complex_sum(cubic[1], complex_scaled(time, sum));
-}
-
-/* Value and slope there. */
+/* Value and slope of a complex cubic `time` after its start. */
 static inline void cubic_at(const Complex *cubic, double time, Complex *derivatives)
 {
-    derivatives[0] = cubic_value(cubic, time);
-    derivatives[1] = cubic_slope(cubic, time);
+    const Complex bend = complex_sum(cubic[2], complex_scaled(0.5 * time, cubic[3]));
+    Complex sum = complex_sum(cubic[2], complex_scaled(time / 3.0, cubic[3]));
+    sum = complex_sum(cubic[1], complex_scaled(0.5 * time, sum));
+    derivatives[0] = complex_sum(cubic[0], complex_scaled(time, sum));
+    derivatives[1] = complex_sum(cubic[1], complex_scaled(time, bend));
 }
 
 /* The complex cubic over a step with this value and slope at each end. */

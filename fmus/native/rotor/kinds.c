@@ -20,34 +20,36 @@ static void line_row(double position, double span, double *row)
     row[1] = share;
 }
 
-int linear_rotor_two_support(const TwoSupport *values, LinearRotor *rotor, Failure *failure)
+int linear_rotor_two_support(const double *values, int unbalances, LinearRotor *rotor,
+                             Failure *failure)
 {
-    const double tilt[2] = {-1.0 / values->span, 1.0 / values->span};
+    const double mass = values[0], inertia = values[1], polar_inertia = values[2];
+    const double span = values[3], com = values[4], tilt[2] = {-1.0 / span, 1.0 / span};
+    const double *support = values + 5, *planes = support + 8, *u = planes + rotor->plane_count;
     double at_centre[2], row[2];
     int i, j, k;
-    if (!(values->polar_inertia <= 2.0 * values->inertia)) {
-        return fail(failure, "polar_inertia = %v kg m^2: must be 0 to 2 inertia = %6",
-                    values->polar_inertia, 2.0 * values->inertia);
+    if (!(polar_inertia <= 2.0 * inertia)) {
+        return fail(failure, "polar_inertia = %v kg m^2: must be 0 to 2 inertia = %6", polar_inertia,
+                    2.0 * inertia);
     }
-    line_row(values->com, values->span, at_centre);
-    for (i = 0; i < 2; i++) {
+    line_row(com, span, at_centre);
+    for (i = 0; i < 2; i++, support += 4) {
         for (j = 0; j < 2; j++) {
             rotor->mass[2 * i + j] =
-                values->mass * at_centre[i] * at_centre[j] + values->inertia * tilt[i] * tilt[j];
-            rotor->gyroscopic[2 * i + j] = values->polar_inertia * tilt[i] * tilt[j];
+                mass * at_centre[i] * at_centre[j] + inertia * tilt[i] * tilt[j];
+            rotor->gyroscopic[2 * i + j] = polar_inertia * tilt[i] * tilt[j];
         }
-        rotor->damping_x[3 * i] = values->damping[2 * i];
-        rotor->damping_y[3 * i] = values->damping[2 * i + 1];
-        rotor->stiffness_x[3 * i] = values->stiffness[2 * i];
-        rotor->stiffness_y[3 * i] = values->stiffness[2 * i + 1];
+        rotor->stiffness_x[3 * i] = support[0];
+        rotor->stiffness_y[3 * i] = support[1];
+        rotor->damping_x[3 * i] = support[2];
+        rotor->damping_y[3 * i] = support[3];
     }
     for (k = 0; k < rotor->plane_count; k++) {
-        line_row(values->planes[k], values->span, rotor->planes + 2 * k);
+        line_row(planes[k], span, rotor->planes + 2 * k);
     }
-    for (k = 0; k < values->unbalance_count; k++) {
-        const double *u = values->unbalances + 3 * k;
+    for (k = 0; k < unbalances; k++, u += 3) {
         const Complex moment = rect(u[1], u[2]);
-        line_row(u[0], values->span, row);
+        line_row(u[0], span, row);
         add_unbalance(moment, row[0], rotor->unbalance);
         add_unbalance(moment, row[1], rotor->unbalance + 2);
     }
@@ -146,10 +148,11 @@ int linear_rotor_flexible(const Flexible *values, LinearRotor *rotor, double *sc
     }
     for (k = 0; k < 2; k++) {
         const int at = ends[k] * n + ends[k];
-        rotor->stiffness_x[at] += values->support_stiffness[2 * k];
-        rotor->stiffness_y[at] += values->support_stiffness[2 * k + 1];
-        rotor->damping_x[at] = values->support_damping[2 * k];
-        rotor->damping_y[at] = values->support_damping[2 * k + 1];
+        const double *support = values->carriers + 4 * k;
+        rotor->stiffness_x[at] += support[0];
+        rotor->stiffness_y[at] += support[1];
+        rotor->damping_x[at] = support[2];
+        rotor->damping_y[at] = support[3];
     }
     for (k = 0; k < rotor->plane_count; k++) {
         rotor->planes[k * n + values->ports[k]] = 1.0;

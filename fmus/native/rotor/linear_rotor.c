@@ -37,22 +37,20 @@ LinearRotor linear_rotor_in(double *memory, int stations, int planes)
     return rotor;
 }
 
-int linear_rotor_planar(const Planar *values, LinearRotor *rotor, Failure *failure)
+void linear_rotor_planar(const double *values, LinearRotor *rotor)
 {
-    const Complex moment = rect(values->unbalance, values->unbalance_angle);
-    (void)failure; /* the limits of its parameters are all there is to check */
-    rotor->mass[0] = values->mass;
-    rotor->stiffness_x[0] = values->stiffness[0];
-    rotor->stiffness_y[0] = values->stiffness[1];
-    rotor->damping_x[0] = values->damping[0];
-    rotor->damping_y[0] = values->damping[1];
-    rotor->internal_damping[0] = values->internal_damping;
+    const Complex moment = rect(values[6], values[7]);
+    rotor->mass[0] = values[0];
+    rotor->stiffness_x[0] = values[1];
+    rotor->stiffness_y[0] = values[2];
+    rotor->damping_x[0] = values[3];
+    rotor->damping_y[0] = values[4];
+    rotor->internal_damping[0] = values[5];
     /* several planes are several ports at the one disc */
     fill_doubles((size_t)rotor->plane_count, 1.0, rotor->planes);
     rotor->unbalance[0] = moment.re;
     rotor->unbalance[1] = moment.im;
     rotor->deflection[0] = 1.0;
-    return FINE;
 }
 
 int linear_rotor_isotropic(const LinearRotor *rotor)

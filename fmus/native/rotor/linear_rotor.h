@@ -35,28 +35,11 @@ typedef struct {
 size_t linear_rotor_size(int stations, int planes);
 LinearRotor linear_rotor_in(double *memory, int stations, int planes);
 
-/* Disc in one plane with p ports at it. */
-typedef struct {
-    double mass;
-    double stiffness[2], damping[2]; /* x, y */
-    double internal_damping;
-    double unbalance, unbalance_angle;
-} Planar;
-
-/* Rigid rotor on two supports. */
-typedef struct {
-    double mass, inertia, polar_inertia, span, com;
-    double stiffness[4], damping[4]; /* support 1 x, y, support 2 x, y */
-    const double *planes;            /* (p,) distances from support 1 */
-    int unbalance_count;             /* u */
-    const double *unbalances;        /* (u, 3) position, amount, angle */
-} TwoSupport;
-
 /* Discs on a massless shaft. */
 typedef struct {
     const double *stations, *masses; /* (n,) */
     int supports[2];                 /* numbers of stations, from 1 */
-    double support_stiffness[4], support_damping[4]; /* in that order, x, y each */
+    const double *carriers;          /* (2, 4) stiffness x, y and damping x, y of the supports */
     double bending_stiffness;        /* E I, where compliance is NULL */
     const double *compliance;        /* (n - 2, n - 2) [m/N], or NULL */
     double internal_damping;
@@ -65,9 +48,15 @@ typedef struct {
     const int *ports;         /* (p,) stations of the planes, from 0 */
 } Flexible;
 
-/* Set a rotor (from linear_rotor_in, of the right sizes); 0, or 1 with the failure. */
-int linear_rotor_planar(const Planar *values, LinearRotor *rotor, Failure *failure);
-int linear_rotor_two_support(const TwoSupport *values, LinearRotor *rotor, Failure *failure);
+/* Set a rotor (from linear_rotor_in, of the right sizes); 0, or 1 with the failure.
+
+   A disc in one plane with p ports at it: mass, stiffness x, y, damping x, y, internal damping, amount
+   and angle of the unbalance.  A rigid rotor on two supports: mass, inertia, polar inertia, span, centre
+   of mass, stiffness x, y and damping x, y of each support, places of the planes, and u times position,
+   amount and angle of an unbalance. */
+void linear_rotor_planar(const double *values, LinearRotor *rotor);
+int linear_rotor_two_support(const double *values, int unbalances, LinearRotor *rotor,
+                             Failure *failure);
 /* `scratch` has linear_rotor_flexible_scratch doubles. */
 size_t linear_rotor_flexible_scratch(int stations);
 int linear_rotor_flexible(const Flexible *values, LinearRotor *rotor, double *scratch,

@@ -71,55 +71,6 @@ void rotor_starts(const Layout *layout, double *real)
     }
 }
 
-static int planar(Unit *unit)
-{
-    Rotor *own = unit->own;
-    const double *real = unit->real;
-    const Planar values = {.mass = real[0],
-                           .stiffness = {real[1], real[2]},
-                           .damping = {real[3], real[4]},
-                           .internal_damping = real[5],
-                           .unbalance = real[6],
-                           .unbalance_angle = real[7]};
-    Failure failure;
-    if (linear_rotor_planar(&values, &own->rotor, &failure)) {
-        return unit_failed(unit, &failure);
-    }
-    return 0;
-}
-
-/* Stiffness and damping of both supports, from the first of them on: x, y, x, y each. */
-static void support_values(const double *real, double *stiffness, double *damping)
-{
-    int s, axis;
-    for (s = 0; s < 2; s++) {
-        for (axis = 0; axis < 2; axis++) {
-            stiffness[2 * s + axis] = real[4 * s + axis];
-            damping[2 * s + axis] = real[4 * s + 2 + axis];
-        }
-    }
-}
-
-static int two_support(Unit *unit)
-{
-    Rotor *own = unit->own;
-    const double *real = unit->real;
-    TwoSupport values = {.mass = real[0],
-                         .inertia = real[1],
-                         .polar_inertia = real[2],
-                         .span = real[3],
-                         .com = real[4],
-                         .planes = real + 13,
-                         .unbalance_count = own->unbalances,
-                         .unbalances = real + 13 + own->planes};
-    Failure failure;
-    support_values(real + 5, values.stiffness, values.damping);
-    if (linear_rotor_two_support(&values, &own->rotor, &failure)) {
-        return unit_failed(unit, &failure);
-    }
-    return 0;
-}
-
 /* Index of the station at a place; -1 when there is none, with the reason. */
 static int station_at(Unit *unit, const double *z, size_t reference)
 {
@@ -176,10 +127,10 @@ static int flexible(Unit *unit)
         }
         values.supports[j] = station + 1;
     }
-    support_values(real + supports + 2, values.support_stiffness, values.support_damping);
     symmetric(real + shaft, given ? bent : 0, compliance);
     values.stations = z;
     values.masses = masses;
+    values.carriers = real + supports + 2;
     values.bending_stiffness = real[shaft];
     values.compliance = given ? compliance : NULL;
     values.internal_damping = real[damping];
@@ -249,6 +200,23 @@ static int set_sliders(Unit *unit)
     return 0;
 }
 
+/* Set the matrices by the parameters of the kind; 1 with the reason. */
+static int set_matrices(Unit *unit)
+{
+    Rotor *own = unit->own;
+    Failure failure;
+    if (own->kind == FLEXIBLE) {
+        return flexible(unit);
+    }
+    if (own->kind == PLANAR) {
+        linear_rotor_planar(unit->real, &own->rotor);
+        return 0;
+    }
+    return linear_rotor_two_support(unit->real, own->unbalances, &own->rotor, &failure)
+               ? unit_failed(unit, &failure)
+               : 0;
+}
+
 int rotor_of_parameters(Unit *unit)
 {
     Rotor *own = unit->own;
@@ -256,8 +224,5 @@ int rotor_of_parameters(Unit *unit)
     own->rotor = linear_rotor_in(own->rotor_memory, own->stations, own->planes);
     own->rotor.gravity[0] = gravity[0];
     own->rotor.gravity[1] = gravity[1];
-    return (own->kind == PLANAR        ? planar(unit)
-            : own->kind == TWO_SUPPORT ? two_support(unit)
-                                       : flexible(unit)) ||
-           set_sliders(unit);
+    return set_matrices(unit) || set_sliders(unit);
 }

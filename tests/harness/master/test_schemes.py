@@ -242,7 +242,7 @@ class Echo:
 
     def __init__(self, share: complex) -> None:
         self.share, self.has_no_past, self.force_names = share, False, ["unit.F"]
-        self.acceleration_names, self.coupled = ["rotor.a"], True
+        self.coupled = True
         start, now = np.array([[1.0, 0.3]]), np.array([[0.8, -0.2]])
         self.forces, self.accelerations = Signals(1), Signals(1)
         self.forces.accept(interpolated(start, now, 1.0), now, 1.0)
