@@ -101,6 +101,7 @@ Moved = _struct(
     events=c_int,
     reached=c_double,
 )
+CentreMotion = _struct("CentreMotion", signal=Complex * 4, spin=Spin)
 Instant = _struct("Instant", motion=Complex * 2, spin=Spin)
 
 STRUCTURES = (
@@ -199,6 +200,14 @@ class Core:
         """What drives weights: the acceleration of a centre with its slope, and the rotor."""
         parts = [Complex(z.real, z.imag) for z in map(complex, motion)]
         return Instant((Complex * 2)(*parts), Spin(angle, speed, (c_double * 4)(*rates)))
+
+    def centre_motion(
+        self, signal: Sequence[complex], speed: float, spin_up: Sequence[float]
+    ) -> Any:
+        """How a track's centre moves over a step: a cubic acceleration, and how the rotor turns."""
+        parts = [Complex(z.real, z.imag) for z in map(complex, signal)]
+        spin = Spin(0.0, speed, (c_double * 4)(*spin_up))
+        return byref(CentreMotion((Complex * 4)(*parts), spin))
 
     def shifted(
         self, signal: Sequence[complex], offset: complex, speed: float, spin_up: Sequence[float]

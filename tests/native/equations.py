@@ -93,17 +93,18 @@ class Track:
         ends = [np.empty(self.weights.count) for _ in range(3)]
         moved = self.core.structures.Moved(*(_pointer(values) for values in ends))
         spin_up = np.array([angular_acceleration, *rates], float)
-        centre = self.core.shifted(signal, self.offset, rotor_speed, spin_up)
+        shifted = self.core.shifted(signal, self.offset, rotor_speed, spin_up)
+        centre = self.core.centre_motion(shifted, rotor_speed, spin_up)
         if not self.native.eventful:
             ends[2][:], moved.reached = contacts, step
             self.core.demand(
                 "weights_advance", byref(self.native.weights), *_arrays(angles, speeds), centre,
-                spin_up, float(step), *ends[:2], byref(self.core("quadrature_empty")), None,
+                float(step), *ends[:2], byref(self.core("quadrature_empty")), None,
             )  # fmt: skip
         else:
             self.core.demand(
                 "track_advance", byref(self.native), *_arrays(angles, speeds, contacts), centre,
-                float(rotor_speed), spin_up, float(step), stop, byref(moved), self._scratch,
+                float(step), stop, byref(moved), self._scratch,
             )  # fmt: skip
         impulse = complex(moved.impulse.re, moved.impulse.im)
         return Moved(*(e.tolist() for e in ends), impulse, moved.events, moved.reached)

@@ -27,9 +27,9 @@ def _bits(core):
     native = core.structures.Weights(3, 0.01, 0.05, 0.05, 1.4)
     angles, speeds, signal = random.normal(size=(3, 8))
     moved, rates = np.zeros(3), np.zeros(3)
+    motion = core.centre_motion(signal.view(complex) * 1e3, 0.0, (7.0, 30.0, -2e3, 1e5))
     core.demand(
-        "weights_advance", byref(native), angles, speeds, signal * 1e3,
-        np.array([7.0, 30.0, -2e3, 1e5]), 1e-2, moved, rates,
+        "weights_advance", byref(native), angles, speeds, motion, 1e-2, moved, rates,
         byref(core("quadrature_empty")), None,
     )  # fmt: skip
     return b"".join(values.tobytes() for values in [*results, moved, rates, *_contact(core)])
@@ -43,14 +43,14 @@ def _contact(core):
     core.demand("track_prepare", byref(track))
     scratch = np.empty(core("track_scratch", 4))
     state = [np.array([0.0, 1.0, 2.0, 4.0]), np.array([9.0, -3.0, 0.0, -8.0]), np.zeros(4)]
-    signal, events = np.array([50.0, 20.0, 3e3, -9e2, 1e5, 0.0, 0.0, 1e6]), 0
+    signal, events = [50.0 + 20.0j, 3e3 - 9e2j, 1e5, 1e6j], 0
+    motion = core.centre_motion(signal, 200.0, (5.0, 0.0, 0.0, 0.0))
     for _ in range(60):
         ends = [np.empty(4) for _ in range(3)]
         arrays = (x.ctypes.data_as(ctypes.POINTER(ctypes.c_double)) for x in ends)
         moved = core.structures.Moved(*arrays)
         core.demand(
-            "track_advance", byref(track), *state, signal, 200.0, np.array([5.0, 0.0, 0.0, 0.0]),
-            5e-3, 0, byref(moved), scratch,
+            "track_advance", byref(track), *state, motion, 5e-3, 0, byref(moved), scratch,
         )  # fmt: skip
         state, events = ends, events + moved.events
     assert events > 10

@@ -37,9 +37,10 @@ def _advance(core, native, angles, speeds, signal, spin_up, step, memory=None):
     angles, speeds = np.array(angles, float), np.array(speeds, float)
     new_angles, new_speeds = np.empty_like(angles), np.empty_like(speeds)
     memory = memory or core("quadrature_empty")
+    motion = core.centre_motion(signal, 0.0, (spin_up, *STEADY))
     core.demand(
-        "weights_advance", byref(native), angles, speeds, np.array(signal, complex),
-        np.array([spin_up, *STEADY]), step, new_angles, new_speeds, byref(memory), None,
+        "weights_advance", byref(native), angles, speeds, motion, step, new_angles, new_speeds,
+        byref(memory), None,
     )  # fmt: skip
     return new_angles, new_speeds
 
@@ -71,8 +72,8 @@ def test_a_step_may_overwrite_the_state_it_starts_from(core):
         speeds, signal = random.normal(size=native.count), _signal(random)
         apart = _advance(core, native, angles, speeds, signal, 3.0, 1e-3)
         core.demand(
-            "weights_advance", byref(native), angles, speeds, signal,
-            np.array([3.0, *STEADY]), 1e-3, angles, speeds,
+            "weights_advance", byref(native), angles, speeds,
+            core.centre_motion(signal, 0.0, (3.0, *STEADY)), 1e-3, angles, speeds,
             byref(core("quadrature_empty")), None,
         )  # fmt: skip
         assert angles.tolist() == apart[0].tolist()

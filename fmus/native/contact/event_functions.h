@@ -6,7 +6,7 @@
 #ifndef AUTOBALANCER_EVENT_FUNCTIONS_H
 #define AUTOBALANCER_EVENT_FUNCTIONS_H
 
-#include "contact/centre.h"
+#include "weights/centre.h"
 #include "contact/ring.h"
 
 enum { GAP_CLOSES, PULLED_OPEN, COMES_TO_REST, BREAKS_AWAY, KINDS };

@@ -5,7 +5,7 @@
 #ifndef AUTOBALANCER_EVENTS_H
 #define AUTOBALANCER_EVENTS_H
 
-#include "contact/centre.h"
+#include "weights/centre.h"
 #include "contact/ring.h"
 
 /* Weights on their way through one communication step. */

@@ -12,7 +12,7 @@
 #ifndef AUTOBALANCER_GROUPS_H
 #define AUTOBALANCER_GROUPS_H
 
-#include "contact/centre.h"
+#include "weights/centre.h"
 #include "contact/resistance.h"
 #include "contact/ring.h"
 

@@ -2,7 +2,7 @@
 #ifndef AUTOBALANCER_IMPACTS_H
 #define AUTOBALANCER_IMPACTS_H
 
-#include "contact/centre.h"
+#include "weights/centre.h"
 #include "contact/impact_law.h"
 #include "contact/ring.h"
 

@@ -2,7 +2,7 @@
 
 #include "base/elementary.h"
 #include "base/matrix.h"
-#include "contact/centre.h"
+#include "weights/centre.h"
 #include "contact/events.h"
 #include "contact/groups.h"
 #include "contact/ring.h"
@@ -43,33 +43,27 @@ int track_first_contacts(const Track *track, const double *angles, const double 
 }
 
 int track_advance(const Track *track, const double *angles, const double *speeds,
-                  const double *contacts, const Complex *signal, double rotor_speed,
-                  const double *spin_up, double step, int stops, Moved *moved,
-                  double *scratch, Failure *failure)
+                  const double *contacts, const CentreMotion *motion, double step, int stops,
+                  Moved *moved, double *scratch, Failure *failure)
 {
-    CentreMotion motion;
     WeightsInOrder weights;
     EventStepper stepper;
-    int k, code;
-    motion.spin = spin_of(0.0, rotor_speed, spin_up);
-    for (k = 0; k < SIGNAL_ORDERS; k++) {
-        motion.signal[k] = signal[k];
-    }
-    if (drifts(spin_up)) {
-        return fail(failure, FAILURE_SPIN, 0, spin_up[1], 0.0, 0.0, 0.0);
+    int code;
+    if (drifts(motion->spin.rates)) {
+        return fail(failure, FAILURE_SPIN, 0, motion->spin.rates[1], 0.0, 0.0, 0.0);
     }
     code = order_weights(track, angles, speeds, contacts, scratch, &weights, failure);
     if (code) {
         return code;
     }
-    stepper = event_stepper(&weights, &motion, stops);
+    stepper = event_stepper(&weights, motion, stops);
     code = advance_events(&stepper, step);
     if (code) {
         return code;
     }
     write_weights(&weights, moved->angles, moved->speeds, moved->contacts);
     moved->impulse = complex_product(
-        stepper.impulse, rect(1.0, -spin_after(&motion.spin, stepper.time).angle));
+        stepper.impulse, rect(1.0, -spin_after(&motion->spin, stepper.time).angle));
     moved->events = stepper.events;
     moved->reached = stepper.time;
     return FINE;

@@ -29,13 +29,11 @@ int track_first_contacts(const Track *track, const double *angles, const double 
 /* Move the weights of an eventful track over one communication step.
 
    angles, speeds, contacts: state, contacts all 0 for a fresh start; the arrays of `moved` may be
-   the same, and have no meaning after a failure.  signal: (4,) acceleration of the track's centre
-   in the rotor frame at the start of the step and its derivatives.  spin_up: (4,) angular
-   acceleration of the rotor likewise, which must be constant.  stops: as in track.h. */
+   the same, and have no meaning after a failure.  motion: of the track's centre, whose rotor is
+   accelerated uniformly, from the angle 0 on.  stops: as in track.h. */
 int track_advance(const Track *track, const double *angles, const double *speeds,
-                  const double *contacts, const Complex *signal, double rotor_speed,
-                  const double *spin_up, double step, int stops, Moved *moved,
-                  double *scratch, Failure *failure);
+                  const double *contacts, const CentreMotion *motion, double step, int stops,
+                  Moved *moved, double *scratch, Failure *failure);
 
 /* Residual force on the rotor in the rotor frame and its slope, without impulses; plane: how the plane's
    centre moves; turned: as of weights_reaction. */

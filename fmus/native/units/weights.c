@@ -4,7 +4,6 @@
 #include "units/weights.h"
 #include "base/elementary.h"
 #include "constants.h"
-#include "contact/centre.h"
 #include "contact/pulse.h"
 
 /* Angles, speeds, contacts (N,) each, impulse owed and pulse given as xi, eta each, of which plain
@@ -171,22 +170,23 @@ static int stops_of(const Unit *unit, double length)
 }
 
 /* One step of weights that may touch or stick. */
-static int step_with_events(Unit *unit, Complex *cubic, double speed, const double *spin_up, double length)
+static int step_with_events(Unit *unit, CentreMotion *motion, double length)
 {
     Balls *own = unit->own;
     const size_t count = (size_t)own->count;
     double *angles = unit->memory, *owes = weights_impulses(unit);
     const Complex pulse = weights_pulse(unit);
+    const double speed = motion->spin.speed, spin_up = motion->spin.rates[0];
     Complex owed = complex_of(owes[0], owes[1]), left = owed, given;
     Moved moved;
     Failure failure;
     moved.angles = angles;
     moved.speeds = angles + count;
     moved.contacts = angles + 2 * count;
-    given = pulse_ahead(pulse, length * (speed + 0.5 * spin_up[0] * length), length, &left);
-    take_off_answer(own->track.mobility, pulse, given, length, cubic);
-    if (track_advance(&own->track, moved.angles, moved.speeds, moved.contacts, cubic, speed,
-                      spin_up, length, stops_of(unit, length), &moved, own->scratch, &failure)) {
+    given = pulse_ahead(pulse, length * (speed + 0.5 * spin_up * length), length, &left);
+    take_off_answer(own->track.mobility, pulse, given, length, motion->signal);
+    if (track_advance(&own->track, moved.angles, moved.speeds, moved.contacts, motion, length,
+                      stops_of(unit, length), &moved, own->scratch, &failure)) {
         return unit_failed(unit, &failure, unit->before, count);
     }
     unit->made = moved.reached;
@@ -196,7 +196,7 @@ static int step_with_events(Unit *unit, Complex *cubic, double speed, const doub
     if (moved.reached < length) {
         length = moved.reached;
         left = owed;
-        given = pulse_ahead(pulse, length * (speed + 0.5 * spin_up[0] * length), length, &left);
+        given = pulse_ahead(pulse, length * (speed + 0.5 * spin_up * length), length, &left);
     }
     owed = complex_sum(left, moved.impulse);
     owes[0] = owed.re;
@@ -206,40 +206,37 @@ static int step_with_events(Unit *unit, Complex *cubic, double speed, const doub
     return 0;
 }
 
-/* The acceleration of the track's centre over a step of this length, in the rotor frame. */
-static void find_centre_signal(const Unit *unit, double length, Complex *signal)
+/* How the track's centre moves over a step of this length, in the rotor frame, whose angle is 0. */
+static CentreMotion find_centre_motion(const Unit *unit, double length)
 {
-    const Balls *own = unit->own;
-    const double *in = weights_inputs(unit);
-    const Spin start = spin_of(in[ANGLE], in[SPEED], in + ACCELERATION);
-    memcpy(signal, weights_signal(unit), SIGNAL_ORDERS * sizeof *signal);
+    CentreMotion motion = find_plane_signal(unit);
     if (unit->layout.sizes.fixed_frame) {
-        Complex ends[2][2];
+        Instant ends[2];
         int k;
         for (k = 0; k < 2; k++) {
-            const Spin spin = spin_after(&start, k * length);
-            cubic_at(weights_signal(unit), k * length, ends[k]);
-            rotate_derivatives(ends[k], &spin, 0);
+            ends[k] = find_instant(&motion, k * length);
+            rotate_derivatives(ends[k].motion, &ends[k].spin, 0);
         }
-        cubic_between(ends[0], ends[1], length, signal);
+        cubic_between(ends[0].motion, ends[1].motion, length, motion.signal);
     }
-    shift_signal(signal, SIGNAL_ORDERS, own->track.offset, in[SPEED], in + ACCELERATION);
+    shift_signal(motion.signal, SIGNAL_ORDERS, ((const Balls *)unit->own)->track.offset,
+                 motion.spin.speed, motion.spin.rates);
+    motion.spin.angle = 0.0;
+    return motion;
 }
 
 static int weights_step_unit(Unit *unit, double length)
 {
     Balls *own = unit->own;
-    const double *in = weights_inputs(unit), *spin_up = in + ACCELERATION;
     double *angles = unit->memory, *speeds = unit->memory + own->count;
-    Complex signal[SIGNAL_ORDERS];
+    CentreMotion motion = find_centre_motion(unit, length);
     Failure failure;
-    find_centre_signal(unit, length, signal);
     if (own->track.eventful) {
-        if (step_with_events(unit, signal, in[SPEED], spin_up, length)) {
+        if (step_with_events(unit, &motion, length)) {
             return 1;
         }
-    } else if (weights_advance(&own->track.weights, angles, speeds, signal, spin_up, length,
-                               angles, speeds, &own->quadrature, own->turned, &failure)) {
+    } else if (weights_advance(&own->track.weights, angles, speeds, &motion, length, angles, speeds,
+                               &own->quadrature, own->turned, &failure)) {
         return unit_failed(unit, &failure, unit->before, (size_t)own->count);
     }
     unit->memory[unit->memory_count - 1] = unit->made;

@@ -24,22 +24,13 @@ typedef struct {
     double *scratch;
 } Balls;
 
-static inline const double *weights_inputs(const Unit *unit)
-{
-    return unit->real + unit->layout.inputs.first;
-}
-
-/* The acceleration's signal over the step. */
-static inline const Complex *weights_signal(const Unit *unit)
-{
-    return (const Complex *)(const void *)weights_inputs(unit);
-}
-
 /* -- weights_motion.c ---------------------------------------------------------------------- */
 
 /* What collisions have left owed, and the pulse at the end of the last step, in the unit's memory. */
 double *weights_impulses(const Unit *unit);
 Complex weights_pulse(const Unit *unit);
+/* How the plane's centre moves over the step, in the axes of the signals. */
+CentreMotion find_plane_signal(const Unit *unit);
 /* A vector in fixed axes and its slope, in place as they are seen in axes that turn with the rotor, or
    against it. */
 void rotate_derivatives(Complex *derivatives, const Spin *spin, int against);

@@ -1,4 +1,6 @@
 /* How the weights' plane moves, in the axes that turn with the rotor. */
+#include <string.h>
+
 #include "base/elementary.h"
 #include "units/weights.h"
 
@@ -10,6 +12,15 @@ double *weights_impulses(const Unit *unit)
 Complex weights_pulse(const Unit *unit)
 {
     return complex_of(weights_impulses(unit)[2], weights_impulses(unit)[3]);
+}
+
+CentreMotion find_plane_signal(const Unit *unit)
+{
+    const double *in = unit->real + unit->layout.inputs.first;
+    CentreMotion motion;
+    memcpy(motion.signal, in, sizeof motion.signal);
+    motion.spin = spin_of(in[ANGLE], in[SPEED], in + ACCELERATION);
+    return motion;
 }
 
 void rotate_derivatives(Complex *derivatives, const Spin *spin, int against)
@@ -26,12 +37,8 @@ void rotate_derivatives(Complex *derivatives, const Spin *spin, int against)
 Instant find_plane_motion(const Unit *unit, Complex *pulse_acceleration)
 {
     const Balls *own = unit->own;
-    const double *in = weights_inputs(unit);
-    const double ago = unit->memory[unit->memory_count - 1];
-    const Spin start = spin_of(in[ANGLE], in[SPEED], in + ACCELERATION);
-    Instant now;
-    cubic_at(weights_signal(unit), ago, now.motion);
-    now.spin = spin_after(&start, ago);
+    const CentreMotion motion = find_plane_signal(unit);
+    Instant now = find_instant(&motion, unit->memory[unit->memory_count - 1]);
     if (unit->layout.sizes.fixed_frame) {
         rotate_derivatives(now.motion, &now.spin, 0);
     }

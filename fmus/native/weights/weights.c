@@ -230,12 +230,13 @@ static double turns_behind(double angle)
 
 /* Substeps that a step is taken in; 0 for angles that are not finite, and for too many. */
 static int count_substeps(const Weights *weights, const double *angles, const double *speeds,
-                          const Complex *signal, double spin_up, double step, Failure *failure)
+                          const CentreMotion *motion, double step, Failure *failure)
 {
-    const double lag = weights_spin_share(weights) * spin_up, lever = weights_lever(weights);
+    const double lag = weights_spin_share(weights) * motion->spin.rates[0];
     double strongest, turns;
-    const double fastest = fastest_rate(weights->count, speeds, signal, lever, lag,
-                                        weights_damping_rate(weights), step, &strongest);
+    const double fastest =
+        fastest_rate(weights->count, speeds, motion->signal, weights_lever(weights), lag,
+                     weights_damping_rate(weights), step, &strongest);
     if (!is_finite(sum_of(angles, weights->count))) {
         fail(failure, FAILURE_ANGLES, 0, 0.0, 0.0, 0.0, 0.0);
         return 0;
@@ -249,44 +250,39 @@ static int count_substeps(const Weights *weights, const double *angles, const do
     return 1 + (int)turns;
 }
 
-/* What drives weights `time` into a step. */
-static Driven driven_at(const Complex *signal, const Spin *spin, double share, double time)
+static Driven driven_at(const CentreMotion *motion, double share, double time)
 {
-    Instant now;
-    cubic_at(signal, time, now.motion);
-    now.spin = spin_after(spin, time);
+    const Instant now = find_instant(motion, time);
     return driven_by(&now, share);
 }
 
 int weights_advance(const Weights *weights, const double *angles, const double *speeds,
-                    const Complex *signal, const double *spin_up, double step,
-                    double *new_angles, double *new_speeds, Quadrature *memory, Turned *turned,
-                    Failure *failure)
+                    const CentreMotion *motion, double step, double *new_angles,
+                    double *new_speeds, Quadrature *memory, Turned *turned, Failure *failure)
 {
     const double lever = weights_lever(weights), share = weights_spin_share(weights);
     const double damping_rate = weights_damping_rate(weights);
-    const Spin spin = spin_of(0.0, 0.0, spin_up);
     const double *response;
     Driven begin, first; /* at the end of the first substep, mostly the only one */
     double h;
     int k, j, count, code = FINE;
     for (k = 0; weights->each && k < weights->count && !code; k++) {
         const Weights one = weights_single(weights, k);
-        code = weights_advance(&one, angles + k, speeds + k, signal, spin_up, step,
+        code = weights_advance(&one, angles + k, speeds + k, motion, step,
                                new_angles + k, new_speeds + k, memory,
                                turned ? turned + 2 * k : NULL, failure);
     }
     if (weights->each) {
         return code;
     }
-    count = count_substeps(weights, angles, speeds, signal, spin_up[0], step, failure);
+    count = count_substeps(weights, angles, speeds, motion, step, failure);
     if (!count) {
         return failure->code;
     }
     h = count > 1 ? step / count : step;
     response = quadrature(memory, damping_rate, h);
-    begin = driven_at(signal, &spin, share, 0.0);
-    first = driven_at(signal, &spin, share, h);
+    begin = driven_at(motion, share, 0.0);
+    first = driven_at(motion, share, h);
     for (k = 0; k < weights->count && !code; k++) {
         const double behind = turns_behind(angles[k]);
         double angle = angles[k] - behind, speed = speeds[k];
@@ -295,7 +291,7 @@ int weights_advance(const Weights *weights, const double *angles, const double *
         for (j = 1; j <= count && !code; j++, start = end, end = ends + j % 2) {
             const Complex unit = turned_by(turned ? turned + 2 * k : NULL, angle);
             if (j > 1) {
-                ends[j % 2] = driven_at(signal, &spin, share, j * h);
+                ends[j % 2] = driven_at(motion, share, j * h);
             }
             code = weights_substep(&angle, &speed, start, end, lever, unit, response, h, failure);
         }

@@ -2,10 +2,9 @@
 #ifndef AUTOBALANCER_WEIGHTS_H
 #define AUTOBALANCER_WEIGHTS_H
 
-#include "base/cubic.h"
 #include "base/elementary.h"
 #include "base/failure.h"
-#include "base/spin.h"
+#include "weights/centre.h"
 
 /* N weights on one circular track. */
 typedef struct {
@@ -18,14 +17,7 @@ typedef struct {
     const double *each;  /* (3, N) mass, drag and radius of each over those above; NULL: all alike */
 } Weights;
 
-/* What drives weights at one time: acceleration of the track's centre in the rotor frame and its slope;
-   and how the rotor turns. */
-typedef struct {
-    Complex motion[2];
-    Spin spin;
-} Instant;
-
-/* The same of one weight, with its lag s w', by which it falls behind where it is free, and the lag's
+/* What drives one weight at one time: as Instant, with its lag s w', by which it falls behind where it is free, and the lag's
    slope in place of how the rotor turns. */
 typedef struct {
     Complex motion[2];
@@ -97,13 +89,10 @@ double fastest_rate(int count, const double *speeds, const Complex *signal, doub
 /* Move every weight over one communication step.
 
    angles, speeds: (N,), and new_angles, new_speeds (N,) for the result, which may be the same
-   arrays; without meaning after a failure.  signal: acceleration of the track's centre in the rotor
-   frame over the step; spin_up (4,): angular acceleration of the rotor and its derivatives; turned
-   (N, 2) as `turned_by` keeps them, or NULL. */
+   arrays; without meaning after a failure.  turned (N, 2) as `turned_by` keeps them, or NULL. */
 int weights_advance(const Weights *weights, const double *angles, const double *speeds,
-                    const Complex *signal, const double *spin_up, double step,
-                    double *new_angles, double *new_speeds, Quadrature *memory, Turned *turned,
-                    Failure *failure);
+                    const CentreMotion *motion, double step, double *new_angles,
+                    double *new_speeds, Quadrature *memory, Turned *turned, Failure *failure);
 
 /* Add a weight's e^{i theta} (`unit`, times its mass) and its time derivatives of order 1 to 3 to their
    sums; rates (3,): the derivatives of theta. */

@@ -1,4 +1,4 @@
-#include "contact/centre.h"
+#include "weights/centre.h"
 
 Instant find_instant(const CentreMotion *motion, double time)
 {

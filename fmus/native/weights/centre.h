@@ -2,15 +2,23 @@
 #ifndef AUTOBALANCER_CENTRE_H
 #define AUTOBALANCER_CENTRE_H
 
-#include "weights/weights.h"
+#include "base/cubic.h"
+#include "base/spin.h"
 
-/* Acceleration of the track's centre as a cubic of time, and a uniformly accelerated rotor. */
+/* Acceleration of the track's centre in the rotor frame over a step, and how the rotor turns at its
+   start. */
 typedef struct {
     Complex signal[SIGNAL_ORDERS];
-    Spin spin; /* at the start of the step, with the angle 0 */
+    Spin spin;
 } CentreMotion;
 
-/* What drives the weights `time` after the start of the step [s]. */
+/* What drives weights at one time: acceleration of the centre and its slope; and how the rotor turns. */
+typedef struct {
+    Complex motion[2];
+    Spin spin;
+} Instant;
+
+/* What drives weights `time` after the start of the step [s]. */
 Instant find_instant(const CentreMotion *motion, double time);
 
 /* Add to the value and derivatives of a signal, `count` (at most 4) in all, those of (i w' - w^2) e:
