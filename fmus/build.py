@@ -102,7 +102,6 @@ def contents(
         raise ValueError(f"backend = {backend!r}: must be one of 'python', 'native'")
     if backend == "native":
         can = Capabilities(
-            input_derivatives=True,
             output_derivatives=1,
             directional_derivatives=True,
             early_return=sized.returns_early,

@@ -30,7 +30,6 @@ def cosim(request: pytest.FixtureRequest) -> Callable[..., Result]:
         *,
         record: Iterable[str] | None = None,
         fmus: Path | None = None,
-        verify: bool = False,
         separate: bool = False,
         one_file: bool | None = None,
         **overrides: Any,
@@ -48,9 +47,7 @@ def cosim(request: pytest.FixtureRequest) -> Callable[..., Result]:
                 scene = load_scene(beside if beside.is_file() else source)
             if overrides:
                 scene = scene.replace(overrides)
-            return cosimulate(
-                scene, record=record, fmus=fmus, verify=verify, separate=separate, one_file=one_file
-            )
+            return cosimulate(scene, record=record, fmus=fmus, separate=separate, one_file=one_file)
         except (UserError, SimulationError) as refusal:
             raise refusal.with_traceback(None) from None
 

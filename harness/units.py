@@ -9,6 +9,7 @@ import math
 import re
 from contextlib import suppress
 from contextvars import ContextVar
+from decimal import ROUND_CEILING, ROUND_FLOOR, Context
 from functools import cache
 from typing import Any, NamedTuple
 
@@ -180,6 +181,12 @@ def rounded(value: float, digits: int = 4) -> str:
     """A value with so many digits, and without an exponent below a billion."""
     text = f"{value:.{digits}g}"
     return f"{float(text):.0f}" if 10**digits <= abs(value) < 1e9 else text
+
+
+def rounded_outwards(low: float, high: float, digits: int = 10) -> tuple[str, str]:
+    """The ends of an interval with so many digits: the lower one rounded down, the upper one up."""
+    down, up = (Context(prec=digits, rounding=way) for way in (ROUND_FLOOR, ROUND_CEILING))
+    return f"{down.create_decimal(low):f}", f"{up.create_decimal(high):f}"
 
 
 def brief(value: float, digits: int = 2) -> str:

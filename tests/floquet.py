@@ -7,9 +7,16 @@ import math
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from autobalancer.harness.master.revolution import Revolution
 from autobalancer.models.assembly import Assembly
 from autobalancer.models.linear.floquet import exponents, one_turn_multipliers
 from autobalancer.models.linear.linearised import linearise
+
+
+def units_multipliers(units: Revolution, speed: float, state: NDArray) -> NDArray[np.complex128]:
+    """The same by the one-revolution map of coupled units at a state, largest modulus first."""
+    values = np.linalg.eigvals(units.monodromy(state, speed)).astype(complex)
+    return values[np.argsort(-np.abs(values), kind="stable")]
 
 
 def multipliers(assembly: Assembly, speeds: ArrayLike) -> NDArray[np.complex128]:

@@ -31,13 +31,11 @@ class Way:
 
     Attributes:
         record: signals; None: what the scene records; "all": every output of every unit.
-        watch: whether balancers without force are stepped, for their clearance.
         draw: whether the run is drawn at the end.
     """
 
     scene: Callable[[], Scene]
     record: Sequence[str] | str | None = None
-    watch: bool = True
     draw: bool = False
 
 
@@ -86,8 +84,6 @@ def omissions() -> list[Omission]:
                  Way(force), Way(disc)),
         Omission("the liquid's unit: no liquid in the scene", "balls_and_liquid",
                  Way(both), Way(lambda: both().without("liquid"))),
-        Omission("clearance: `watch = False`", "liquid_disc",
-                 Way(disc, []), Way(disc, [], watch=False)),
         Omission("recording everything: the scene's signals", "liquid_disc",
                  Way(disc, "all"), Way(disc)),
         Omission("recording: `record = []`", "liquid_disc", Way(disc), Way(disc, [])),
@@ -109,7 +105,7 @@ class _Prepared:
 
     def __init__(self, way: Way) -> None:
         scene = way.scene()
-        self.way, self.cosim = way, CoSimulation(scene, watch=way.watch)
+        self.way, self.cosim = way, CoSimulation(scene)
         self.names = list(recorded(scene) if way.record is None else way.record)
         if way.record == "all":
             self.names = [

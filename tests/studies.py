@@ -19,7 +19,6 @@ ROUNDS = 5  # of which the fastest counts
 CHOICES: dict[str, tuple[dict[str, object], dict[str, bool]]] = {
     "`tolerance = 1e-3`": ({"coupling.tolerance": 1e-3}, {}),
     "`tolerance = 1e-6`": ({"coupling.tolerance": 1e-6}, {}),
-    "`--verify`": ({}, {"verify": True}),
     "`--separate`": ({}, {"separate": True}),
     "`steps_per_rev = 40`": ({"coupling.steps_per_rev": 40}, {}),
     '`units = "python"`, 40 steps': (

@@ -123,7 +123,7 @@ COMMAND_LINES = {
         "two_balls --ssp -o two.ssp --python",
     ],
     "run": [
-        "two_balls -o run.csv --plot run.png --movie run.gif --movie-seconds 1 --verify",
+        "two_balls -o run.csv --plot run.png --movie run.gif --movie-seconds 1",
         "two_balls --separate",
     ],
     "new": ["fan -o fan.toml"],

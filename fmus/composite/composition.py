@@ -8,7 +8,7 @@ from functools import cached_property
 from typing import Any
 
 from ..catalogue import sized_unit
-from ..native.build.layout import bits, signed, start_entries, token
+from ..native.build.layout import bits, start_entries, token
 from ..unit import SizedUnit, Unit, alternatives
 from ..variables import Layout, Variable, started
 from .variables import CompositeSizes, variables
@@ -178,4 +178,4 @@ class Composition:
         own = self.layout
         first = own.index["coupling.tolerance"]
         given = [f"{own.index[k] - first}:{bits(v)}" for k, v in self.start.items()]
-        return signed(";".join(["Composite", *entries, f"own={','.join(given)}", "id="]), stamp)
+        return ";".join(["Composite", *entries, f"own={','.join(given)}"])

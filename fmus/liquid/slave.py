@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from ...models import cubic
 from ...models.liquid import Liquid
-from ..python.signals import cubic_of
-from ..python.slave import Slave
+from ..python.slave import Slave, cubic_of
 from .variables import LIQUID
 
 

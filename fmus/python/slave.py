@@ -312,6 +312,12 @@ class Slave(Fmi2Slave):
         return RuntimeError(self._report(what, error))
 
 
+def cubic_of(signal: Sequence[float]) -> tuple[complex, complex, complex, complex]:
+    """Value and derivatives from the eight inputs of one vector signal."""
+    x0, y0, x1, y1, x2, y2, x3, y3 = signal
+    return complex(x0, y0), complex(x1, y1), complex(x2, y2), complex(x3, y3)
+
+
 def _refuse_unknown(vrs: Sequence[int], count: int) -> None:
     """Raise ValueError for value references that do not exist."""
     unknown = [vr for vr in vrs if not 0 <= vr < count]

@@ -8,8 +8,7 @@ from typing import NamedTuple
 from ...models import cubic
 from ...models.steps.weights import advance, reaction
 from ...models.weights import Weights, alignment, static_moment
-from ..python.signals import cubic_of
-from ..python.slave import Slave
+from ..python.slave import Slave, cubic_of
 from .variables import BALLS, WeightSizes
 
 Signal = tuple[complex, complex]  # a vector and its slope

@@ -31,14 +31,12 @@ class Capabilities:
     """What an implementation of a unit offers beyond stepping, saving and restoring its state.
 
     Attributes:
-        input_derivatives: whether it takes the derivatives of inputs FMI's own way.
         output_derivatives: highest order of those that it gives FMI's own way.
         directional_derivatives: whether it gives them.
         early_return: whether a step may end early (FMI 3.0).
         sources: names of the C files in `sources/` that make the library (FMI 2.0).
     """
 
-    input_derivatives: bool = False
     output_derivatives: int = 0
     directional_derivatives: bool = False
     early_return: bool = False
@@ -58,6 +56,29 @@ def header(unit: SizedUnit, name: str, release: str) -> dict[str, str]:
         "generationDateAndTime": DATE,
         "variableNamingConvention": "flat" if unit.flat else "structured",
     }
+
+
+def interfaces(
+    root: Element, unit: SizedUnit, name: str, can: Capabilities, fmi: int
+) -> list[Element]:
+    """ModelExchange, of a unit with states, and CoSimulation; what is not said is false."""
+    state, plural = ("FMUstate", "") if fmi == 2 else ("FMUState", "s")
+    shared = {
+        "modelIdentifier": name,
+        f"canGetAndSet{state}": "true",
+        f"canSerialize{state}": "true",
+        f"providesDirectionalDerivative{plural}": flag(can.directional_derivatives),
+    }
+    steps = {
+        "canHandleVariableCommunicationStepSize": "true",
+        "maxOutputDerivativeOrder": str(can.output_derivatives),
+    }
+    kinds = {"ModelExchange": shared, "CoSimulation": shared | steps}
+    return [
+        SubElement(root, kind, about)
+        for kind, about in kinds.items()
+        if unit.states or kind == "CoSimulation"
+    ]
 
 
 def scalar(variable: Variable, name: str, reference: str) -> dict[str, str]:

@@ -6,7 +6,7 @@ from xml.etree.ElementTree import Element, SubElement
 
 from ..unit import SizedUnit
 from . import description as common
-from .description import Capabilities, flag
+from .description import Capabilities
 from .types import type_attributes, type_names, unit_definitions
 
 _UNKNOWN = {
@@ -33,14 +33,12 @@ def model_description(
     rates = common.derivatives(unit)
     if rates:
         root.set("numberOfEventIndicators", "0")
-        _interface(root, "ModelExchange", name, {}, can)
-    steps = {
-        "canHandleVariableCommunicationStepSize": "true",
-        "canInterpolateInputs": flag(can.input_derivatives),
-        "maxOutputDerivativeOrder": str(can.output_derivatives),
-        "canRunAsynchronuously": "false",
-    }
-    _interface(root, "CoSimulation", name, steps, can)
+    for interface in common.interfaces(root, unit, name, can, 2):
+        interface.set("canNotUseMemoryManagementFunctions", "true")
+        if can.sources:
+            files = SubElement(interface, "SourceFiles")
+            for source in can.sources:
+                SubElement(files, "File", {"name": source})
     types = type_names((*unit.layout.reals, *rates.values()))
     unit_definitions(root, types)
     definitions = SubElement(root, "TypeDefinitions")
@@ -72,26 +70,3 @@ def model_description(
             found = common.unknown(unit, v, position, tag == "InitialUnknowns")
             SubElement(element, "Unknown", {"index": position[v.name], **found})
     return common.text_of(root)
-
-
-def _interface(
-    root: Element, kind: str, name: str, more: dict[str, str], can: Capabilities
-) -> None:
-    element = SubElement(
-        root,
-        kind,
-        {
-            "modelIdentifier": name,
-            "needsExecutionTool": "false",
-            **more,
-            "canBeInstantiatedOnlyOncePerProcess": "false",
-            "canNotUseMemoryManagementFunctions": "true",
-            "canGetAndSetFMUstate": "true",
-            "canSerializeFMUstate": "true",
-            "providesDirectionalDerivative": flag(can.directional_derivatives),
-        },
-    )
-    if can.sources:
-        files = SubElement(element, "SourceFiles")
-        for source in can.sources:
-            SubElement(files, "File", {"name": source})

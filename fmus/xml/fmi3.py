@@ -41,29 +41,8 @@ def model_description(
     root = Element("fmiModelDescription", {"fmiVersion": "3.0", "instantiationToken": token})
     root.attrib.update(common.header(unit, name, release))
     rates = common.derivatives(unit)
-    shared = {
-        "modelIdentifier": name,
-        "needsExecutionTool": "false",
-        "canBeInstantiatedOnlyOncePerProcess": "false",
-        "canGetAndSetFMUState": "true",
-        "canSerializeFMUState": "true",
-        "providesDirectionalDerivatives": flag(can.directional_derivatives),
-    }
-    if rates:
-        SubElement(root, "ModelExchange", shared)
-    SubElement(
-        root,
-        "CoSimulation",
-        {
-            **shared,
-            "canHandleVariableCommunicationStepSize": "true",
-            "maxOutputDerivativeOrder": str(can.output_derivatives),
-            "canReturnEarlyAfterIntermediateUpdate": "false",
-            "providesIntermediateUpdate": "false",
-            "mightReturnEarlyFromDoStep": flag(can.early_return),
-            "hasEventMode": "false",
-        },
-    )
+    *_, steps = common.interfaces(root, unit, name, can, 3)
+    steps.set("mightReturnEarlyFromDoStep", flag(can.early_return))
     types = type_names((_TIME, *unit.layout.reals, *rates.values()))
     unit_definitions(root, types)
     definitions = SubElement(root, "TypeDefinitions")

@@ -51,9 +51,9 @@ class Machine(Closing):
         count = len(scene.rotor.stations)
         supports = [station(j, count) + self.setup.axis for j in scene.rotor.supports]
         self._watched = ["angle", *supports]
-        self._rest = np.zeros(len(self.revolution.states))
+        rest = np.zeros(len(self.revolution.states))
         try:
-            self._monodromy = self.revolution.monodromy(self._rest, self.speed)
+            self._monodromy = self.revolution.monodromy(rest, self.speed)
             self._refuse_unstable()
         except BaseException:
             self.close()
@@ -81,7 +81,7 @@ class Machine(Closing):
         parameters = self._room.parameters
         for (size, direction), value in zip(parameters, unbalances.tolist(), strict=True):
             self.revolution.rotor[size], self.revolution.rotor[direction] = cmath.polar(value)
-        state, _ = self.revolution.steady(self.speed, self._rest, self._monodromy)
+        state = self.revolution.steady(self.speed, self._monodromy)
         rows = self.revolution.record(state, self.speed, self._watched, self.setup.revolutions)
         angle, samples = rows[:, 0], rows[:, 1:].T
         _refuse_drift(angle, samples)

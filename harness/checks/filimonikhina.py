@@ -15,7 +15,7 @@ from ..errors import SceneError
 from ..scene import Scene
 from ..stability.boundaries import speeds
 from ..stability.speeds import Speeds
-from .critical_speeds import growth_row, rest_row, speed_rows
+from .critical_speeds import rest_row, speed_rows
 from .proved import bracket_rows
 from .row import Row, Rows
 
@@ -109,11 +109,10 @@ def rows_of(number: int, scene: Scene, w_x: float, row: TableRow) -> Iterator[Ro
 def _beyond(
     rows: Rows, scene: Scene, w_x: float, label: str, found: Speeds, printed: int
 ) -> Iterator[Row]:
-    """Unstable bands that the paper does not report, each shown by two nonlinear runs."""
+    """Unstable bands that the paper does not report, each shown by a nonlinear run."""
     exact = [c.speed for c in found.methods["floquet"]]
     for begin, end in zip(exact[printed::2], exact[printed + 1 :: 2], strict=False):
         note = f"{label}FINDING, unstable again from {begin / w_x:.5g} to {end / w_x:.5g}: "
         grid = np.linspace(begin, end, SEARCHED)
         worst = float(grid[np.argmax(growth_rates(scene.assembly(), grid))])
-        yield growth_row(rows, scene, worst, note)
         yield rest_row(rows, scene, worst, note)

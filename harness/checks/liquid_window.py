@@ -17,6 +17,7 @@ from ...models.papers.window import OPEN_END, LiquidWindow
 from ..errors import SceneError, SimulationError
 from ..master.revolution import Revolution
 from ..scene import Scene
+from ..stability.main_motion import MainMotion
 from .proved import window_rows
 from .row import Row, Rows
 
@@ -58,14 +59,8 @@ def window_of(scene: Scene) -> LiquidWindow:
 
 def steady_displacement(units: Revolution, speed: float) -> complex:
     """x + i y after whole revolutions of the main motion, rotor at its starting angle [m]."""
-    state, _ = units.steady(speed, np.zeros(len(units.states)))
+    state = units.steady(speed)
     return complex(state[0], state[1])
-
-
-def largest_growth(units: Revolution, speed: float) -> float:
-    """Largest growth rate of a disturbance [1/s]."""
-    # the coupled system is linear: the multipliers are the same around any motion
-    return float(units.growth_rates(speed, np.zeros(len(units.states)))[0])
 
 
 def check_liquid_window(scene: Scene) -> Iterator[Row]:
@@ -78,16 +73,14 @@ def check_liquid_window(scene: Scene) -> Iterator[Row]:
     rows = Rows(scene.name, "liquid_window")
     turned = np.exp(-1j * np.angle(scene.assembly().rotor.unbalance[0]))
     alone = scene.without_balancers()
-    with Revolution(scene, separate=True) as loaded, Revolution(alone, separate=True) as bare:
+    with MainMotion(scene, separate=True) as motion, Revolution(alone, separate=True) as bare:
+        loaded, growth = motion.units, motion.growth
 
         def bending(speed: float) -> float:
             return abs(steady_displacement(loaded, speed))
 
         def benefit(speed: float) -> float:
             return bending(speed) - abs(steady_displacement(bare, speed))
-
-        def growth(speed: float) -> float:
-            return largest_growth(loaded, speed)
 
         lower = sign_change(benefit, window.lower, "w_*, where the balancer begins to help")
         yield rows.number(

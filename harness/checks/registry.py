@@ -10,7 +10,6 @@ from ..errors import SceneError
 from ..scene import Scene
 from ..scene.check import AnyCheck, CriticalSpeedsCheck
 from .capacity import check_capacity, check_sizes
-from .contact_order import CASES, check_contact_order
 from .critical_speeds import check_critical_speeds
 from .filimonikhina import TABLES, check_row
 from .largest_spread import check_largest_spread
@@ -18,7 +17,6 @@ from .liquid_window import check_liquid_window
 from .ranking import check_ranking
 from .rig import GROUPS, check_rig
 from .row import Row
-from .runtimes import check_runtimes
 from .slow_root import check_slow_root
 from .sommerfeld import check_sommerfeld
 
@@ -27,22 +25,17 @@ CHECKS: dict[str, Callable[..., Iterator[Row]]] = {
     "liquid_window": check_liquid_window,
     "critical_speeds": check_critical_speeds,
     "capacity": check_capacity,
-    "runtimes": check_runtimes,
     "sommerfeld": check_sommerfeld,
     "filimonikhina_table": check_row,
     "goncharov_table": check_sizes,
     "goncharov_ranking": check_ranking,
     "slow_root": check_slow_root,
     "largest_spread": check_largest_spread,
-    "contact_order": check_contact_order,
     "rig": check_rig,
 }
-# compare runs with runs; the theory of the others has no gravity
-UNDER_GRAVITY = ("contact_order", "runtimes")
 # options of every part that can be done on its own
 SPLIT: dict[str, list[dict[str, Any]]] = {
     "filimonikhina_table": [{"index": index} for index in range(len(TABLES))],
-    "contact_order": [{"index": index} for index in range(len(CASES))],
     "rig": [{"rows_of": name} for name in GROUPS],
 }
 
@@ -72,7 +65,7 @@ def parts_of(scene: Scene) -> list[CheckPart]:
             'kind = "liquid_window"'
         )
     for number, check in enumerate(scene.checks, start=1):
-        if scene.operation.gravity and check.kind not in UNDER_GRAVITY:
+        if scene.operation.gravity:
             raise SceneError(
                 f'{scene.name}: check[{number}].kind = "{check.kind}": its theory has no '
                 "gravity: remove operation.gravity"

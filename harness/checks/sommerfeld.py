@@ -68,6 +68,6 @@ def run_with(scene: Scene, stall_torque: float) -> tuple[Result, float]:
     """The scene's run with another motor, and the bending over its last part [m]."""
     names = ["motor.speed", "rotor.x", "rotor.y"]
     changed = scene.replace({"operation.motor.stall_torque": stall_torque})
-    result = cosimulate(changed, record=names, separate=not scene.has_events)
+    result = cosimulate(changed, record=names)
     late = result.time >= (1.0 - LATE) * result.time[-1]
     return result, float(np.hypot(result["rotor.x"], result["rotor.y"])[late].mean())

@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ...models.papers.touching import critical_unbalance
-from ..stability.whirl import whirl_at
 from .scenes import weights_of
 
 if TYPE_CHECKING:
@@ -30,29 +29,11 @@ def words(data: Design) -> list[str]:
             f"No number of {data.kind} in this space balances {required:.4g} kg m: "
             f"{best.count} have the most, {best.capacity:.4g} kg m. Take more weights (--most), a "
             "larger race, a wider space or a denser material.",
-            *_whirls(data),
         ]
     lines = _recommendation(data)
     if short := ", ".join(str(c.count) for c in data.choices if not c.has_capacity):
         lines.append(f"Too little capacity for {required:.4g} kg m, not run: n = {short}.")
-    return [*lines, *_whirls(data), *_critical(data)]
-
-
-def _whirls(data: Design) -> list[str]:
-    """What remains with numbers that have not the capacity."""
-    short = {
-        c.count: whirl_at(c.scene, c.scene.profile().end)
-        for c in data.choices
-        if c.capacity < data.unbalance
-    }
-    parts = [
-        f"{1e3 * max(one.amplitude):.4g} mm with n = {count}"
-        for count, one in short.items()
-        if one.stable
-    ]
-    if not parts:
-        return []
-    return [f"A whirl remains there, stable at this speed: {', '.join(parts)}."]
+    return [*lines, *_critical(data)]
 
 
 def _recommendation(data: Design) -> list[str]:

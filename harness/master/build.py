@@ -105,9 +105,11 @@ def _wanted(
             f"{unit} (native only)" for unit in CATALOGUE if unit not in kinds
         ]
     from .plan import about, plan
+    from .runtime import runtime
     from .start import start_values
 
-    units, start = plan(scene).units, {} if python else start_values(scene)
+    native = not python and runtime("native").backend == "native"
+    units, start = plan(scene).units, start_values(scene) if native else {}
     wanted = {}
     for unit in units:
         made = {"start": start[unit.name], "about": about(unit, scene)} if start else {}

@@ -22,14 +22,13 @@ from ...models.constants import (
     MOST_HALVINGS,
     STEEP_FORCE_CHANGE,
 )
-from ..errors import SimulationError
+from ..errors import SceneError, SimulationError
 from ..scene import Scene
 from .facts import Facts, advice
 from .fmu import Closing, Fmu
 from .loop import consistent_start, value_eigenvalues
 from .plan import plan
 from .recorder import REPORTED, Recorder
-from .resolution import Resolution
 from .runtime import runtime
 from .scales import largest_force
 from .schedule import brief_step, end_time, milestones, schedule, step_size
@@ -49,31 +48,33 @@ class CoSimulation(Closing):
     """The units of a scene, loaded and connected; restarted and stepped as often as wanted.
 
     With a tolerance a run has the fewest steps, and the runs after it divide these
-    (`global_error.Controlled`), each watched as one with given steps is (`resolution`).
+    (`global_error.Controlled`).  With given steps nothing estimates what the signals miss.
 
     Args:
         scene: what to simulate.
         fmus: directory of ready-made FMUs; by default exactly those needed are built.
-        watch: also step balancers that exchange no force (their clearance is wanted).
 
     Attributes:
         coupled: whether there is a loop.
-        chooses_steps: whether a tolerance chooses each step of a first run.
         meets_events: whether steps end where weights collide or stick, or supports stick.
-        ends_steps_at_corners: of a motor's characteristic.
+        estimates_errors: whether each step estimates its error.
         time: reached so far [s]; may be set to where a step was to end.
 
     Raises:
         UnitError: an FMU is missing, corrupt, or of a different build.
-        SceneError: the coupling is one that only one file has.
+        SceneError: the scene has a motor or a coupling that only one file has.
     """
 
-    chooses_steps = False
-    meets_events = ends_steps_at_corners = False
+    meets_events = estimates_errors = False
 
-    def __init__(self, scene: Scene, *, fmus: Path | None = None, watch: bool = True) -> None:
+    def __init__(self, scene: Scene, *, fmus: Path | None = None) -> None:
         self.scene, self.order = scene, scene.coupling.order
         refuse_loose_tolerance(scene)
+        if scene.operation.motor:
+            raise SceneError(
+                f"{scene.name}: operation.motor: a motor is coupled in C alone: run the scene as "
+                "one file, without separate units"
+            )
         self.profile = scene.profile()
         self.plan = plan(scene)
         self.runtime = runtime(scene.coupling.units)
@@ -83,15 +84,13 @@ class CoSimulation(Closing):
                 one.name: stack.enter_context(Fmu(path, one.name))
                 for path, one in zip(self.paths, self.plan.units, strict=True)
             }
-            self.system = System(self.plan, self.units, self.order, watch)
+            self.system = System(self.plan, self.units, self.order)
             stack.callback(self.system.free_states)
             self._stack = stack.pop_all()
         self.coupled = self.system.coupled
         self.gain = self.amplification = self.worst_residual = self.time = 0.0
         self.steps = self.unconverged = 0
-        self.resolution: Resolution | None = None
-        self._rounding = FORCE_ROUNDING * largest_force(scene)
-        self._at: Scene | None = None  # kept: a map starts often at one speed
+        self._largest_force = largest_force(scene)
 
     def start(
         self,
@@ -122,26 +121,14 @@ class CoSimulation(Closing):
         self.scheme = self._prepare(step)
         for unit in self.units.values():
             unit.start()
-        # an exchange that is unstable at any step is no matter of resolution
-        judged = self.order == 3 and self.amplification <= 1.0 and self.coupled
-        self.resolution = None
-        scene, share = self._driven(changes or {}), self.scheme.miss_per_error
-        self._most = RUNAWAY * largest_force(scene)
-        if judged:
-            self.resolution = Resolution(scene, self.system, share, self.gain)
-
-    def _driven(self, changes: Mapping[str, Mapping[str, float | bool]]) -> Scene:
-        """The scene at the constant speed that a start gives instead of its own."""
-        speeds = [own["speed"] for own in changes.values() if "speed" in own]
-        if not speeds:
-            return self.scene
-        if self._at is None or self._at.operation.speed != speeds[0]:
-            self._at = self.scene.replace({"operation.speed": speeds[0]})
-        return self._at
+        # forces grow with the square of a speed that the start gives instead of the scene's
+        speeds = [float(own["speed"]) for own in (changes or {}).values() if "speed" in own]
+        faster = max([abs(speed) / self.profile.top for speed in speeds], default=1.0)
+        self.system.most = RUNAWAY * self._largest_force * max(1.0, faster) ** 2
 
     def _prepare(self, step: float) -> Scheme:
         """Bring the units to a consistent start, and make the scheme for this loop."""
-        system, rounding = self.system, self._rounding
+        system, rounding = self.system, FORCE_ROUNDING * self._largest_force
         slopes = consistent_start(system, step, rounding)
         eigenvalues = value_eigenvalues(slopes[: slopes.shape[1]])
         self.gain = max(map(abs, eigenvalues), default=0.0)
@@ -149,8 +136,8 @@ class CoSimulation(Closing):
         self.amplification = scheme.amplification(eigenvalues, system.order)
         return scheme
 
-    def step(self, step: float, longest: float | None = None) -> float:
-        """One communication step of length `step` [s]; returns its length.
+    def step(self, step: float) -> None:
+        """One communication step of length `step` [s].
 
         Raises:
             SimulationError: a unit failed, a signal is not finite, or the loop did not converge.
@@ -162,7 +149,6 @@ class CoSimulation(Closing):
                 raise
             hint = advice(error, self.scene)
             raise SimulationError(f"{error}; loop gain {self.gain:.3g}{hint}") from error
-        return step
 
     def _cover(self, step: float) -> None:
         """A communication step: behind a jump of the drive, and divided where it has no past."""
@@ -181,8 +167,6 @@ class CoSimulation(Closing):
             if number:
                 self._drive_jumps()
             self._advance_part(part)
-        if started and len(parts) > 1:
-            self.scheme.after_start(self.system, self.time, step)
         self.time = begin + step
 
     def _drive_jumps(self) -> bool:
@@ -202,26 +186,12 @@ class CoSimulation(Closing):
     def _advance_part(self, step: float) -> None:
         """A part of a communication step, judged and counted."""
         residual = self.scheme.step(self.system, self.time, step)
-        self._refuse_runaway(step)
-        if self.resolution:
-            self.resolution.check(self.time, step)
         self.worst_residual = max(self.worst_residual, residual)
         if not self.scheme.check_agreement(self.system, self.time, residual):
             self.unconverged += 1
         self.system.follow(self.time, step)
         self.time += step
         self.steps += 1
-
-    def _refuse_runaway(self, step: float) -> None:
-        """Refuse steps that repeat their own error: forces grow with all they are compared with."""
-        forces = self.system.forces.largest[: len(self.system.exchanges)]
-        if forces.max(initial=0.0) > self._most:
-            raise SimulationError(
-                f"coupling steps of {step:.3g} s are too long at t = {self.time:g} s: "
-                f"{self.system.force_names[forces.argmax()]} is beyond all that the scene "
-                'can make of it: the coupling diverges; use scheme = "iterated" or "auto", '
-                "more coupling.steps_per_rev, or a tolerance"
-            )
 
     def run(self) -> Iterator[float]:
         """Step through the scene's run; yields the finished fraction after every step.
@@ -262,7 +232,7 @@ class CoSimulation(Closing):
 
     def facts(self) -> Facts:
         """What the run since the last start did."""
-        units, resolution = self.units.values(), self.resolution
+        units = self.units.values()
         kinds = dict.fromkeys(kind for unit in units for kind in unit.calls)
         return Facts(
             scene=self.scene,
@@ -274,8 +244,6 @@ class CoSimulation(Closing):
             steps=self.steps,
             unconverged=self.unconverged,
             worst_residual=self.worst_residual,
-            estimated_error=resolution.estimate if resolution else 0.0,
-            unresolved=resolution.unresolved if resolution else 0,
         )
 
     def read(self, name: str, variables: Iterable[str]) -> list[float]:
@@ -300,8 +268,8 @@ def doubling_steps(system: System, step: float, halvings: int = 0) -> list[float
     """
     if system.order == 0 or not system.coupled:
         return [step]
-    largest = max(*system.forces.largest, float(np.abs(system.forces.now[:, 0]).max()))
-    change = step * float(np.abs(system.forces.now[:, 1]).max())
+    largest, slope = np.abs(system.forces.now).max(axis=0).tolist()
+    change = step * slope
     if change > STEEP_FORCE_CHANGE * largest > 0.0:
         steep = math.ceil(math.log2(change / (FIRST_CHANGE * largest)))
         halvings = max(halvings, min(MOST_HALVINGS, steep))

@@ -16,6 +16,9 @@ from .result import Result
 from .velocity import velocities, with_velocities
 
 NO_CALLS = "calls of FMI (the one file's units are coupled in C, from memory to memory)"
+NOT_ESTIMATED = (
+    "the error of separate units in given steps is not estimated: use a tolerance, or one file"
+)
 FEW = 10  # given steps per revolution from which the estimate of what they miss can be trusted
 
 
@@ -46,8 +49,8 @@ class Facts:
     steps: int
     unconverged: int
     worst_residual: float
-    estimated_error: float
-    unresolved: int
+    estimated_error: float = 0.0
+    unresolved: int = 0
 
 
 def result(
@@ -78,7 +81,7 @@ def result(
 
 
 def exchanging(scene: Scene) -> bool:
-    """Whether something has to be guessed over a step: a balancer's force, how a motor turns."""
+    """Whether something has to be predicted over a step: a balancer's force, how a motor turns."""
     sent = any(balancer.exchanges_force for balancer in scene.balancer)
     return sent or scene.operation.motor is not None
 
@@ -98,8 +101,8 @@ def events(facts: Facts) -> list[str]:
             notes.append(
                 f"tolerance = {tolerance:g} is not kept: runs with ever shorter steps still "
                 f"differ, the relative error of the motion is about {facts.estimated_error:.1g}: "
-                f"use {_looser(facts.estimated_error)}a smaller run.revolutions, or verify, which "
-                "measures every signal's error and says whether neighbouring motions diverge"
+                f"use {_looser(facts.estimated_error)}a smaller run.revolutions; where "
+                "neighbouring motions diverge, only mean and rms of a long run are known"
             )
     elif facts.estimated_error >= STATED_ERROR:
         notes.append(
@@ -111,10 +114,12 @@ def events(facts: Facts) -> list[str]:
             f"{facts.unresolved} of {facts.steps} steps were too long for signals that "
             "vary faster: use more coupling.steps_per_rev, or a tolerance"
         )
+    elif facts.calls and exchanging(facts.scene):
+        notes.append(NOT_ESTIMATED)
     elif (facts.scene.coupling.steps_per_rev or FEW) < FEW and exchanging(facts.scene):
         notes.append(
             f"{facts.scene.coupling.steps_per_rev} steps per revolution are few, and errors that "
-            "gather over many revolutions are not estimated: verify measures them"
+            "gather over many revolutions are not estimated: use a tolerance"
         )
     return notes
 
@@ -122,7 +127,7 @@ def events(facts: Facts) -> list[str]:
 def _looser(error: float) -> str:
     """The tolerance that such an error keeps, as advice; empty where none so loose is allowed."""
     kept = 10.0 ** math.ceil(math.log10(error))
-    return f"coupling.tolerance = {kept:g}, " if kept <= LOOSEST_TOLERANCE else ""
+    return f"coupling.tolerance = {kept:g} or " if kept <= LOOSEST_TOLERANCE else ""
 
 
 def advice(error: Exception, scene: Scene, meets_events: bool = False) -> str:

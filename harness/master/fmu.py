@@ -223,22 +223,14 @@ class Fmu(Closing):
         self.step(time, step)
         self.fetch(outputs)
 
-    def save(self, state: c_void_p | None = None) -> c_void_p:
-        """A copy of the complete state; give it back with `free`.
-
-        Args:
-            state: an earlier copy of this unit's, which is written over.
-        """
+    def save(self, state: c_void_p) -> None:
+        """Copy the complete state into one that is null, or over an earlier copy of this unit."""
         self.calls["save"] += 1
-        if state is None:
-            state = c_void_p()
-        elif self.runs_python:  # pythonfmu makes a new copy and loses the one that is handed in
+        if self.runs_python:  # pythonfmu makes a new copy and loses the one that is handed in
             self.free(state)
-            state.value = None
         status = self._save(self._component, byref(state))
         if status > _WARNING:
             self._check(status, "saving the state")
-        return state
 
     def restore(self, state: c_void_p) -> None:
         """Roll back to a saved state."""
@@ -248,8 +240,10 @@ class Fmu(Closing):
             self._check(status, "restoring the state")
 
     def free(self, state: c_void_p) -> None:
-        """Release a saved state."""
-        self._free(self._component, byref(state))
+        """Release a saved state, which is null afterwards."""
+        if state:
+            self._free(self._component, byref(state))
+            state.value = None
 
     def restart(self, parameters: dict[str, float | bool]) -> None:
         """Reset, set parameters and start values, and enter initialisation mode.

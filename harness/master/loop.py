@@ -8,7 +8,6 @@ the force, and its slope times the step; matrices have real and imaginary parts 
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,19 +26,14 @@ from .system import System
 Vector = NDArray[np.complex128]
 
 
-@lru_cache(maxsize=64)
-def _factors(slope: float) -> NDArray[np.float64]:
-    return np.array([1.0, slope])
-
-
 def pack(ends: Knots, step: float) -> Vector:
     """Forces and slopes as one vector."""
-    return np.asarray((ends * _factors(step)).ravel())
+    return np.asarray((ends * np.array([1.0, step])).ravel())
 
 
 def unpack(vector: Vector, step: float) -> Knots:
     """Inverse of `pack`."""
-    return vector.reshape(-1, 2) * _factors(1.0 / step)
+    return vector.reshape(-1, 2) * np.array([1.0, 1.0 / step])
 
 
 def size(vector: Vector) -> float:

@@ -17,13 +17,13 @@ from ..output.costs import free_memory, refuse_beyond
 from ..scene import Scene
 from .alike import table_of, values_of
 from .merged import merged_runs, names_of_states
-from .names import station_residuals, stations
+from .names import mean_angles, station_residuals, stations
 from .one_file import composition
 from .plan import plan
 from .schedule import end_time
 
 POINTS_PER_REV = 20  # at which the amplitude is looked at, where a tolerance chooses the steps
-CHUNK = 32  # runs of a call: some MB of outputs
+MOST_RUNS = 32  # of a call: some MB of outputs
 _COPIES = 2  # outputs, and what is made of them
 SETTLED_AMPLITUDE = 0.05  # of the largest: how far from the last amplitude a settled rotor may be
 STEADY = 0.005  # of it: what the amplitude of a settled one may change by in the last revolution
@@ -56,7 +56,8 @@ def cosimulate_many(
             `speed`, or by the variables of the scene's composite FMU (`rotor.stiffness_x`): a
             mapping of arrays, or a pandas frame.
         results: of `RESULTS`; of one station `rotor.station[1].residual`, or `rotor.residual` of a
-            rotor's only one [m]; or outputs of the FMU, which are taken at the end of a run.
+            rotor's only one [m]; `balls.weight[1].mean_angle` of the last revolution [rad]; or
+            outputs of the FMU, which are taken at the end of a run.
         threads: default: one a core.
 
     Returns:
@@ -75,7 +76,8 @@ def cosimulate_many(
     inputs = [v.name for v in layout.variables if v.causality != "output"]
     outputs = [v.name for v in layout.reals if v.causality == "output"]
     residuals = station_residuals(len(scene.rotor.stations))
-    _refuse_unknown(results, [*RESULTS, *residuals, *outputs])
+    means = mean_angles(outputs)
+    _refuse_unknown(results, [*RESULTS, *residuals, *means, *outputs])
     shapes = {column.shape for column in columns.values()}
     if len(shapes) != 1 or len(shape := shapes.pop()) != 1 or not shape[0]:
         raise UserError("table: every column must have as many numbers as the others, at least 1")
@@ -88,7 +90,7 @@ def cosimulate_many(
     ]
     asked += ["coupling.error", "coupling.loop_gain"]
     states = names_of_states(scene) if "merged" in results else []
-    wanted = [name for name in results if name not in RESULTS and name not in residuals]
+    wanted = [means.get(n, n) for n in results if n not in RESULTS and n not in residuals]
     asked += list(dict.fromkeys([*wanted, *states]))
     ends = np.full(len(values), end_time(scene))
     paced = "coupling.top_speed" if scene.operation.motor else "speed"
@@ -102,16 +104,20 @@ def cosimulate_many(
         turns = max(2, min(turns, int(ends[0] / last)))
         points = turns * math.ceil(points / turns)
     threads = threads or os.cpu_count() or 1
-    needed = 8.0 * _COPIES * min(CHUNK, len(values)) * threads * (points + 1) * len(asked)
+    size = min(MOST_RUNS, math.ceil(len(values) / threads))  # of a chunk
+    needed = 8.0 * _COPIES * size * threads * (points + 1) * len(asked)
     what = f"run.revolutions = {scene.run.revolutions:g}: what many runs are read from needs"
     refuse_beyond(free_memory(), needed, what, "use fewer")
     runs = BatchRuns(made, list(columns), asked, points)
     heavy = bool(scene.operation.gravity) or any("gravity" in name for name in columns)
 
     def chunk(first: int) -> dict[str, NDArray]:
-        part = slice(first, first + CHUNK)
+        part = slice(first, first + size)
         signals, reasons = runs(values[part], ends[part])
         reduced = _reduced(signals, turns, ends[part], asked, residuals, heavy)
+        late = signals[:, -((signals.shape[1] - 1) // turns) :]
+        for name in set(means).intersection(results):
+            reduced[name] = late[:, :, asked.index(means[name])].mean(axis=1)
         if "merged" in results:
             together = merged_runs(scene, {name: reduced[name] for name in states})
             failed = np.isnan(reduced["residual"])
@@ -119,7 +125,7 @@ def cosimulate_many(
         return {**{k: reduced[k].copy() for k in results}, "failure": np.array(reasons, object)}
 
     with ThreadPoolExecutor(threads) as executor:
-        parts = list(executor.map(chunk, range(0, len(values), CHUNK)))
+        parts = list(executor.map(chunk, range(0, len(values), size)))
     found = {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
     return found if isinstance(table, Mapping) else table.assign(**found)
 

@@ -73,7 +73,7 @@ def merged(scene: Scene, values: Mapping[str, float]) -> list[Merged]:
     if not np.concatenate(equal).any():
         return []
     speed = values.get("motor.speed", scene.profile().speed(end_time(scene)))
-    from ...models.whirl.together import difference_growth  # loads SciPy
+    from ...models.linear.together import difference_growth  # loads SciPy
 
     try:
         growth = difference_growth(scene.assembly(), speed, np.concatenate([s[0] for s in states]))

@@ -24,6 +24,12 @@ def station_residuals(count: int) -> list[str]:
     return [f"rotor.{prefix}residual" for prefix in stations(count)]
 
 
+def mean_angles(outputs: Iterable[str]) -> dict[str, str]:
+    """What many runs call the mean angles of weights in the last revolution: the angles by it."""
+    angle = re.compile(r"^(.*\.weight\[\d+\]\.)angle$")
+    return {f"{found[1]}mean_angle": name for name in outputs if (found := angle.match(name))}
+
+
 def plane(number: int, what: str) -> str:
     """A variable of a rotor's plane, such as `plane[1].a`."""
     return f"plane[{number}].{what}"

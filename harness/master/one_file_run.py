@@ -54,14 +54,14 @@ class OneFileRun(Closing):
 
     Attributes:
         units: what is recorded of them, by name.
-        time: reached so far [s]; may be set to where a step was to end.
+        time: reached so far [s].
 
     Raises:
         SceneError: the scene's units or coupling are none that one file has, or a tolerance is
             asked of a scheme or an order that cannot keep it.
     """
 
-    ends_steps_at_corners = True
+    estimates_errors = True
 
     def __init__(self, scene: Scene) -> None:
         self.scene = scene = as_run(scene)
@@ -75,7 +75,7 @@ class OneFileRun(Closing):
             if owner in self.units:
                 self.units[owner].add(own, variable, made.layout.index[variable.name])
         self.coupled = exchanging(scene)
-        self.chooses_steps = scene.coupling.tolerance is not None and self.coupled
+        self._chooses_steps = scene.coupling.tolerance is not None and self.coupled
         self.meets_events = meets_events(scene)
         self.time, self._passes = 0.0, 0.0
 
@@ -92,16 +92,6 @@ class OneFileRun(Closing):
             self._run.start(points, share)
         except RunFailed as failure:
             raise SimulationError(f"{self.scene.name}: {failure}") from None
-
-    def step(self, step: float, longest: float | None = None) -> float:
-        """As `CoSimulation.step`."""
-        begin = self.time
-        stretch = Stretch(
-            begin, begin + step, 0.0 if self.chooses_steps else step, longest or step, 1
-        )
-        self._on(stretch, np.zeros(0, np.uintc), np.empty((1, 1)))
-        self.time = self._run.facts.time
-        return self.time - begin
 
     def record(self, recorder: Recorder, progress: Progress | None) -> None:
         """As `CoSimulation.record`."""
@@ -126,7 +116,7 @@ class OneFileRun(Closing):
     def _stretches(self) -> Iterator[Stretch]:
         longest = step_size(self.scene, FEWEST_CHOSEN)
         for (step, count), bound in zip(schedule(self.scene), milestones(self.scene), strict=True):
-            given = (0.0, longest, 0) if self.chooses_steps else (step, step, count)
+            given = (0.0, longest, 0) if self._chooses_steps else (step, step, count)
             yield Stretch(self.time, bound, *given)
 
     def _on(

@@ -6,8 +6,7 @@ masters.
 
 from __future__ import annotations
 
-import math
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any, Literal, NamedTuple
 
@@ -19,7 +18,7 @@ from .names import AXES, components, plane, stations
 from .schedule import end_time, step_size
 
 ROTOR, MOTOR = "rotor", "motor"
-Kind = Literal["signal", "value", "mass", "torque", "spin"]
+Kind = Literal["signal", "value", "mass"]
 
 
 @dataclass(frozen=True)
@@ -44,11 +43,6 @@ class UnitPlan:
         return "speed" in self.start
 
     @property
-    def meets(self) -> bool:
-        """Whether it has weights that can touch or stick, which take no change of w' in a step."""
-        return any(self.start.get(key) for key in ("weight_radius", "rolling_resistance"))
-
-    @property
     def file_name(self) -> str:
         """Name of the FMU file it is built as, such as `BallBalancer-weights-3.fmu`."""
         return "-".join([self.model, *(f"{k}-{v}" for k, v in sorted(self.sizes.items()))]) + ".fmu"
@@ -67,8 +61,7 @@ class Connection:
 
     Attributes:
         kind: `signal` has two components and slopes, `value` is one number at every communication
-            point, `mass` is one number at the start; `torque` has slopes, and `spin` as well, with
-            the speed beside it.
+            point, `mass` is one number at the start.
     """
 
     source: Port
@@ -78,20 +71,19 @@ class Connection:
 
 @dataclass(frozen=True)
 class Plan:
-    """Units and connections of a scene: the rotor first, then the balancers in order.
+    """Units and connections of a scene: the rotor first, the balancers in order, and a motor.
+
+    A motor has no connections: it is coupled in the scene's one file alone.
 
     Attributes:
         planes: of the rotor's unit on which the balancers are, from 1, by their names.
         axes: of the coupling signals.
-        spin_scale: what makes a force of an angular acceleration, so that both are compared with
-            one measure: sqrt(I M), inertia that turns and mass of the loaded rotor [kg m].
     """
 
     units: tuple[UnitPlan, ...]
     connections: tuple[Connection, ...]
     planes: Mapping[str, int]
     axes: tuple[str, str] = AXES["rotor"]
-    spin_scale: float = 1.0
 
     @property
     def files(self) -> tuple[str, ...]:
@@ -165,12 +157,10 @@ def plan(scene: Scene, frame: str = "rotor") -> Plan:
         for balancer in scene.balancer
         for connection in _connections(balancer, number[balancer.label], frame)
     ]
-    units, scale = [rotor, *balancers], 1.0
+    units = [rotor, *balancers]
     if motor:
-        scale = math.sqrt(motor.inertia * float(scene.assembly().loaded_rotor.mass.sum()))
-        connections += _shaft(units)
         units.append(_motor(motor, scene.run.initial.angle))
-    return Plan(tuple(units), tuple(connections), number, AXES[frame], scale)
+    return Plan(tuple(units), tuple(connections), number, AXES[frame])
 
 
 def about(unit: UnitPlan, scene: Scene) -> dict[str, Any]:
@@ -188,14 +178,6 @@ def _motor(motor: Motor, angle: float) -> UnitPlan:
     }
     start = {"inertia": motor.inertia, **line, "angle0": angle, "speed0": motor.start}
     return UnitPlan(MOTOR, "Motor", {"points": len(motor.points)}, start)
-
-
-def _shaft(units: Iterable[UnitPlan]) -> Iterator[Connection]:
-    """Of a motor with all that it drives."""
-    for unit in units:
-        if unit.driven:
-            yield Connection(Port(unit.name, "torque"), Port(MOTOR, "torque"), "torque")
-            yield Connection(Port(MOTOR, "acceleration"), Port(unit.name, "acceleration"), "spin")
 
 
 def _connections(balancer: Balancer, number: int, frame: str) -> Iterator[Connection]:

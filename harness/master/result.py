@@ -21,7 +21,6 @@ if TYPE_CHECKING:
 
     from ..scene import Scene
     from .summary import Summary
-    from .verification import Verification
 
 Signal = NDArray[np.float64]
 
@@ -53,7 +52,6 @@ class Result(Pictures):
         estimated_error: of the motion, relative to itself: of a run with a tolerance, or where
             given steps are too long for the signals; 0 where nothing is estimated.
         signal_units: what each signal is measured in.
-        verification: what a second, finer run says of this one; None without `verify`.
         scene: that was run, as it was run.
     """
 
@@ -70,14 +68,8 @@ class Result(Pictures):
     unconverged: int = 0
     estimated_error: float = 0.0
     signal_units: dict[str, str] = field(default_factory=dict)
-    verification: Verification | None = None
     scene: Scene | None = field(default=None, repr=False)
     velocity: dict[str, Signal] = field(default_factory=dict, repr=False)
-
-    @property
-    def error(self) -> dict[str, float] | None:
-        """Measured error of every signal in its unit; None for a run without `verify`."""
-        return self.verification.error if self.verification else None
 
     def summary(self) -> Summary:
         """What the run comes to: balanced or why not, vibration, capacity in use, unbalance left.
@@ -149,7 +141,7 @@ class Result(Pictures):
         return to_pandas(self)
 
     def to_xarray(self) -> Dataset:
-        """A data set of the signals over time, each with its unit and measured error.
+        """A data set of the signals over time, each with its unit.
 
         Raises:
             UserError: xarray is not installed.
@@ -178,7 +170,7 @@ class Result(Pictures):
 
     @classmethod
     def load(cls, path: str | Path) -> Result:
-        """The result that `save` has written: signals, units, scene, facts and errors.
+        """The result that `save` has written: signals, units, scene and facts.
 
         Raises:
             UserError: the file cannot be read or holds no result, or xarray is not installed.

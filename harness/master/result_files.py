@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
-from dataclasses import asdict, fields
+from dataclasses import fields
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -26,14 +26,7 @@ if TYPE_CHECKING:
 
 FACTS = "autobalancer_run"  # the attribute
 _TUPLES = ("left_out", "units", "events")
-_OWN = (
-    "time",
-    "signals",
-    "signal_units",
-    "scene",
-    "verification",
-    "velocity",
-)  # stored in ways of their own
+_OWN = ("time", "signals", "signal_units", "scene", "velocity")  # stored in ways of their own
 
 
 def to_pandas(result: Result) -> DataFrame:
@@ -46,14 +39,11 @@ def to_pandas(result: Result) -> DataFrame:
 
 def to_xarray(result: Result) -> Dataset:
     """See `Result.to_xarray`."""
-    xarray, error = library("xarray"), result.error or {}
-    signals = {}
+    xarray, signals = library("xarray"), {}
     for name, values in result.signals.items():
         unit = result.signal_units.get(name, "")
-        said: dict[str, Any] = {"units": unit, "long_name": f"{quantity(name, unit)} {name}"}
-        if name in error:
-            said["error"] = error[name]
-        signals[name] = ("time", values, said)
+        about = {"units": unit, "long_name": f"{quantity(name, unit)} {name}"}
+        signals[name] = ("time", values, about)
     time = {"time": ("time", result.time, {"units": "s", "long_name": "time"})}
     return xarray.Dataset(signals, time, {"title": result.scene_title, FACTS: _facts(result)})
 
@@ -91,7 +81,6 @@ def _result(stored: Dataset, facts: dict[str, Any], kind: type[Result]) -> Resul
         signals={name: each for name, each in columns.items() if name in units},
         velocity={n: each for n, each in columns.items() if n.endswith(f".{VELOCITY}")},
         signal_units=units,
-        verification=_verification(facts.pop("verification")),
         scene=scene and _scene(scene),
         **facts,
     )
@@ -102,7 +91,6 @@ def _facts(result: Result) -> str:
     scene = result.scene
     plain |= {
         "signal_units": result.signal_units,
-        "verification": result.verification and asdict(result.verification),
         "scene": scene and {"document": scene.document, "path": scene.path, "label": scene.label},
     }
     return json.dumps(plain, default=str)
@@ -111,13 +99,3 @@ def _facts(result: Result) -> str:
 def _scene(stored: Mapping[str, Any]) -> Scene:
     path = stored["path"] and Path(stored["path"])
     return Scene.from_document(stored["document"], path=path, label=stored["label"])
-
-
-def _verification(stored: dict[str, Any] | None) -> Any:
-    from .parting import Parting
-    from .verification import Verification
-
-    if stored is None:
-        return None
-    parting = stored["parting"] and Parting(**stored["parting"])
-    return Verification(**{**stored, "parting": parting})

@@ -1,4 +1,4 @@
-"""A result in numbers: tables of its signals and errors, and what `--json` writes."""
+"""A result in numbers: the table of its signals, and what `--json` writes."""
 
 from __future__ import annotations
 
@@ -13,21 +13,15 @@ if TYPE_CHECKING:
 
 
 def summary(result: Result) -> Sheet:
-    """Smallest, largest and last value of every signal, and its error where that was measured."""
-    rows, verification = [], result.verification
+    """Smallest, largest and last value of every signal."""
+    rows = []
     for name, values in {"time": result.time, **result.signals}.items():
         unit = "s" if name == "time" else result.signal_units.get(name, "")
         unit, factor = shown_in(unit, name)
         numbers = (factor * values.min(), factor * values.max(), factor * values[-1])
-        errors = ["-", "-"]
-        if verification is not None and name in verification.error:
-            error = factor * verification.error[name]
-            errors = [f"{error:.2g}", f"{verification.relative[name]:.2g}"]
-        rows.append([name, unit, *(f"{n:.6g}" for n in numbers), *(errors if verification else [])])
+        rows.append([name, unit, *(f"{n:.6g}" for n in numbers)])
     columns = ["signal", "unit", "smallest", "largest", "at the end"]
-    columns += ["error", "of range"] if verification else []
-    align = "ll" + "r" * (len(columns) - 2)
-    return Sheet(columns, rows, align, result.scene_title or "run")
+    return Sheet(columns, rows, "llrrr", result.scene_title or "run")
 
 
 def _summary(result: Result) -> dict[str, Any] | None:
@@ -38,32 +32,26 @@ def _summary(result: Result) -> dict[str, Any] | None:
 
 
 def as_json(result: Result) -> dict[str, Any]:
-    """The facts of a run and every signal's values and errors, for `--json`."""
-    signals: dict[str, Any] = {}
-    verification = result.verification
-    for name, values in result.signals.items():
-        signals[name] = {
+    """The facts of a run and every signal's values, for `--json`."""
+    signals = {
+        name: {
             "unit": result.signal_units.get(name, ""),
             "smallest": values.min(),
             "largest": values.max(),
             "last": values[-1],
         }
-        if verification is not None:
-            signals[name]["error"] = verification.error[name]
-            signals[name]["relative_error"] = verification.relative[name]
-    document = {
+        for name, values in result.signals.items()
+    }
+    return {
         "title": result.scene_title,
         "time": result.time[-1],
         "steps": result.steps,
         "passes": result.passes,
         "seconds": result.seconds,
+        "estimated_error": result.estimated_error,
         "units": result.units,
         "left_out": result.left_out,
         "events": result.events,
         "summary": _summary(result),
         "signals": signals,
     }
-    if verification is not None:
-        parting = asdict(verification.parting) if verification.parting else None
-        document["verification"] = {"finer": verification.finer, "parting": parting}
-    return document

@@ -11,6 +11,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,8 +21,9 @@ from ..errors import SimulationError
 from ..scene import Scene
 from .cosimulation import CoSimulation
 from .fmu import Closing
-from .names import stations, weight
+from .names import by_unit, stations, weight
 from .one_file import composition_in_c, why_separate
+from .plan import plan
 from .schedule import at_fixed_steps, steps_per_rev
 
 Vector = NDArray[np.float64]
@@ -84,7 +86,7 @@ class Revolution(Closing):
     """One revolution of a scene's coupled units as a map of their states.
 
     Args:
-        scene: its start values are the first guess of the main motion.
+        scene: whose units.
         steps: communication steps per revolution; by default the scene's.
         separate: couple separate FMUs in Python even where the scene can run as one file.
 
@@ -99,18 +101,18 @@ class Revolution(Closing):
         changes = {"operation.speed": scene.profile().end}
         self.scene = scene = at_fixed_steps(scene.replace(changes))
         self.steps = steps or steps_per_rev(scene)
-        self.cosim = CoSimulation(scene, watch=False)
         self._one_file = None if separate or why_separate(scene) else composition_in_c(scene)
         self.states = states(scene)
         self.rotor: dict[str, float] = {}
-        self._drives = [one.name for one in self.cosim.plan.units if one.driven]
-        self._outputs = {
-            name: unit.group([s.output for s in self.states if s.unit == name])
-            for name, unit in self.cosim.units.items()
-            if any(s.unit == name for s in self.states)
-        }
-        start = {one.name: one.start for one in self.cosim.plan.units}
+        units = plan(scene).units
+        self._drives = [one.name for one in units if one.driven]
+        start = {one.name: one.start for one in units}
         self.first = np.array([float(start[s.unit].get(s.start, 0.0)) for s in self.states])
+
+    @cached_property
+    def cosim(self) -> CoSimulation:
+        """The separate units: one file runs without them."""
+        return CoSimulation(self.scene)
 
     def scale(self, speed: float) -> Vector:
         """Size of each state at a speed [rad/s]: lengths and angles, rates times the speed."""
@@ -135,7 +137,12 @@ class Revolution(Closing):
 
     def _turned(self, state: Vector, speed: float) -> Vector:
         self.begin(state, speed)
-        return self.turn(speed)
+        step = self._step(speed)
+        for _ in range(self.steps):
+            self.cosim.step(step)
+        outputs = by_unit(f"{s.unit}.{s.output}" for s in self.states)
+        units = ((self.cosim.units[name], names) for name, names in outputs.items())
+        return np.concatenate([unit.get(unit.group(names)) for unit, names in units])
 
     def begin(self, state: Vector, speed: float) -> None:
         """Start the units from a state, rotor at its starting angle."""
@@ -146,13 +153,6 @@ class Revolution(Closing):
         for value, s in zip(state, self.states, strict=True):
             changes.setdefault(s.unit, {})[s.start] = float(value)
         self.cosim.start(changes, self._step(speed))
-
-    def turn(self, speed: float) -> Vector:
-        """Step the units through one more revolution; their states then."""
-        step = self._step(speed)
-        for _ in range(self.steps):
-            self.cosim.step(step)
-        return self.now()
 
     def record(
         self, state: Vector, speed: float, outputs: Sequence[str], revolutions: int = 1
@@ -169,55 +169,35 @@ class Revolution(Closing):
     def _step(self, speed: float) -> float:
         return 2.0 * math.pi / (abs(speed) * self.steps)
 
-    def now(self) -> Vector:
-        """Present states of the units."""
-        units = self.cosim.units
-        return np.concatenate([units[name].get(group) for name, group in self._outputs.items()])
-
     def monodromy(self, state: Vector, speed: float) -> Matrix:
         """Derivative of the map at a state, (n, n), in units of the states' scales."""
         scale = self.scale(speed)
         slopes = derivative(lambda s: self(s, speed), state, np.diag(scale), scale)
         return slopes / scale[:, None]
 
-    def steady(
-        self, speed: float, guess: Vector | None = None, monodromy: Matrix | None = None
-    ) -> tuple[Vector, Matrix]:
-        """Main motion: the states that one revolution returns to, and the monodromy matrix there.
-
-        Weights in a family of equilibria stay nearest to the guess (least squares).
+    def steady(self, speed: float, monodromy: Matrix | None = None) -> Vector:
+        """States that one revolution of a linear machine returns to: a rotor, with liquid or not.
 
         Args:
-            monodromy: where it is known to be the same everywhere, as that of a rotor alone; by
-                default measured at every iteration.
+            monodromy: where it is known; the same everywhere.
 
         Raises:
-            SimulationError: no fixed point near the guess.
+            SimulationError: there is no such motion.
         """
-        state = self.first.copy() if guess is None else np.array(guess, float)
-        scale = self.scale(speed)
+        state, scale = np.zeros(len(self.states)), self.scale(speed)
+        slopes = self.monodromy(state, speed) if monodromy is None else monodromy
         for _ in range(FIXED_POINT_ITERATIONS):
-            slopes = self.monodromy(state, speed) if monodromy is None else monodromy
             residual = (self(state[None], speed)[0] - state) / scale
             step = np.linalg.lstsq(np.eye(len(state)) - slopes, residual, rcond=RANK)[0]
             state = state + step * scale
             if np.abs(residual).max() <= FIXED_POINT_TOLERANCE * (1 + np.abs(state / scale).max()):
-                return state, slopes
+                return state
         raise SimulationError(
-            f"no main motion found at {speed:g} rad/s: one revolution still moves the states by "
+            f"no steady motion found at {speed:g} rad/s: one revolution still moves the states by "
             f"{np.abs(residual).max():.3g} of their scale after {FIXED_POINT_ITERATIONS} iterations"
         )
 
-    def multipliers(self, speed: float, state: Vector | None = None) -> NDArray[np.complex128]:
-        """Multipliers of the main motion, largest modulus first; `state` if it is known."""
-        monodromy = self.steady(speed)[1] if state is None else self.monodromy(state, speed)
-        values = np.linalg.eigvals(monodromy).astype(complex)
-        return values[np.argsort(-np.abs(values), kind="stable")]
-
-    def growth_rates(self, speed: float, state: Vector | None = None) -> Vector:
-        """ln|multiplier| / period, largest first [1/s]."""
-        return np.log(np.abs(self.multipliers(speed, state))) * abs(speed) / (2.0 * math.pi)
-
     def close(self) -> None:
         """Free the units."""
-        self.cosim.close()
+        if "cosim" in vars(self):
+            self.cosim.close()

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import time as clock
 import warnings
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from dataclasses import replace
-from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -18,12 +17,10 @@ from .facts import result
 from .global_error import Controlled
 from .merged import merged_now
 from .one_file import why_separate
-from .plan import plan
-from .recorder import Recorder, recorded, refuse_unknown
+from .recorder import Recorder, recorded
 from .result import Result
 from .simulation import Simulation
 from .velocity import recorded_for, velocities
-from .verify import FIRST, verified
 
 if TYPE_CHECKING:
     from ..output.workers import Progress
@@ -35,7 +32,6 @@ def cosimulate(
     record: Iterable[str] | None = None,
     fmus: Path | None = None,
     progress: Progress | None = None,
-    verify: bool = False,
     separate: bool = False,
     one_file: bool | None = None,
 ) -> Result:
@@ -50,7 +46,6 @@ def cosimulate(
         record: signals such as `rotor.x`; by default the scene's, an empty list records nothing.
         fmus: directory of ready-made FMUs instead of building them.
         progress: called with the finished fraction now and then.
-        verify: run once more, finer, and measure the error of every signal (`Result.error`).
         separate: couple separate FMUs in Python.
         one_file: deprecated, the default; True refuses a scene that one file does not cover.
 
@@ -74,14 +69,8 @@ def cosimulate(
     if one_file:
         refuse_separate(scene, fmus)
     separate = separate or fmus is not None or one_file is False
-    loaded = partial(load, fmus=fmus, separate=separate)
-    if not verify:
-        return run_once(scene, names, loaded, progress)
-    if not names:
-        raise UserError("verify: nothing is recorded, so there is nothing to compare")
-    report = progress or (lambda _done: None)
-    found = run_once(scene, names, loaded, lambda done: report(FIRST * done))
-    return verified(scene, found, load, lambda done: report(FIRST + (1.0 - FIRST) * done))
+    with load(scene, fmus, separate) as simulation:
+        return _run(simulation, scene, names, progress)
 
 
 def refuse_separate(scene: Scene, fmus: Path | None) -> None:
@@ -101,30 +90,24 @@ def load(scene: Scene, fmus: Path | None = None, separate: bool = False) -> Simu
     return OneFileRun(scene)
 
 
-def run_once(
-    scene: Scene,
-    names: list[str],
-    loaded: Callable[[Scene], Simulation],
-    progress: Progress | None,
+def _run(
+    simulation: Simulation, scene: Scene, names: list[str], progress: Progress | None
 ) -> Result:
     """A scene run as its coupling asks, recording `names`, see `cosimulate`."""
     own, made_of = recorded_for([*names, *velocities(scene)] if names else [])
-    refuse_unknown([*own, *made_of], plan(scene).variables_by_unit())
-    with loaded(scene) as cosim:
-        start_time, controlled = clock.perf_counter(), None
-        if cosim.scene.coupling.tolerance is not None and cosim.coupled:
-            controlled = Controlled(cosim, own, made_of)
-            recorder = controlled.run(progress)
-        else:
-            recorder = Recorder(cosim.units, own, made_of)
-            cosim.start()
-            cosim.record(recorder, progress)
-        seconds = clock.perf_counter() - start_time
-        if progress:
-            progress(1.0)
-        facts = cosim.facts()
-        if controlled:
-            facts = replace(facts, estimated_error=controlled.error)
-        messages = (*facts.messages, *merged_now(cosim.scene, cosim.units))
-        facts = replace(facts, messages=messages)
-        return result(recorder, facts, seconds, names)
+    start_time, controlled = clock.perf_counter(), None
+    if simulation.scene.coupling.tolerance is not None and simulation.coupled:
+        controlled = Controlled(simulation, own, made_of)
+        recorder = controlled.run(progress)
+    else:
+        recorder = Recorder(simulation.units, own, made_of)
+        simulation.start()
+        simulation.record(recorder, progress)
+    seconds = clock.perf_counter() - start_time
+    if progress:
+        progress(1.0)
+    facts = simulation.facts()
+    if controlled:
+        facts = replace(facts, estimated_error=controlled.error)
+    messages = (*facts.messages, *merged_now(simulation.scene, simulation.units))
+    return result(recorder, replace(facts, messages=messages), seconds, names)

@@ -27,10 +27,7 @@ def command(
         Path | None,
         typer.Option(metavar="DIR", help="Use the FMUs in this folder instead of building them."),
     ] = None,
-    verify: Annotated[
-        bool, typer.Option(help="Run again with smaller steps, and measure the signals' errors.")
-    ] = False,
-    json_file: Annotated[Path | None, options.json("facts, signals and errors")] = None,
+    json_file: Annotated[Path | None, options.json("facts and signals")] = None,
     separate: Annotated[
         bool,
         typer.Option("--separate", help="Couple separate FMUs in Python instead of in C; slower."),
@@ -93,9 +90,7 @@ def command(
     with progress_bar(f"running {loaded.name}") as progress:
         key = f"run.revolutions = {loaded.run.revolutions:g}"
         limited = costs.within(at_most, key, progress)
-        result = loaded.run(
-            record=record, fmus=fmus, progress=limited, verify=verify, separate=separate
-        )
+        result = loaded.run(record=record, fmus=fmus, progress=limited, separate=separate)
     page = Report(report, loaded.heading, [loaded])
     with page.keeping():
         show(summary(result))
@@ -106,11 +101,8 @@ def command(
         calls = sum(result.calls.values())
         say(
             f"{result.steps} steps, {result.passes} passes, {calls} FMI calls in "
-            f"{result.seconds:.3f} s"
+            f"{result.seconds:.3f} s; estimated error {result.estimated_error:.1g}"
         )
-    if result.verification is not None:
-        verification = result.verification
-        say(f"Errors measured by a second run: {verification.finer}, {verification.seconds:.3f} s")
     for event in result.events:
         say(f"NOTE: {event}", style="bold yellow", error=True)
     if output is not None:

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 Knots = NDArray[np.complex128]  # (n, 2)
 Cubics = NDArray[np.complex128]  # (n, 4)
+Courses = tuple[Cubics, Knots]  # over a step, and at its end
 
 
 def cubics_from_start(knots: Knots) -> Cubics:
@@ -62,15 +63,11 @@ class Signals:
     Attributes:
         now: (n, 2) knots.
         last: (n, 4) cubics of the step before; its length is `last_step` [s].
-        prediction_error: of each, how far the last step ended from where the cubic before it led,
-            where both were of the same length.
-        largest: of each, modulus of the largest value so far.
     """
 
     def __init__(self, count: int) -> None:
         self.now, self.last = np.zeros((count, 2), complex), np.zeros((count, 4), complex)
         self.last_step = 0.0
-        self.prediction_error, self.largest = np.zeros(count), np.zeros(count)
 
     def predicted(self, order: int) -> Cubics:
         """What they would do over the next step, by exchange order."""
@@ -85,10 +82,6 @@ class Signals:
 
     def accept(self, cubics: Cubics, ends: Knots, step: float) -> None:
         """Accept a finished step."""
-        values = ends[:, 0]
-        extrapolated = end_of(self.last, 2.0 * step)[:, 0] if self.last_step == step else values
-        self.prediction_error = np.abs(values - extrapolated)
-        self.largest = np.maximum(self.largest, np.abs(values))
         self.now, self.last, self.last_step = ends, cubics, step
 
     def drop_past(self) -> None:

@@ -3,16 +3,30 @@
 from __future__ import annotations
 
 from ..scene import Scene
-from .cosimulation import CoSimulation
+from .one_file_run import OneFileRun
+from .plan import plan
+from .recorder import Recorder
+
+_COUPLING = ("scheme", "order", "tolerance", "steps_per_rev", "corrections", "units")
 
 
 def start_values(scene: Scene) -> dict[str, dict[str, float | bool]]:
-    """Parameters, and inputs at a consistent start, of every unit of a scene."""
-    with CoSimulation(scene) as cosim:
-        cosim.start()
-        inputs, found = cosim.plan.inputs("mass", "signal"), {}
-        for planned in cosim.plan.units:
-            names = [port.variable for port in inputs if port.unit == planned.name]
-            values = cosim.read(planned.name, names)
-            found[planned.name] = {**planned.start, **dict(zip(names, values, strict=True))}
-        return found
+    """Parameters, and inputs at a consistent start, of every unit of a scene.
+
+    An input is the sum of outputs of the scene's one file at its start, however the scene is
+    coupled.
+    """
+    found = plan(scene)
+    inputs = {
+        target: [f"{unit}.{variable}" for unit, variable in sources]
+        for target, sources in found.inputs("mass", "signal").items()
+    }
+    with OneFileRun(scene.replace({f"coupling.{key}": None for key in _COUPLING})) as run:
+        recorder = Recorder(run.units, [name for names in inputs.values() for name in names])
+        run.start()
+        recorder.record(0.0)
+    _, outputs = recorder.columns()
+    values = {unit.name: dict(unit.start) for unit in found.units}
+    for target, names in inputs.items():
+        values[target.unit][target.variable] = sum(float(outputs[name][0]) for name in names)
+    return values

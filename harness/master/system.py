@@ -6,7 +6,7 @@ signals (`forces`, `accelerations`) with `accept` at the end of a step.
 
 from __future__ import annotations
 
-from cmath import isfinite
+import math
 from collections.abc import Mapping
 from ctypes import c_void_p
 from dataclasses import dataclass
@@ -16,9 +16,8 @@ import numpy as np
 from ..errors import SimulationError
 from .fmu import Fmu, Variables
 from .names import components, signals
-from .plan import MOTOR, ROTOR, Plan
-from .shaft import Shaft
-from .signals import Cubics, Knots, Signals
+from .plan import ROTOR, Plan
+from .signals import Courses, Cubics, Knots, Signals
 
 
 @dataclass(slots=True)
@@ -27,15 +26,12 @@ class Exchange:
 
     Attributes:
         plane: index into the planes that exchange force.
-        place: variables of its plane's place, of the rotor and its own over one buffer, where it
-            follows that.
     """
 
     unit: Fmu
     plane: int
     inputs: Variables
     outputs: Variables
-    place: tuple[Variables, Variables] | None = None
 
 
 class System:
@@ -45,38 +41,34 @@ class System:
         plan: units and connections.
         units: the loaded units by name.
         order: of the exchanged signals, 0, 1 or 3.
-        watch: also step balancers that exchange no force, for their clearance.
 
     Attributes:
         exchanges: balancers that exchange force, in order.
-        shaft: the motor's part, where one drives the rotor.
-        forces: of the exchanges, and then the shaft's acceleration counted as one; `force_names`
-            as well.
-        accelerations: of every plane that exchanges force; `acceleration_names` as well.
-        has_no_past: no step has been taken since the start or the last jump of the drive.
+        forces: of the exchanges; `force_names` as well.
+        accelerations: of every plane that exchanges force.
+        most: modulus of the largest force that is taken for one [N].
     """
 
-    def __init__(self, plan: Plan, units: Mapping[str, Fmu], order: int, watch: bool) -> None:
-        self.plan, self.units, self.order, self.has_no_past = plan, dict(units), order, True
+    def __init__(self, plan: Plan, units: Mapping[str, Fmu], order: int) -> None:
+        self.plan, self.units, self.order, self.most = plan, dict(units), order, math.inf
         self.rotor = units[ROTOR]
         self._connect_planes()
-        self.shaft = Shaft(plan, units, order) if MOTOR in units else None
         self.members = [self.rotor, *(e.unit for e in self.exchanges)]
-        if self.shaft:
-            self.force_names.append(self.shaft.name)
-            self.members.append(self.shaft.motor)
         self.forces = Signals(len(self.force_names))
-        self._states: list[c_void_p] = []
-        self.watched: list[tuple[Fmu, Variables, Variables]] = []
-        if watch:
-            self._follow_places()
+        self._states = [c_void_p() for _ in self.members]  # null: not saved yet
+        self._follow_places()
         driven = [units[one.name] for one in plan.units if one.driven]
         self._driven = [(unit, unit.group(["speed", "acceleration"])) for unit in driven]
 
     @property
     def coupled(self) -> bool:
         """Whether there is a loop: something is assumed for a step and answered at its end."""
-        return bool(self.force_names)
+        return bool(self.exchanges)
+
+    @property
+    def has_no_past(self) -> bool:
+        """Whether no step has been taken since the start or the last jump of the drive."""
+        return not self.forces.last_step
 
     def _connect_planes(self) -> None:
         """Find the variables of forces and accelerations, of the rotor and of the balancers."""
@@ -95,7 +87,6 @@ class System:
         self._force_rows = self._forces.vectors.reshape(order + 1, len(planes)).T
         names = [acceleration_of[force] for force in planes]
         self._accelerations = self.rotor.group(signals(names, slopes, plan.axes))
-        self.acceleration_names = [f"{ROTOR}.{name}" for name in names]
         self.accelerations = Signals(len(planes))
         self.exchanges = [
             Exchange(
@@ -109,29 +100,32 @@ class System:
         self.force_names = [f"{exchange.unit.name}.F" for exchange in self.exchanges]
 
     def _follow_places(self) -> None:
-        """Connect what balancers need of their plane's place."""
+        """Connect what balancers need of their plane's place: of the rotor and their own variables
+        over one buffer.
+        """
         values = self.plan.of_kind("value")
-        exchanging = {exchange.unit.name: exchange for exchange in self.exchanges}
+        self._places: dict[str, tuple[Variables, Variables]] = {}
         for name in dict.fromkeys(c.target.unit for c in values):
             mine = [c for c in values if c.target.unit == name]
-            unit, source = self.units[name], self.rotor.group([c.source.variable for c in mine])
-            target = unit.group([c.target.variable for c in mine], source.reals)
-            if name in exchanging:
-                exchanging[name].place = source, target
-            else:
-                self.watched.append((unit, source, target))
+            source = self.rotor.group([c.source.variable for c in mine])
+            target = self.units[name].group([c.target.variable for c in mine], source.reals)
+            self._places[name] = source, target
+        self._alone = [self.units[n] for n in self._places if self.units[n] not in self.members]
+
+    def _send_place(self, unit: Fmu) -> None:
+        if unit.name in self._places:
+            source, target = self._places[unit.name]
+            self.rotor.fetch(source)
+            unit.send(target)
 
     def follow(self, time: float, step: float) -> None:
         """Step the balancers that exchange no force, once the others have finished the step."""
-        for unit, source, target in self.watched:
-            self.rotor.fetch(source)
-            unit.send(target)
+        for unit in self._alone:
+            self._send_place(unit)
             unit.step(time, step)
 
     def rotor_pass(self, forces: Cubics, time: float, step: float) -> Knots:
         """Step the rotor under the cubics of `forces`; accelerations of the planes."""
-        if self.shaft:
-            self.shaft.write(forces[-1], step)
         if not self.exchanges:
             self.rotor.step(time, step)
             return self.accelerations.now
@@ -143,15 +137,10 @@ class System:
         """Step every exchanging balancer under its plane's acceleration; what `forces` become."""
         ends = []
         for exchange in self.exchanges:
-            if exchange.place:
-                source, target = exchange.place
-                self.rotor.fetch(source)
-                exchange.unit.send(target)
+            self._send_place(exchange.unit)
             exchange.inputs.vectors[:] = accelerations[exchange.plane][: self.order + 1]
             exchange.unit.exchange(exchange.inputs, exchange.outputs, time, step)
             ends.append(self._knots(exchange.outputs))
-        if self.shaft:
-            ends.append(self.shaft.step(time, step))
         return np.concatenate(ends) if ends else self.forces.now
 
     def answer(self, accelerations: Cubics) -> Knots:
@@ -162,18 +151,16 @@ class System:
             exchange.unit.send(exchange.inputs)
             exchange.unit.fetch(exchange.outputs)
             knots.append(self._knots(exchange.outputs))
-        return np.concatenate([*knots, self.shaft.begin()] if self.shaft else knots)
+        return np.concatenate(knots)
 
     def set_forces(self, forces: Cubics) -> None:
         """Write the sum of the forces on every plane that exchanges force, and how it turns."""
-        if self.shaft:
-            self.shaft.write(forces[-1])
         self._sum_forces(forces)
         self.rotor.send(self._forces)
 
     def _sum_forces(self, forces: Cubics) -> None:
         self._force_rows[:] = 0.0
-        for exchange, cubic in zip(self.exchanges, forces, strict=False):
+        for exchange, cubic in zip(self.exchanges, forces, strict=True):
             self._force_rows[exchange.plane] += cubic[: self.order + 1]
 
     def read_accelerations(self) -> Knots:
@@ -194,11 +181,8 @@ class System:
 
     def save(self) -> None:
         """Keep the states of all members of the coupling loop, for `restore`."""
-        for number, unit in enumerate(self.members):
-            if number < len(self._states):
-                unit.save(self._states[number])  # over the former one
-            else:
-                self._states.append(unit.save())
+        for unit, state in zip(self.members, self._states, strict=True):
+            unit.save(state)
 
     def restore(self) -> None:
         """Roll all members back to the states kept last."""
@@ -207,57 +191,39 @@ class System:
 
     def free_states(self) -> None:
         """Give back the memory of the states."""
-        for unit, state in zip(self.members, self._states, strict=False):  # saving may have failed
+        for unit, state in zip(self.members, self._states, strict=True):
             unit.free(state)
-        self._states = []
 
-    def accept(
-        self,
-        accelerations: tuple[Cubics, Knots],
-        forces: tuple[Cubics, Knots],
-        time: float,
-        step: float,
-    ) -> None:
+    def accept(self, accelerations: Courses, forces: Courses, time: float, step: float) -> None:
         """Take over the signals of a finished step: their cubics and their ends.
 
         Raises:
-            SimulationError: a force is not finite.
+            SimulationError: a force is beyond `most`, or no number: a step repeats its own error.
         """
         for value, name in zip(forces[1][:, 0].tolist(), self.force_names, strict=True):
-            if not isfinite(value):
+            if not abs(value) <= self.most:
                 raise SimulationError(
-                    f"{name} is not finite at t = {time + step:g} s: the coupling diverged; "
-                    'use scheme = "iterated" or smaller steps'
+                    f"coupling steps of {step:.3g} s are too long at t = {time:g} s: {name} is "
+                    "beyond all that the scene can make of it: the coupling diverges; use "
+                    'scheme = "iterated" or "auto", more coupling.steps_per_rev, or a tolerance'
                 )
-        self.has_no_past = False
         self.accelerations.accept(*accelerations, step)
         self.forces.accept(*forces, step)
-        if self.shaft:
-            self.shaft.accept()
 
     def drop_past(self) -> None:
         """Drop what the signals did before now: it says nothing of what comes."""
         self.accelerations.drop_past()
         self.forces.drop_past()
-        self.has_no_past = True
 
     def restart(self, changes: Mapping[str, Mapping[str, float | bool]]) -> None:
         """Reset every unit with its start values (`changes` by unit name override the scene's).
 
         Leaves the units in initialisation mode with the added masses handed to the rotor.
         """
-        masses: dict[str, float] = {}
-        self.accelerations.largest[:] = self.forces.largest[:] = 0.0
-        carried = {c.source.unit: c for c in self.plan.of_kind("mass")}
-        for one in reversed(self.plan.units):  # the rotor last: it needs the others' masses
-            unit = self.units[one.name]
-            start = {**one.start, **changes.get(one.name, {})}
-            if unit is self.rotor:
-                start |= masses
-            unit.restart(start)
-            if one.name in carried:
-                source, target = carried[one.name].source, carried[one.name].target.variable
-                mass = unit.get(unit.group([source.variable]))[0]
-                masses[target] = masses.get(target, 0.0) + mass
-        if self.shaft:
-            self.shaft.restart()
+        rotor, *balancers = ({**u.start, **changes.get(u.name, {})} for u in self.plan.units)
+        for one, start in zip(self.plan.units[1:], balancers, strict=True):
+            self.units[one.name].restart(start)
+        for target, sources in self.plan.inputs("mass").items():
+            units = [(self.units[source.unit], source.variable) for source in sources]
+            rotor[target.variable] = sum(u.get(u.group([mass]))[0] for u, mass in units)
+        self.rotor.restart(rotor)

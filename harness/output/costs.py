@@ -77,8 +77,13 @@ def limited(at_most: str, key: str) -> Iterator[None]:
     Raises:
         UserError: `at_most` is no time.
     """
-    with ended_after(seconds_of(at_most), f"{key}: not done within --at-most {at_most}"):
+    with ended_after(seconds_of(at_most), _late(key, at_most)):
         yield
+
+
+def _late(key: str, at_most: str) -> str:
+    """Message of work that took longer than `at_most`."""
+    return f"{key}: not done within --at-most {at_most}"
 
 
 def within(
@@ -114,7 +119,9 @@ def within(
         known = part > 0.0 or elapsed > limit
         if known and measured <= elapsed and done < 1.0 and (early or not judged):
             judged = True
-            total = elapsed / part if part > 0.0 else float("inf")
+            if not part > 0.0:
+                raise UserError(_late(key, at_most))
+            total = elapsed / part
             if total > limit * (1.0 + DOUBT * measured / elapsed):
                 raise UserError(
                     f"{key}: would take about {in_words(total)}, more than --at-most {at_most}; "

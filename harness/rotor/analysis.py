@@ -39,7 +39,7 @@ CURVE_POINTS = 400
 MEASURED_POINTS = 16
 RUN_UP_REVOLUTIONS = 100  # slow enough for resonances to show, short enough to wait for
 
-Kind = Literal["modes", "campbell", "response", "polar", "run-up"]
+Kind = Literal["modes", "campbell", "response", "run-up"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -200,7 +200,7 @@ def analyse(scene: Scene, low: float | str | None, high: float | str | None) -> 
 
 
 def draw(found: RotorAnalysis, path: Path | None, kind: Kind = "campbell") -> Path | Picture:
-    """A picture of a kind: modes, campbell, response, polar, or run-up.
+    """A picture of a kind: modes, campbell, response, or run-up.
 
     Raises:
         UserError: the kind is unknown, or the rotor has nothing of it to show.
@@ -213,7 +213,6 @@ def draw(found: RotorAnalysis, path: Path | None, kind: Kind = "campbell") -> Pa
     pictures = {
         "campbell": plot.campbell_diagram,
         "response": plot.response_curves,
-        "polar": plot.polar_response,
         "run-up": plot.run_up_curves,
         "modes": lambda found: mode_shapes(found.scene),
     }
@@ -228,11 +227,8 @@ def _displacements(count: int) -> list[str]:
 
 def _steady(units: Revolution, speed: float) -> NDArray[np.complexfloating]:
     """Synchronous amplitude (2, n) of the revolution that repeats itself."""
-    rest = np.zeros(len(units.states))
-    # the rotor alone is linear: its map is the same everywhere
-    state, _ = units.steady(speed, rest, units.monodromy(rest, speed))
     count = len(units.scene.rotor.stations)
-    table = units.record(state, speed, ["angle", *_displacements(count)])
+    table = units.record(units.steady(speed), speed, ["angle", *_displacements(count)])
     return synchronous(table[:, 0], table[:, 1:].T).reshape(2, count)
 
 

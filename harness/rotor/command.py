@@ -29,9 +29,6 @@ def command(
     modes: Annotated[
         Path | None, options.picture("Mode shapes along the shaft, with their whirl.")
     ] = None,
-    polar: Annotated[
-        Path | None, options.picture("Amplitude and phase by unbalance as polar curves.")
-    ] = None,
     limits: Annotated[tuple[str, str] | None, options.RANGE] = None,
     changes: Annotated[list[str] | None, options.changes("rotor.mass=3.0")] = None,
     json_file: Annotated[Path | None, options.json("the modes")] = None,
@@ -39,7 +36,6 @@ def command(
 ) -> None:
     """Find modes and critical speeds of the rotor, draw its motion."""
     wanted = {"campbell": campbell, "response": response, "run-up": run_up, "modes": modes}
-    wanted |= {"polar": polar}
     loaded = changed_scene(scene, changes)
     found = loaded.rotor(*((limits and options.speed_range(limits)) or ()))
     show(_modes(found))

@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 
 from ...models.arrays import Array
 from ..master.pictures.motion import station_names
-from ..master.pictures.over_speed import polar_picture
 from ..output.picture import (
     GREY,
     Line,
@@ -95,11 +94,8 @@ def response_curves(found: RotorAnalysis) -> Picture:
             phases.append(Line((data.points, _degrees(points)), "", colour(j), "marks"))
         above.append(Panel((SPEED, upward), sizes, title=name))
         below.append(Panel((SPEED, turn), phases))
-    return Picture(_response_title(found), [*above, *below], columns=len(names), height=3.8)
-
-
-def _response_title(found: RotorAnalysis) -> str:
-    return f"{found.scene.heading}\nunbalance response of the {ALONE}"
+    title = f"{found.scene.heading}\nunbalance response of the {ALONE}"
+    return Picture(title, [*above, *below], columns=len(names), height=3.8)
 
 
 def _degrees(values: NDArray[np.complexfloating]) -> Array:
@@ -122,12 +118,6 @@ def _marked(
 def _critical(found: RotorAnalysis) -> Array:
     """Critical speeds within the range of the pictures."""
     return found.critical[(found.critical >= found.low) & (found.critical <= found.high)]
-
-
-def polar_response(found: RotorAnalysis) -> Picture:
-    """The same as one curve a station (Nyquist), by the equations."""
-    data, names = found.response(), station_names(found.scene)
-    return polar_picture(_response_title(found), data.speeds, SPEED, data.amplitude, names)
 
 
 def run_up_curves(found: RotorAnalysis) -> Picture:

@@ -26,8 +26,6 @@ class CriticalSpeedsCheck(Table):
     """Values replaced in the scene, as by `Scene.replace`: `{"weights.drag" = 0.1}`."""
     range: Annotated[tuple[Positive, Positive], AfterValidator(_rising), SI("rad/s")]
     """Lowest and highest speed at which boundaries are looked for."""
-    growth_runs: Annotated[tuple[Positive, ...], SI("rad/s")] = ()
-    """Speeds at which the growth rate is also fitted to a run in time."""
     runs_from_rest: Annotated[tuple[Positive, ...], SI("rad/s")] = ()
     """Speeds at which a run from rest must end as predicted."""
     published: Annotated[tuple[Positive, ...], SI("rad/s")] = ()
@@ -40,23 +38,20 @@ class PlainCheck(Table):
     """A theory or a source, in its own numbers: the window of a liquid balancer, Dubovik 2006 (6),
     (10), (11), of a planar rotor, alike in x and y; what weights of finite size leave of an
     unbalance, Goncharov 2017 (5) (`capacity`); a motor before the rotor's resonance, caught below
-    the limit torque and passing above it (`sommerfeld`); native units against the units in Python
-    (`runtimes`).  Of one bundled scene: Tables 1 and 2 of Filimonikhina 2017; of Goncharov 2017
-    Table 1 (`goncharov_table`), Fig. 7 (`goncharov_ranking`), (1) (`slow_root`), (10) and (13)
-    (`largest_spread`); the order of convergence of two balls that touch; the rig of Rodrigues et
-    al. 2010."""
+    the limit torque and passing above it (`sommerfeld`).  Of one bundled scene: Tables 1 and 2 of
+    Filimonikhina 2017; of Goncharov 2017 Table 1 (`goncharov_table`), Fig. 7
+    (`goncharov_ranking`), (1) (`slow_root`), (10) and (13) (`largest_spread`); the rig of
+    Rodrigues et al. 2010."""
 
     kind: Literal[
         "liquid_window",
         "capacity",
         "sommerfeld",
-        "runtimes",
         "filimonikhina_table",
         "goncharov_table",
         "goncharov_ranking",
         "slow_root",
         "largest_spread",
-        "contact_order",
         "rig",
     ]
 

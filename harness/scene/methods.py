@@ -47,7 +47,6 @@ class Methods:
         *,
         narrowest: float | None = None,
         within: str = "",
-        workers: Workers = 1,
         progress: Progress | None = None,
     ) -> Speeds:
         """Speeds at which balancing begins or ends, by independent methods (Filimonikhina 2017).
@@ -75,7 +74,7 @@ class Methods:
 
         asked = methods.split(",") if isinstance(methods, str) else list(methods)
         names = [name.strip() for name in asked if name.strip()]
-        options: dict[str, Any] = {"workers": workers, "progress": progress, "within": within}
+        options: dict[str, Any] = {"progress": progress, "within": within}
         return speeds(self._scene, (low, high), names, narrowest=narrowest, **options)
 
     def map(
@@ -84,7 +83,6 @@ class Methods:
         y: str | Axis,
         method: str = "floquet",
         *,
-        cosim: int = 0,
         workers: Workers = 1,
         progress: Progress | None = None,
         store: Path | None = None,
@@ -95,7 +93,6 @@ class Methods:
             x, y: "PATH=LOW:HIGH:N" or "PATH=LOW:HIGH:N:log", or an `Axis`.
             method: floquet (growth rates [1/s]), cosim-run (vibration that a run leaves [m]), or
                 proved (of each of N x N cells from LOW to HIGH: stable, unstable or undecided).
-            cosim: points that floquet also co-simulates.
             store: a .zarr folder that keeps every point; an interrupted map continues from it.
 
         Returns:
@@ -116,15 +113,13 @@ class Methods:
 
         axes = [a if isinstance(a, Axis) else Axis.parse(a, self._scene) for a in (x, y)]
         options: dict[str, Any] = {"workers": workers, "progress": progress, "store": store}
-        if method != "floquet" and cosim:
-            raise UserError(f"cosim = {cosim}: belongs to floquet")
         if method == "proved":
             return self._proved_map(axes, workers, progress, store)
         if method == "cosim-run":
             return run_map(self._scene, *axes, **options)
         if method != "floquet":
             raise UserError(f"method {method!r}: must be floquet, cosim-run or proved")
-        return stability_map(self._scene, *axes, cosim=cosim, **options)
+        return stability_map(self._scene, *axes, **options)
 
     def _proved_map(
         self, axes: list[Axis], workers: Workers, progress: Progress | None, store: Path | None

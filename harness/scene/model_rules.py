@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from .run import UNCORRECTED
+
 if TYPE_CHECKING:
     from ...models.rotor import LinearRotor
     from .scene import Scene
@@ -62,11 +64,14 @@ def _under_a_motor(scene: Scene, rotor: LinearRotor) -> Iterator[str]:
             f"operation.motor.inertia = {motor.inertia:g} kg m^2: must be above {least:.6g}, "
             "the unbalance's own: squared static moment over mass"
         )
-    if scene.coupling.scheme == "compensated":
+    coupling = scene.coupling
+    if coupling.scheme in UNCORRECTED:
         yield (
-            'coupling.scheme = "compensated": does not support operation.motor: must be "auto", '
-            '"iterated", "gauss-seidel" or "jacobi"'
+            f'coupling.scheme = "{coupling.scheme}": does not support operation.motor: must be '
+            '"auto" or "iterated"'
         )
+    if coupling.order < 3:
+        yield f"coupling.order = {coupling.order}: does not support operation.motor: must be 3"
 
 
 def _never_turned(scene: Scene) -> Iterator[str]:

@@ -267,7 +267,6 @@ class Run(Table):
         *,
         record: Iterable[str] | None = None,
         fmus: Path | None = None,
-        verify: bool = False,
         separate: bool = False,
         progress: Progress | None = None,
     ) -> Result:
@@ -276,7 +275,6 @@ class Run(Table):
         Args:
             record: signals such as "rotor.x"; default: the table's own.
             fmus: folder of FMUs to couple instead of those that are built.
-            verify: run again, finer, and measure the error of every signal.
             separate: couple separate FMUs in Python instead of in C; slower.
             progress: called with the finished fraction.
 
@@ -293,7 +291,7 @@ class Run(Table):
         """
         from ..master.run import cosimulate
 
-        form: dict[str, Any] = {"fmus": fmus, "verify": verify, "separate": separate}
+        form: dict[str, Any] = {"fmus": fmus, "separate": separate}
         return cosimulate(self._owner, record=record, progress=progress, **form)
 
     def many(

@@ -346,7 +346,7 @@ class Scene(Methods, Table):
         Raises:
             SceneError: the table is wrong.
 
-        >>> len(ab.load("drum").with_check({"kind": "runtimes"}).checks)
+        >>> len(ab.load("drum").with_check({"kind": "capacity"}).checks)
         2
         """
         document = copy.deepcopy(self._document)

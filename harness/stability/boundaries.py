@@ -5,20 +5,18 @@ critical speeds of the rotor alone, its resonances, are another matter (`models.
 
 criterion: the closed formula of Filimonikhina 2017 for planar rotors.
 floquet: exact linear stability of the equations.
-cosim: largest multiplier of the coupled units' one-revolution map, no equation involved.
+cosim: largest multiplier of the coupled units' one-revolution map, without their equations of
+    motion.
 proved: bands of speeds in which stability or instability is proved, for all machines within
     tolerances (`proved`).
 """
 
 from __future__ import annotations
 
-import functools
-import itertools
 import math
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from dataclasses import replace
 from importlib.util import find_spec
-from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,25 +24,22 @@ from numpy.typing import NDArray
 from ...models.assembly import Assembly
 from ...models.criteria import Criterion
 from ...models.linear.balanced import CannotBalance, balanced_angles
-from ...models.linear.boundaries import Crossing, balancing_boundaries
+from ...models.linear.boundaries import balancing_boundaries
 from ...models.stability import growth_rates
 from ..errors import SimulationError, UserError
-from ..output.workers import Progress, Workers, in_order
+from ..output.workers import Progress
 from ..scene import Scene
 from ..scene.methods import DEFAULT_METHODS
 from ..scene.quantities import LARGEST
 from ..units import si_number
-from .crossings import Side, crossings, nodes_around, side
+from .crossings import crossings, nodes_around, side
 from .main_motion import MainMotion, NoMainMotion
 from .speeds import Speeds
-from .whirl import WhirlMotion, Whirls, has_map, whirls
+from .whirl import whirls
 
 METHODS = (*DEFAULT_METHODS, "proved")
 MOST_SPEEDS = 100_000  # of one scan: more is a slip of the keyboard
 SCAN = 60  # intervals of a co-simulated scan without `narrowest`
-_PARTS = 8  # of a scan, so that progress is seen
-Searched = list[tuple[list[Crossing], Side]]
-Search = Callable[[type[MainMotion], list[list[float]]], Searched]
 
 
 def speeds(
@@ -53,7 +48,6 @@ def speeds(
     methods: Iterable[str] = DEFAULT_METHODS,
     *,
     narrowest: float | None = None,
-    workers: Workers = 1,
     progress: Progress | None = None,
     whirl: bool = True,
     within: str = "",
@@ -65,8 +59,8 @@ def speeds(
     both ends of the range; without Floquet it scans the range itself.
 
     Args:
-        range, methods, narrowest, workers, progress: as `Scene.speeds`, which says what is raised.
-        whirl: whether to look for the steady whirl that remains where weights cannot balance.
+        range, methods, narrowest, progress: as `Scene.speeds`, which says what is raised.
+        whirl: whether to run the scene for what remains where weights cannot balance.
         within: tolerances for the method proved: "rotor.stiffness=5%, rotor.damping=10 N s/m".
         separate: co-simulate separate FMUs coupled in Python even where one file can run in C.
 
@@ -103,15 +97,9 @@ def speeds(
     if "proved" in wanted:
         result = _by_proof(scene, result, narrowest, within, progress)
     why = _why_no_rest(scene) if "floquet" in wanted else ""
-    search = functools.partial(_search_all, scene, separate, workers, progress)
     if "cosim" in wanted:
-        _by_units(result, why, _nodes(result, narrowest), search)
-    if not (why and whirl):
-        return result
-    remaining = whirls(scene, result.range, why, narrowest, progress)
-    if "floquet" in remaining.methods and "cosim" in wanted:
-        _whirl_by_units(scene, remaining, result.range, search)
-    return replace(result, whirl=remaining)
+        _by_units(scene, result, why, narrowest, separate, progress)
+    return replace(result, whirl=whirls(scene, result.range, why)) if why and whirl else result
 
 
 def criterion_of(assembly: Assembly) -> Criterion:
@@ -186,6 +174,31 @@ def _why_no_rest(scene: Scene) -> str:
     return f"tracks are off centre: {', '.join(off)}" if off else ""
 
 
+def _by_units(
+    scene: Scene,
+    result: Speeds,
+    why: str,
+    narrowest: float | None,
+    separate: bool,
+    progress: Progress | None,
+) -> None:
+    """Boundaries by the units, unless there is a reason `why` the rotor cannot rest."""
+    if why:
+        result.refused["cosim"] = why
+        return
+    try:
+        with MainMotion(scene, separate=separate) as motion:
+            nodes = _nodes(result, narrowest).tolist()
+            found, lowest = crossings(motion.growth, nodes, progress)
+    except SimulationError as error:
+        if not (result.methods or isinstance(error, NoMainMotion)):
+            raise
+        result.refused["cosim"] = str(error)
+        return
+    result.methods["cosim"] = tuple(found)
+    result.lowest["cosim"] = lowest
+
+
 def _nodes(result: Speeds, narrowest: float | None) -> NDArray[np.float64]:
     """Speeds at which the units are judged: both sides of every boundary of Floquet, or a scan."""
     if "floquet" in result.methods:
@@ -193,64 +206,6 @@ def _nodes(result: Speeds, narrowest: float | None) -> NDArray[np.float64]:
     return np.linspace(*result.range, 1 + intervals_of_scan(result.range, narrowest))
 
 
-def _by_units(result: Speeds, why: str, nodes: NDArray[np.float64], search: Search) -> None:
-    """Boundaries by the units, unless there is a reason `why` the rotor cannot rest."""
-    if why:
-        result.refused["cosim"] = why
-        return
-    cuts = np.linspace(0, len(nodes) - 1, 1 + min(_PARTS, max(1, (len(nodes) - 1) // 2)))
-    spans = [nodes[a : b + 1].tolist() for a, b in pairwise(cuts.astype(int))]
-    try:
-        searched = search(MainMotion, spans)
-    except SimulationError as error:
-        if not (result.methods or isinstance(error, NoMainMotion)):
-            raise
-        result.refused["cosim"] = str(error)
-        return
-    result.methods["cosim"] = tuple(c for crossings, _ in searched for c in crossings)
-    result.lowest["cosim"] = searched[0][1]
-
-
 def intervals_of_scan(span: tuple[float, float], narrowest: float | None) -> int:
     """Intervals in which the co-simulation looks where Floquet does not say where."""
     return SCAN if narrowest is None else math.ceil((span[1] - span[0]) / narrowest)
-
-
-def _whirl_by_units(scene: Scene, whirl: Whirls, span: tuple[float, float], search: Search) -> None:
-    """Both sides of every boundary of the whirl, where no weights touch or drift in it."""
-    nodes = nodes_around([c.speed for c in whirl.methods["floquet"]], *span).tolist()
-    free = itertools.groupby(nodes, lambda speed: has_map(scene, speed))
-    spans = [list(group) for apart, group in free if apart]
-    if sum(map(len, spans)) < len(nodes):
-        whirl.refused["cosim"] = (
-            "where weights touch or drift in the whirl, and at the boundaries beside it"
-        )
-    try:
-        searched = search(WhirlMotion, spans)
-    except SimulationError as error:
-        whirl.refused["cosim"] = f"to this whirl: {error}"
-        return
-    whirl.methods["cosim"] = tuple(c for crossings, _ in searched for c in crossings)
-
-
-def _search_all(
-    scene: Scene,
-    separate: bool,
-    workers: Workers,
-    progress: Progress | None,
-    motion: type[MainMotion],
-    spans: list[list[float]],
-) -> Searched:
-    """Crossings among the speeds of every span, and the side on which its first speed is."""
-    if workers != 1:
-        work = functools.partial(_search, motion, scene, separate)
-        return in_order(work, spans, workers, progress)
-    with motion(scene, separate=separate) as found:
-        return in_order(functools.partial(crossings, found.growth), spans, 1, progress)
-
-
-def _search(
-    motion: type[MainMotion], scene: Scene, separate: bool, nodes: list[float]
-) -> tuple[list[Crossing], Side]:
-    with motion(scene, separate=separate) as found:
-        return crossings(found.growth, nodes)

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from scipy.optimize import brentq
 
 from ...models.linear.boundaries import Crossing
+from ..output.workers import Progress
 
 TOLERANCE = 1e-6  # relative, of a co-simulated boundary
 NEAR = 2e-3  # relative distance from a guess at which the co-simulation is asked: it errs by less
@@ -38,11 +39,14 @@ def nodes_around(guesses: Sequence[float], low: float, high: float) -> NDArray[n
 
 
 def crossings(
-    growth: Callable[[float], float], nodes: Sequence[float]
+    growth: Callable[[float], float], nodes: Sequence[float], progress: Progress | None = None
 ) -> tuple[list[Crossing], Side]:
     """Changes of sign of a measured growth rate between neighbouring speeds, and the first sign."""
-    known = functools.cache(growth)
-    sides = [side(known(speed)) for speed in nodes]
+    known, sides = functools.cache(growth), []
+    for number, speed in enumerate(nodes, start=1):
+        sides.append(side(known(speed)))
+        if progress:
+            progress(number / len(nodes))
     changes = []
     for (left, before), (right, after) in pairwise(zip(nodes, sides, strict=True)):
         if before != after:

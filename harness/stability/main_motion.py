@@ -1,18 +1,13 @@
-"""The main motion of a scene's coupled units, and how small deviations from it grow.
+"""How small deviations from the main motion of a scene's coupled units grow.
 
-Known of the units is only what their FMUs declare: start values, the acceleration of the rotor's
-planes, the static moment of each balancer's weights.
-
-Main motion.  The rotor rests, the weights turn with it where the planes' acceleration vanishes;
-that position does not depend on the speed.  The search starts from the scene's angles.  Units
-refuse positions in which weights of finite size overlap: with such weights it starts from the
-balanced angles of the equations.
+Main motion.  The rotor rests, and the weights turn with it where they undo its unbalance: a matter
+of statics, which does not depend on the speed (`models.linear.balanced`).  The units confirm it:
+one revolution leaves that state as it is.
 
 Neutral directions.  Weights act on the rotor through their static moment alone.  Turns that change
 the moment of no station (N - 2 for N >= 3 weights in a plane) meet no reaction, lead to another
-main motion and have multiplier 1 by structure.  They are the kernel of the measured derivative of
-moments by angles: the map is taken modulo them, so that no multiplier has to be judged by its
-distance from 1.
+main motion and have multiplier 1 by structure.  The map is taken modulo them, so that no multiplier
+has to be judged by its distance from 1; the units confirm that a revolution gives them back.
 """
 
 from __future__ import annotations
@@ -25,22 +20,22 @@ from typing import TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from ...models.linear.balanced import CannotBalance, balanced_angles, restart_angles
+from ...models.linear.balanced import (
+    CannotBalance,
+    WeightTable,
+    balanced_angles,
+    moment_slopes,
+)
 from ..errors import SimulationError
-from ..master.fmu import Closing, Fmu, Variables
+from ..master.fmu import Closing
 from ..master.revolution import RANK, Matrix, Revolution, Vector, derivative
 from ..scene import Scene
 
-Outputs = list[tuple[Fmu, Variables]]
 Outcome = TypeVar("Outcome")
 
-BALANCED_ACCELERATION = 1e-9  # of a plane, over that of the whole unbalance and all weights
 AT_REST = 1e-6  # of each state's scale: what a revolution may move a main motion
 NEUTRAL_RETURN = 1e-5  # what a revolution may change a neutral turn; differences and steps err less
 MOST_REFINED = 32  # times the given steps per revolution
-_LONGEST_TURN = 0.5  # rad per iteration: a longer one leaves the neighbourhood of the start
-_ITERATIONS = 30  # of half a radian: twice around, and Newton's last few
-_STARTS = 5  # the second leaves a line of symmetry, on which Newton stands still
 
 
 class NoMainMotion(SimulationError):
@@ -51,7 +46,7 @@ class MainMotion(Closing):
     """Multipliers and growth about the main motion, measured on the coupled units at any speed.
 
     Args:
-        scene: the weights' angles are the first guess of the balanced ones.
+        scene: of three and more weights the balanced position next to its angles is judged.
         separate: as of `Revolution`.
 
     Attributes:
@@ -59,7 +54,7 @@ class MainMotion(Closing):
         neutral: (n, m) turns of the weights with multiplier 1 by structure.
 
     Raises:
-        NoMainMotion: no balanced position of the weights was found.
+        NoMainMotion: the weights cannot balance, or the units do not rest where they do.
         SceneError: gravity swings the weights.
     """
 
@@ -68,7 +63,8 @@ class MainMotion(Closing):
         self.units = Revolution(scene, separate=separate)
         try:
             self._speed = abs(scene.profile().end)  # any will do for what follows
-            self._angles = self._places_of_angles()
+            states = enumerate(self.units.states)
+            self._angles = [i for i, s in states if s.unit != "rotor" and not s.is_rate]
             self.state = self._balanced()
             self._rows, self._columns, self.neutral = self._split()
             self._refuse_false_neutral()
@@ -76,77 +72,27 @@ class MainMotion(Closing):
             self.units.close()
             raise
 
-    def _places_of_angles(self) -> list[int]:
-        """Which states are angles of weights."""
-        states = enumerate(self.units.states)
-        return [i for i, s in states if s.unit != "rotor" and not s.is_rate]
-
-    def _read(self, states: Matrix, groups: Outputs) -> Matrix:
-        """Outputs (k, m) of the units at the very start of motions from states (k, n)."""
-        rows = []
-        for state in states:
-            self.units.begin(state, self._speed)
-            rows.append([value for unit, group in groups for value in unit.get(group)])
-        return np.array(rows)
-
-    def _slopes(self, state: Vector, which: list[int], groups: Outputs) -> Matrix:
-        """Derivative of outputs at the start by some states."""
-        directions = np.eye(len(state))[:, which]
-        scale = self.units.scale(self._speed)
-        return derivative(lambda s: self._read(s, groups), state, directions, scale)
-
     def _balanced(self) -> Vector:
-        """Rotor at rest, every weight at rest in the rotor where no plane is accelerated.
-
-        Of the family of positions of three and more weights it is the one next to the scene's
-        angles: the stability of its members differs.
-        """
-        rest = np.zeros(len(self.units.states))
+        """Rotor at rest, every weight at rest in the rotor where they undo its unbalance."""
+        rest, scene = np.zeros(len(self.units.states)), self.units.scene
         if not self._angles:
             return rest  # a linear rotor: deviations grow alike from any motion
-        rotor = self.units.cosim.system.rotor
-        names = [n for n in rotor.variables if n.startswith("plane[") and ".a_" in n]
-        outputs = [(rotor, rotor.group(names))]
-        scale = self.units.states[0].scale * self._speed**2
-        first = self._first_angles()
-        for attempt in range(_STARTS):
-            rest[self._angles] = restart_angles(first, attempt)
-            balanced = self._newton(rest, outputs, scale)
-            if balanced is not None and self._rests(balanced):
-                return balanced
-        raise NoMainMotion(
-            f"{self.units.scene.name}: no angles of the weights were found at which the rotor "
-            "rests: they cannot undo its unbalance"
-        )
-
-    def _first_angles(self) -> Vector:
-        """Angles of the weights to start the search from."""
-        assembly = self.units.scene.assembly()
-        if not any(mounted.half_angle for mounted in assembly.weights):
-            return self.units.first[self._angles]
         try:
-            return balanced_angles(assembly)
+            rest[self._angles] = balanced_angles(scene.assembly())
         except (CannotBalance, ArithmeticError) as error:
-            raise NoMainMotion(f"{self.units.scene.name}: {error}") from error
+            raise NoMainMotion(f"{scene.name}: {error}") from error
+        if not self._rests(rest):
+            raise NoMainMotion(
+                f"{scene.name}: the rotor does not rest in a revolution at {self._speed:g} rad/s "
+                "where its weights undo the unbalance"
+            )
+        return rest
 
     def _rests(self, state: Vector) -> bool:
         """Whether a revolution leaves a state as it is."""
         end = self._resolved(lambda: self.units(state[None], self._speed)[0])
         moved = (end - state) / self.units.scale(self._speed)
         return bool(np.abs(moved).max() <= AT_REST)
-
-    def _newton(self, state: Vector, outputs: Outputs, scale: float) -> Vector | None:
-        """Least turns that take away the planes' acceleration; None when that does not converge."""
-        state = state.copy()
-        for _ in range(_ITERATIONS):
-            acceleration = self._read(state[None], outputs)[0]
-            near = np.abs(acceleration).max() <= BALANCED_ACCELERATION * scale
-            slopes = self._slopes(state, self._angles, outputs)
-            turn = np.linalg.lstsq(slopes, -acceleration, rcond=RANK)[0]
-            state[self._angles] += turn / max(1.0, float(np.abs(turn).max()) / _LONGEST_TURN)
-            if near:
-                return state  # its last turn has squared the error
-        return None
 
     def _split(self) -> tuple[Matrix, Matrix, Matrix]:
         """Coordinates L (d, n) that neutral turns do not change, a right inverse (n, d), and them.
@@ -156,7 +102,9 @@ class MainMotion(Closing):
         count = len(self.units.states)
         if not self._angles:
             return np.eye(count), np.eye(count), np.zeros((count, 0))
-        moments = self._moment_slopes()
+        assembly = self.units.scene.assembly()
+        table = WeightTable.of(assembly)
+        moments = moment_slopes(assembly, table, self.state[self._angles])
         size = np.linalg.norm(moments, axis=0)  # light and heavy weights alike
         size[size == 0.0] = 1.0
         _, values, seen = np.linalg.svd(moments / size)
@@ -169,27 +117,6 @@ class MainMotion(Closing):
         neutral = np.zeros((count, len(seen) - rank))
         neutral[self._angles] = (seen[rank:] / size).T
         return rows, columns, neutral / np.abs(neutral).max(axis=0)
-
-    def _moment_slopes(self) -> Matrix:
-        """Moment on every station by the angle of every weight, (2 stations, K)."""
-        cosim = self.units.cosim
-        planes = cosim.plan.planes
-        rotor = cosim.system.rotor
-        stations = [
-            i
-            for i, s in enumerate(self.units.states)
-            if s.unit == "rotor" and s.output[-1] == "x" and not s.is_rate
-        ]
-        blocks = []
-        for name, unit in cosim.units.items():
-            mine = [i for i in self._angles if self.units.states[i].unit == name]
-            if not mine:
-                continue
-            plane = [(rotor, rotor.group([f"plane[{planes[name]}].x"]))]
-            share = self._slopes(self.state, stations, plane)  # (1, stations): force's way back
-            moment = [(unit, unit.group(["moment_xi", "moment_eta"]))]
-            blocks.append(np.kron(share.T, self._slopes(self.state, mine, moment)))
-        return np.hstack(blocks)
 
     def _map(self, columns: Matrix, speed: float) -> Matrix:
         """Derivative of the one-revolution map along given directions, in the states' scales."""
@@ -241,10 +168,6 @@ class MainMotion(Closing):
         largest = float(np.abs(self.multipliers(speed)[0]))
         # what dies within a revolution underflows to 0: as fast as a double can tell
         return math.log(max(largest, sys.float_info.min)) * speed / (2.0 * math.pi)
-
-    def deviation(self, state: Vector, speed: float) -> Vector:
-        """A state's deviation from the main motion in scaled coordinates, neutral turns apart."""
-        return self._rows @ ((state - self.state) / self.units.scale(speed))
 
     def close(self) -> None:
         """Free the units."""

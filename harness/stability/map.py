@@ -1,4 +1,4 @@
-"""Stability over two parameters of a scene: growth rates on a grid, some points co-simulated."""
+"""Stability over two parameters of a scene: growth rates on a grid."""
 
 from __future__ import annotations
 
@@ -7,15 +7,13 @@ import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ...models.assembly import Assembly
 from ...models.stability import growth_map
-from ..errors import SimulationError
-from ..output.store import StoredItems
 from ..output.table import Sheet
 from ..output.words import kinds_of
 from ..output.workers import Progress, Workers, in_order
@@ -23,9 +21,7 @@ from ..scene import Scene
 from ..scene.replace import SPEED
 from .axis import Axis, Map, refuse_axes
 from .boundaries import criterion_of
-from .main_motion import MainMotion
 from .map_store import open_map
-from .whirl import whirl_at
 
 Vector = NDArray[np.float64]
 Reasons = NDArray[np.object_]  # why points have no growth rate; empty where they have
@@ -33,27 +29,8 @@ _STRIPS = {
     "growth": "largest growth rate [1/s]",
     "criterion": "negative: balanced by the criterion",
     "why_not": "why there is no growth rate",
-    "whirl": "amplitude that remains where weights cannot balance [m]",
-    "whirl_growth": "growth rate of that whirl [1/s]",
 }
 _ROWS = 8  # values of the slow axis solved together; more would hide the progress
-_PLASTIC = 1.324717957244746  # its powers spread points evenly over a square
-
-
-@dataclass(frozen=True)
-class MapPoint:
-    """A co-simulated point.
-
-    Attributes:
-        x, y: places on both axes.
-        growth: largest growth rate [1/s]; NaN where there is no verdict.
-        refusal: why not.
-    """
-
-    x: int
-    y: int
-    growth: float
-    refusal: str = ""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -62,34 +39,18 @@ class StabilityMap(Map):
 
     Attributes:
         growth: largest growth rate [1/s]; NaN where weights cannot balance.
-        whirl: largest amplitude of the whirl that remains where the weights cannot balance [m]; NaN
-            elsewhere, and where there is no steady whirl.
-        whirl_growth: growth rate of deviations from it [1/s].
         criterion: negative where the criterion says balanced, in units of its largest value; None
             where it does not apply.
         no_criterion: why not.
-        points: co-simulated.
         failure: why a point has no growth rate, where its equations cannot be solved; else empty.
     """
 
     drawn_by: ClassVar[str] = "..stability.plot:plot_map"
 
     growth: Vector
-    whirl: Vector
-    whirl_growth: Vector
     criterion: Vector | None
     no_criterion: str
-    points: tuple[MapPoint, ...]
     failure: Reasons
-
-    @property
-    def agreeing(self) -> int:
-        """Co-simulated points on the same side as Floquet, or without a main motion by both."""
-        return sum(
-            (p.growth > 0.0) == (self.growth[p.y, p.x] > 0.0)
-            and math.isnan(p.growth) == math.isnan(self.growth[p.y, p.x])
-            for p in self.points
-        )
 
     def lines(self) -> Iterator[str]:
         """What was found, in words.
@@ -104,35 +65,20 @@ class StabilityMap(Map):
             f"{self.growth.size} points: {int((self.growth <= 0.0).sum())} balanced, "
             f"{int((self.growth > 0.0).sum())} not, {none} where the weights cannot balance"
         )
-        if none:
-            stable = self.whirl[self.whirl_growth < 0.0]
-            ends = (
-                f", of {1e3 * stable.min():.4g} to {1e3 * stable.max():.4g} mm"
-                if len(stable)
-                else ""
-            )
-            yield f"where they cannot, a stable whirl remains at {len(stable)} points{ends}"
         if self.criterion is None:
             yield f"criterion: does not apply: {self.no_criterion}"
-        if self.points:
-            yield f"{self.agreeing} of {len(self.points)} co-simulated points agree with Floquet"
-        refused = [*failed, *(p.refusal for p in self.points if p.refusal)]
-        for count, reason in kinds_of(refused)[:3]:
+        for count, reason in kinds_of(failed)[:3]:
             yield f"{count} without a verdict, such as: {reason}"
 
     def table(self) -> Sheet:
         """One line a point of the grid."""
-        measured = {(p.y, p.x): p.growth for p in self.points}
         rows = []
         for (j, i), growth in np.ndenumerate(self.growth):
             word = ""
             if self.criterion is not None:
                 word = "stable" if self.criterion[j, i] < 0.0 else "unstable"
-            whirl = float(self.whirl[j, i]), float(self.whirl_growth[j, i])
-            point = measured.get((j, i), "")
-            rows.append((*self._place(j, i), float(growth), word, point, *whirl))
-        growths = ("growth rate [1/s]", "criterion", "cosim growth rate [1/s]")
-        heads = (*self.labels, *growths, "whirl [m]", "whirl growth rate [1/s]")
+            rows.append((*self._place(j, i), float(growth), word))
+        heads = (*self.labels, "growth rate [1/s]", "criterion")
         return Sheet(heads, rows, title=self.title)
 
 
@@ -141,57 +87,44 @@ def stability_map(
     x: Axis,
     y: Axis,
     *,
-    cosim: int = 0,
     workers: Workers = 1,
     progress: Progress | None = None,
     store: Path | None = None,
 ) -> StabilityMap:
-    """Growth rates by Floquet over two parameters, and by co-simulation at some points.
+    """Growth rates by Floquet over two parameters.
 
     Arguments are those of `Scene.map`, which says what is raised.
     """
     scene.refuse_friction("a map of growth rates is that")
     refuse_axes(x, y)
-    report = progress or (lambda done: None)
-    share = 1.0 if not cosim else 0.5
     transposed = y.path == SPEED  # a strip runs along the speed if that takes part
     slow, fast = (x, y) if transposed else (y, x)
     rows = _ROWS if fast.path == SPEED else 1
     starts = range(0, len(slow.values), rows)
     jobs = [(scene, slow.path, slow.values[i : i + rows].tolist(), fast) for i in starts]
-    places = grid_points(cosim, len(x.values), len(y.values))
-    kept: dict[str, StoredItems] = {}
+    kept = None
     if store is not None:
-        form: dict[str, Any] = {"along": "x" if transposed else "y", "rows": rows, "places": places}
-        kept = open_map(store, "stability map", scene, x, y, _STRIPS, **form)
-    strips = in_order(_strip, jobs, workers, lambda done: report(share * done), kept.get("strip"))
+        along = "x" if transposed else "y"
+        kept = open_map(store, "stability map", scene, x, y, _STRIPS, along=along, rows=rows)
+    strips = in_order(_strip, jobs, workers, progress, kept)
     grids = [np.concatenate(arrays) for arrays in zip(*strips, strict=True)]
-    growth, criterion, why_not, whirl, whirl_growth = (
-        grid.T if transposed else grid for grid in grids
-    )
-    work = [(scene, {x.path: x.values[i], y.path: y.values[j]}) for i, j in places]
-    rates = in_order(
-        _measure, work, workers, lambda done: report(0.5 + 0.5 * done), kept.get("point")
-    )
+    growth, criterion, why_not = (grid.T if transposed else grid for grid in grids)
     applies = bool(np.isfinite(criterion).any())
     return StabilityMap(
         scene,
         x,
         y,
         growth,
-        whirl,
-        whirl_growth,
         criterion if applies else None,
         "" if applies else _why_no_criterion(scene),
-        tuple(MapPoint(*place, *rate) for place, rate in zip(places, rates, strict=True)),
         why_not,
     )
 
 
 def _strip(
     job: tuple[Scene, str, list[float], Axis],
-) -> tuple[Vector, Vector, Reasons, Vector, Vector]:
-    """Growth rates, the criterion, reasons, whirls, (values of the slow axis, all of the fast)."""
+) -> tuple[Vector, Vector, Reasons]:
+    """Growth rates, the criterion, reasons, (values of the slow axis, all of the fast)."""
     scene, slow, values, fast = job
     along = fast.path == SPEED
     others = [{}] if along else [{fast.path: value} for value in fast.values]
@@ -202,19 +135,8 @@ def _strip(
     speeds = fast.values if along else np.array([scenes[0].profile().end])
     growth, why_not = _rates(assemblies, speeds)
     criterion = np.concatenate([_criterion(a, speeds) for a in assemblies])
-    whirl = _whirls(scenes, speeds, np.isnan(growth) & (why_not == ""))
     shape = len(values), len(fast.values)
-    grids = growth, criterion, why_not, *whirl
-    return tuple(grid.reshape(shape) for grid in grids)  # type: ignore[return-value]
-
-
-def _whirls(scenes: Sequence[Scene], speeds: Vector, unbalanced: Vector) -> tuple[Vector, Vector]:
-    """Amplitude and growth rate of the whirl where weights cannot balance (scenes, speeds)."""
-    amplitude, growth = np.full(unbalanced.shape, math.nan), np.full(unbalanced.shape, math.nan)
-    for i, j in np.argwhere(unbalanced).tolist():
-        one = whirl_at(scenes[i], float(speeds[j]))
-        growth[i, j], amplitude[i, j] = one.growth, max(one.amplitude, default=math.nan)
-    return amplitude, growth
+    return growth.reshape(shape), criterion.reshape(shape), why_not.reshape(shape)
 
 
 def _rates(assemblies: Sequence[Assembly], speeds: Vector) -> tuple[Vector, Reasons]:
@@ -248,28 +170,3 @@ def _why_no_criterion(scene: Scene) -> str:
     except ValueError as error:
         return str(error)
     return "no point of the map has one"
-
-
-def grid_points(count: int, columns: int, rows: int) -> list[tuple[int, int]]:
-    """Different points of a grid, evenly spread, the same for the same count.
-
-    Additive recurrence of the plastic number: no two of n points in the unit square are nearer than
-    0.6/sqrt(n), while Halton's and Sobol's sequences come down to 0.4 and less.
-    """
-    points: dict[tuple[int, int], None] = {}
-    for k in itertools.count(1):
-        if len(points) == min(count, columns * rows):
-            break
-        u, v = (0.5 + k / _PLASTIC) % 1.0, (0.5 + k / _PLASTIC**2) % 1.0
-        points[int(u * columns), int(v * rows)] = None
-    return list(points)
-
-
-def _measure(job: tuple[Scene, dict[str, float]]) -> tuple[float, str]:
-    scene, changes = job
-    scene = scene.replace(changes)
-    try:
-        with MainMotion(scene) as motion:
-            return motion.growth(scene.profile().end), ""
-    except SimulationError as error:  # one point without a verdict must not cost the map
-        return math.nan, str(error)

@@ -36,9 +36,6 @@ def command(
             "proved for every cell."
         ),
     ] = MapMethod.FLOQUET,
-    cosim: Annotated[
-        int, typer.Option(min=0, metavar="K", help="Also co-simulate K points of the map.")
-    ] = 0,
     cluster: Annotated[str | None, options.CLUSTER] = None,
     changes: Annotated[list[str] | None, options.changes("rotor.mass=3.0")] = None,
     at_most: Annotated[str, options.AT_MOST] = costs.DEFAULT,
@@ -66,10 +63,10 @@ def command(
             raise UserError(f"{option} {error}") from error
     page = Report(report, f"Map: {loaded.heading}", [loaded])
     with progress_bar(f"mapping {loaded.name}") as progress, who_works(cluster) as workers:
-        key = f"--x {x} --y {y}" + (f" --cosim {cosim}" if cosim else "")
-        moved, store = costs.within(at_most, key, progress), stores[0] if stores else None
+        moved = costs.within(at_most, f"--x {x} --y {y}", progress)
+        store = stores[0] if stores else None
         form: dict[str, Any] = {"workers": workers, "progress": moved, "store": store}
-        data = loaded.map(axes[0], axes[1], method.value, cosim=cosim, **form)
+        data = loaded.map(axes[0], axes[1], method.value, **form)
     with page.keeping():
         for line in data.lines():
             say(line)

@@ -1,8 +1,7 @@
-"""Pictures of maps: growth rates with boundaries and co-simulated points; what runs leave."""
+"""Pictures of maps: growth rates with boundaries; what runs leave; what is proved."""
 
 from __future__ import annotations
 
-import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -51,26 +50,11 @@ def plot_map(data: StabilityMap, path: Path | None) -> Path | Drawing:
         handles.append(
             Patch(facecolor="0.85", edgecolor="0.6", hatch="///", label="weights cannot balance")
         )
-        handles += _whirls(axes, data)
-    handles += _points(axes, data)
     axes.set(xlim=(x[0], x[-1]), ylim=(y[0], y[-1]))
     figure.legend(
         handles=handles, loc="outside lower center", ncols=min(3, len(handles)), fontsize="small"
     )
     return save(figure, path)
-
-
-def _whirls(axes: Any, data: StabilityMap) -> list[Artist]:
-    """Amplitude of the whirl that remains, as lines where it is stable."""
-    shown = np.where(data.whirl_growth < 0.0, data.whirl, math.nan)
-    if np.isfinite(shown).sum() < 4:
-        return []
-    factor, unit = metres(float(np.nanmax(shown)))
-    lines = axes.contour(
-        data.x.values, data.y.values, shown * factor, levels=5, colors="tab:green", linewidths=1.0
-    )
-    axes.clabel(lines, fontsize="small")
-    return [Line2D([], [], color="tab:green", label=f"stable whirl that remains [{unit}]")]
 
 
 def plot_run_map(data: RunMap, path: Path | None) -> Path | Picture:
@@ -142,21 +126,3 @@ def _boundary(
     if np.ma.min(shown) < 0.0 < np.ma.max(shown):
         axes.contour(x, y, shown, levels=[0.0], colors=colour, linestyles=style, linewidths=1.6)
     return Line2D([], [], color=colour, ls=style, lw=1.6, label=name)
-
-
-def _points(axes: Any, data: StabilityMap) -> list[Line2D]:
-    kinds = (
-        ("o", "white", "co-simulated: balanced", lambda g: g <= 0.0),
-        ("X", "black", "co-simulated: not balanced", lambda g: g > 0.0),
-        ("s", "none", "co-simulated: no verdict", math.isnan),
-    )
-    handles = []
-    for marker, face, label, belongs in kinds:
-        chosen = [p for p in data.points if belongs(p.growth)]
-        if chosen:
-            x = [data.x.values[p.x] for p in chosen]
-            y = [data.y.values[p.y] for p in chosen]
-            edge = "white" if face == "black" else "black"
-            look = {"ms": 6.5, "mfc": face, "mec": edge, "mew": 0.9, "zorder": 5}
-            handles += axes.plot(x, y, marker, **look, label=label, clip_on=False)
-    return handles

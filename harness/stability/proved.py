@@ -22,6 +22,7 @@ from ...models.proof.rotors import Unproved
 from ...models.proof.window import WindowBalls, ends
 from ..output.workers import Progress
 from ..scene import Scene
+from ..units import rounded_outwards, shown_in
 from .exact import Change, system, tolerances, window
 
 PRECISION = 128  # bits, of balls
@@ -92,10 +93,10 @@ class Proof:
             lower, upper = self.window.lower, self.window.upper
             yield (
                 f"the window is {self.window.state}: less bending than without liquid above "
-                f"{_enclosed(lower)} rad/s"
+                f"{_enclosed(lower)}"
             )
             if upper is not None:
-                yield f"stable below {_enclosed(upper)} rad/s"
+                yield f"stable below {_enclosed(upper)}"
         else:
             boxes = f" and up to {self.boxes} boxes of parameters" if self.boxes > 1 else ""
             yield f"{self.certificates} certificates{boxes}; {self.undecided:.2g} of it undecided"
@@ -149,8 +150,11 @@ def prove(
 
 
 def _enclosed(speed: flint.arb) -> str:
-    """A speed, or the two between which that of every machine within the tolerances lies."""
-    return " to ".join(dict.fromkeys(f"{end:.10g}" for end in ends(speed)))
+    """The two speeds between which that of every machine lies, in the unit that is shown."""
+    unit, factor = shown_in("rad/s")
+    below, above = ends(speed)
+    low, high = rounded_outwards(factor * below, factor * above)
+    return f"{low} to {high} {unit}"
 
 
 def _outside(limits: WindowBalls, low: float, high: float) -> tuple[Band, ...]:

@@ -95,7 +95,7 @@ def run_map(
         at = {axis.path: axis.values[end] for axis, end in zip((x, y), ends, strict=True)}
         composition(scene.replace(at))
     jobs = [(scene, x, y.path, value) for value in y.values.tolist()]
-    kept = None if store is None else open_map(store, "map of runs", scene, x, y, _RESULTS)["strip"]
+    kept = None if store is None else open_map(store, "map of runs", scene, x, y, _RESULTS)
     rows = in_order(_row, jobs, workers, progress, kept)
     return RunMap(scene, x, y, *(np.concatenate(column) for column in zip(*rows, strict=True)))
 

@@ -25,8 +25,8 @@ class Speeds(Outcome):
         methods: crossings of every method that applies, ascending.
         lowest: what each of these finds at the low end of the range.
         refused: why each other method gives no answer.
-        whirl: what remains where the weights cannot balance; None where they can, or where the
-            method floquet was not asked.
+        whirl: what remains where the weights cannot balance; None where they can, or without the
+            method floquet.
         proof: what the method proved proves; None where it was not asked or gives no answer.
     """
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import os
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -20,7 +19,7 @@ from ..units import engineering, engineers, in_both
 if TYPE_CHECKING:
     from .proved import Proof
     from .speeds import Speeds
-    from .whirl import WhirlAt, Whirls
+    from .whirl import Whirls
 
 DEFAULT = ",".join(DEFAULT_METHODS)
 
@@ -59,14 +58,16 @@ def command(
         raise UserError(f"--method {method!r}: name at least one of {', '.join(METHODS)}")
     loaded = changed_scene(scene, changes)
     low, high = options.speed_range(range_)
-    with progress_bar(f"critical speeds of {loaded.name}") as progress:
+    key = f"--range {low:g} {high:g}"
+    with costs.limited(at_most, key), progress_bar(f"critical speeds of {loaded.name}") as progress:
+        # certificates crowd at boundaries: their rate does not tell how long a proof will take
+        estimated = progress if "proved" in names else costs.within(at_most, key, progress)
         result = loaded.speeds(
             low,
             high,
             names,
             narrowest=narrowest,
-            workers=os.cpu_count() or 1,
-            progress=costs.within(at_most, f"--range {low:g} {high:g}", progress),
+            progress=estimated,
             within=within,
         )
     if result.methods or result.proof is None:
@@ -85,8 +86,6 @@ def command(
             say(line)
         if result.whirl.at:
             show(whirl_table(result.whirl))
-        for name, reason in result.whirl.refused.items():
-            say(f"{name}: does not apply {reason}", style="yellow")
     if "cosim" in result.methods:
         say(f"cosim: {_looked(result, narrowest)}")
     if json_file is not None:
@@ -131,33 +130,21 @@ def bands_table(proof: Proof, title: str) -> Sheet:
 
 
 def whirl_table(whirl: Whirls) -> Sheet:
-    """The whirl at the speeds shown, and its boundaries by method."""
-    stations = max(len(one.amplitude) for one in whirl.at)
-    columns = ["speed [rad/s]", "whirl", *(f"station {n} [mm]" for n in range(1, stations + 1))]
+    """What runs leave at each speed."""
+    stations = [f"station {n} [mm]" for n in range(1, len(whirl.at[0].amplitude) + 1)]
     rows = [
-        [f"{one.speed:.6g}", _kept(one), *(f"{1e3 * a:.4g}" for a in one.amplitude), _angles(one)]
-        if one.amplitude
-        else [f"{one.speed:.6g}", "none", *["-"] * stations, "-"]
+        [
+            f"{one.speed:.6g}",
+            "failed" if one.failure else "settled" if one.stable else "not settled",
+            *(f"{1e3 * a:.4g}" for a in one.amplitude),
+            ", ".join(f"{math.degrees(angle):.1f}" for angle in one.angles),
+        ]
         for one in whirl.at
     ]
-    for name, crossings in whirl.methods.items():
-        rows += [
-            [f"{c.speed:.8g}", f"{c.above} above, {name}", *["-"] * stations, "-"]
-            for c in crossings
-        ]
-    rows.sort(key=lambda row: float(row[0]))
-    colours = {"whirl": {"stable": GOOD, "unstable": "red"}}
-    columns.append("weights at [deg]")
+    colours = {"run": {"settled": GOOD, "failed": "red"}}
+    columns = ["speed [rad/s]", "run", *stations, "weights at [deg]"]
     title = "What remains: largest distance from the middle, 0-peak"
-    return Sheet(columns, rows, "rl" + "r" * (stations + 1), title, colours)
-
-
-def _kept(one: WhirlAt) -> str:
-    return "stable" if one.stable else "unstable"
-
-
-def _angles(one: WhirlAt) -> str:
-    return ", ".join(f"{math.degrees(angle):.1f}" for angle in one.angles)
+    return Sheet(columns, rows, "rl" + "r" * (len(columns) - 2), title, colours)
 
 
 def _looked(result: Speeds, narrowest: float | None) -> str:

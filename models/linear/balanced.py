@@ -102,6 +102,15 @@ def residual_unbalance(
     return assembly.rotor.unbalance + np.exp(1j * angles) @ pulls
 
 
+def moment_slopes(
+    assembly: Assembly, table: WeightTable, angles: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Change of the stations' moments (2n, K) by the weights' `angles` (K,), real parts first."""
+    pulls = assembly.rotor.planes[table.plane] * table.moment[:, None]
+    slope = 1j * np.exp(1j * angles)[:, None] * pulls
+    return np.concatenate([slope.real, slope.imag], axis=1).T
+
+
 def check_reach(assembly: Assembly, table: WeightTable) -> dict[int, complex]:
     """Moment each plane must supply when it is unique; raises when one is out of reach."""
     used = np.unique(table.plane)
@@ -157,8 +166,7 @@ def _newton(assembly: Assembly, table: WeightTable, angles: NDArray) -> NDArray 
         left = residual_unbalance(assembly, table, angles)
         if float(np.abs(left).max()) <= _BALANCED * scale:
             return angles
-        slope = 1j * np.exp(1j * angles)[:, None] * pulls
-        matrix = np.concatenate([slope.real, slope.imag], axis=1).T
+        matrix = moment_slopes(assembly, table, angles)
         right = np.concatenate([left.real, left.imag])
         turn = np.linalg.lstsq(matrix, -right, rcond=_SMALL_TURN)[0]
         longest = float(np.abs(turn).max())
@@ -222,19 +230,15 @@ def _needlessly_in_line(table: WeightTable, moments: dict[int, complex], angles:
     return False
 
 
-def golden_parts(count: int) -> NDArray[np.float64]:
-    """Numbers (count,) within 0.5 of 0, all different: multiples of the golden ratio, modulo 1."""
-    return np.modf(np.arange(1, count + 1) * _GOLDEN)[0] - 0.5
-
-
-def restart_angles(angles: NDArray[np.float64], attempt: int) -> NDArray[np.float64]:
+def _restart_angles(angles: NDArray[np.float64], attempt: int) -> NDArray[np.float64]:
     """Angles (K,) [rad] to start Newton's method from once more; attempt 0: those that were given.
 
     Each attempt turns the weights by up to 0.15 rad more, all by different parts of it.
     """
     if attempt == 0:
         return angles
-    return angles + _RESTART * attempt * golden_parts(len(angles))
+    parts = np.modf(np.arange(1, len(angles) + 1) * _GOLDEN)[0] - 0.5  # all different
+    return angles + _RESTART * attempt * parts
 
 
 def balanced_angles(assembly: Assembly) -> NDArray[np.float64]:
@@ -262,7 +266,7 @@ def balanced_angles(assembly: Assembly) -> NDArray[np.float64]:
             start[on] = np.angle(moment)  # all weights together: Newton would creep there
     in_line = None
     for attempt in range(_STARTS):
-        angles = _with_room(assembly, table, restart_angles(start, attempt))
+        angles = _with_room(assembly, table, _restart_angles(start, attempt))
         if angles is None:
             continue
         if angles is start or not _needlessly_in_line(table, moments, angles):

@@ -98,24 +98,15 @@ def balancing_boundaries(
 
     Raises:
         CannotBalance: the weights cannot undo the unbalance.
-        ValueError: the range is empty or not positive.
-    """
-    growth_at = partial(_growth, linearise(assembly))
-    return growth_boundaries(growth_at, scan_speeds(low, high, narrowest, GRID), tolerance)
-
-
-def scan_speeds(low: float, high: float, narrowest: float | None, grid: int) -> NDArray[np.float64]:
-    """Speeds of a scan [rad/s], spaced by `narrowest`, or by a `grid`th of the range.
-
-    Raises:
-        ValueError: the range is empty or not positive, or the spacing is.
+        ValueError: the range is empty or not positive, or `narrowest` is not positive.
     """
     if not 0.0 < low < high < math.inf:
         raise ValueError(f"range = {low:g} to {high:g} rad/s: must be positive and ascending")
-    width = (high - low) / grid if narrowest is None else narrowest
+    width = (high - low) / GRID if narrowest is None else narrowest
     if not width > 0.0:
         raise ValueError(f"narrowest = {width:g} rad/s: must be positive")
-    return np.linspace(low, high, max(3, math.ceil((high - low) / width) + 1))
+    scan = np.linspace(low, high, max(3, math.ceil((high - low) / width) + 1))
+    return growth_boundaries(partial(_growth, linearise(assembly)), scan, tolerance)
 
 
 def growth_boundaries(

@@ -50,7 +50,7 @@ def half_turn_steps(radians: NDArray) -> NDArray[np.int_]:
 
 
 def half_turn(
-    at_nodes: Callable[[int], NDArray], steps: int, held: tuple[NDArray, NDArray] | None = None
+    at_nodes: Callable[[int], NDArray], steps: int, held: tuple[NDArray, NDArray]
 ) -> NDArray[np.float64]:
     """Map over half a revolution, (b, d, d), of x' = A x by the rotor's angle.
 
@@ -64,7 +64,7 @@ def half_turn(
     coefficients = math.pi / steps * COEFFICIENTS
     rows = at_nodes(0)
     batch, _, _, size = rows.shape
-    mask, constant = held or (np.zeros(size, bool), np.zeros((batch, 0, size)))
+    mask, constant = held
     p, s = np.flatnonzero(mask), np.flatnonzero(~mask)
     # stages of p from p at the begin and the stages of s
     kept = _eliminated(constant[..., p], constant[..., s], coefficients)

@@ -23,10 +23,9 @@ from __future__ import annotations
 import cmath
 import math
 
-import numpy as np
-
 from ..rotor import LinearRotor
 from ..weights import Weights
+from .influence import influence
 
 
 def plane_response(rotor: LinearRotor, speed: float) -> complex:
@@ -41,10 +40,8 @@ def plane_response(rotor: LinearRotor, speed: float) -> complex:
     """
     if not rotor.isotropic:
         raise ValueError("the slow root (1) needs equal stiffness and damping in x and y")
-    mass, damping, stiffness = rotor.coefficients(speed)
-    row = rotor.planes[0]
-    dynamic = stiffness - speed**2 * mass + 1j * speed * damping
-    return complex(speed**4 * (row @ np.linalg.solve(dynamic, row)))
+    row = rotor.planes[:1]
+    return complex(speed**2 * (row @ influence(rotor, speed, row)[0]).item())
 
 
 def critical_drag_factor(rotor: LinearRotor, speed: float, kappa: float = 1.0) -> float:

@@ -34,20 +34,18 @@ class Packed(NamedTuple):
     middle: float
 
 
-def packed_groups(angles: Sequence[float], alpha: float, slack: float = _TOUCHING) -> list[Packed]:
+def packed_groups(angles: Sequence[float], alpha: float) -> list[Packed]:
     """Who touches whom on the circle, in the order of the angles.
 
     Args:
         angles: of the weights [rad].
         alpha: half the angle between neighbours that touch; 0: nobody does.
-        slack: gap that still counts as contact [rad].
     """
     order = sorted(angle % math.tau for angle in angles)
     n = len(order)
     following = [*order[1:], order[0] + math.tau]
-    open_after = [
-        alpha == 0.0 or b - a > 2.0 * alpha + slack for a, b in zip(order, following, strict=True)
-    ]
+    least = 2.0 * alpha + _TOUCHING
+    open_after = [alpha == 0.0 or b - a > least for a, b in zip(order, following, strict=True)]
     if not any(open_after):
         return [Packed(n, order[0] + (n - 1) * alpha)]
     first = open_after.index(True) + 1
@@ -94,16 +92,13 @@ def critical_unbalance(mass: float, track: float, radius: float) -> float:
     return capacity(mass, track, radius, 2) - capacity(mass, track, radius, 1)
 
 
-def merged(assembly: Assembly, alpha: float, groups: Sequence[Packed], at: int = 0) -> Assembly:
-    """The assembly with each group of one balancer as a weight of its own.
-
-    Args:
-        at: its place among the balancers.
+def merged(assembly: Assembly, alpha: float, groups: Sequence[Packed]) -> Assembly:
+    """The assembly with each group of its first balancer as a weight of its own.
 
     Raises:
         ValueError: it has no weights.
     """
-    mounted = assembly.balancers[at]
+    mounted, *others = assembly.balancers
     device = mounted.device
     if not isinstance(device, Weights):
         raise ValueError(f"{mounted.name}: has no weights")
@@ -120,5 +115,4 @@ def merged(assembly: Assembly, alpha: float, groups: Sequence[Packed], at: int =
         )
         name, angles = f"{mounted.name}[{number}]", (group.middle,)
         singles.append(Mounted(name, weight, mounted.plane, angles, (0.0,), mounted.offset))
-    before, after = assembly.balancers[:at], assembly.balancers[at + 1 :]
-    return replace(assembly, balancers=(*before, *singles, *after))
+    return replace(assembly, balancers=(*singles, *others))

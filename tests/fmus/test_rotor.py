@@ -11,11 +11,9 @@ from scipy.integrate import solve_ivp
 from autobalancer.fmus.variables import derivative
 from autobalancer.harness import SceneError, cosimulate, load_scene
 from autobalancer.harness.master.plan import plan
-from autobalancer.harness.master.revolution import Revolution
 from autobalancer.harness.scene import Scene
-from autobalancer.models.linear.balanced import balanced_angles
+from autobalancer.harness.stability.main_motion import MainMotion
 from autobalancer.models.linear.boundaries import balancing_boundaries
-from autobalancer.models.linear.linearised import linearise
 from autobalancer.models.linear.modes import critical_speeds as rotor_critical_speeds
 from autobalancer.models.monolith import reference
 from autobalancer.models.stability import growth_rates
@@ -256,23 +254,6 @@ def test_liquid_and_balls_share_a_flexible_shaft():
         np.testing.assert_allclose(result[signal], exact[signal], rtol=0.0, atol=1e-5 * largest)
 
 
-def balanced_state(units, scene):
-    """Main motion: rotor at rest in the middle, weights where they balance."""
-    state = np.zeros(len(units.states))
-    angles = iter(balanced_angles(scene.assembly()))
-    for i, s in enumerate(units.states):
-        if s.output.endswith(".angle"):
-            state[i] = next(angles)
-    return state
-
-
-def growth(units, scene, speed, state):
-    """Largest growth rate by the units, the neutral turns of three and more weights apart."""
-    values = units.multipliers(speed, state)
-    neutral = np.argsort(np.abs(values - 1.0))[: linearise(scene.assembly()).neutral]
-    return math.log(np.abs(np.delete(values, neutral)).max())
-
-
 @pytest.mark.parametrize(
     ("name", "changes", "limits", "above"),
     [
@@ -288,12 +269,9 @@ def test_critical_speeds_of_the_units_are_those_of_floquet(name, changes, limits
     scene = load_scene(name).replace(changes)
     crossings = balancing_boundaries(scene.assembly(), *limits)
     assert [crossing.above for crossing in crossings] == above
-    with Revolution(scene) as units:
-        state = balanced_state(units, scene)
+    with MainMotion(scene) as motion:
         for crossing in crossings:
-            low, high = (
-                growth(units, scene, crossing.speed * factor, state) for factor in (0.999, 1.001)
-            )
+            low, high = (motion.growth(crossing.speed * factor) for factor in (0.999, 1.001))
             assert low * high < 0.0
             assert (low > 0.0) == (crossing.above == "stable")
 
@@ -307,9 +285,9 @@ def test_rodrigues_balanced_state_is_lost_where_the_pairs_stand_square(unbalance
     The moments needed are then 2 sqrt(2) m R = 0.0283 in all; co-simulation and Floquet agree.
     """
     scene = load_scene("two_plane_rodrigues").replace({"rotor.unbalances[1].amount": unbalance})
-    exact = growth_rates(scene.assembly(), [5.0])[0] * 2.0 * math.pi / 5.0
-    with Revolution(scene) as units:
-        found = growth(units, scene, 5.0, balanced_state(units, scene))
+    exact = growth_rates(scene.assembly(), [5.0])[0]
+    with MainMotion(scene) as motion:
+        found = motion.growth(5.0)
     assert found == pytest.approx(exact, rel=1e-3)
     assert (found < 0.0) == stable
 

@@ -132,14 +132,3 @@ def test_unbalance_response_peaks_at_the_critical_speeds():
     for speed in critical_speeds(rotor):
         beside, at = (np.abs(influence(rotor, speed * f)).max() for f in (1.01, 1.0))
         assert at > 5 * beside
-
-
-def test_internal_damping_makes_the_forward_mode_unstable_above_duboviks_speed():
-    """Dubovik (10): w^* = (1 + chi/p) sqrt(c/m)."""
-    m, c, chi, p = 2.0, 8e3, 6.0, 10.0
-    limit = (1 + chi / p) * np.sqrt(c / m)
-    rotor = LinearRotor.planar(m, c, chi, internal_damping=p)
-    below, above = modes(rotor, 0.9999 * limit), modes(rotor, 1.0001 * limit)
-    assert below.damping_ratios.min() > 0.0
-    assert above.damping_ratios.min() < 0.0
-    assert above.directions[int(np.argmin(above.damping_ratios))] == "forward"

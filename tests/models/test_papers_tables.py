@@ -60,14 +60,12 @@ def test_a_row_holds_paper_floquet_and_cosimulation(table, number):
     assert max(row.error for row in measured) < 1e-3
 
 
-def test_a_band_that_the_paper_does_not_report_is_shown_by_runs():
+def test_a_band_that_the_paper_does_not_report_is_shown_by_a_run():
     rows = rows_of(2, 5)
     assert all(row.holds for row in rows)
-    found = [row for row in rows if "FINDING" in row.quantity]
-    assert len(found) == 2
-    assert all("unstable again from 5.3982 to 7.9641" in row.quantity for row in found)
-    assert found[0].measured > 0.05, "grows"
-    assert found[1].measured.startswith("not balanced")
+    (found,) = [row for row in rows if "FINDING" in row.quantity]
+    assert "unstable again from 5.3982 to 7.9641" in found.quantity
+    assert found.measured.startswith("not balanced")
 
 
 def test_an_interval_that_is_wrong_does_not_hold():

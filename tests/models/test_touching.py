@@ -16,6 +16,7 @@ from autobalancer.models.monolith import simulate
 from autobalancer.models.papers.capacity import largest_alignment
 from autobalancer.models.papers.settling import critical_drag_factor, slow_root
 from autobalancer.models.papers.touching import Packed, joint_alignment, merged, packed_groups
+from autobalancer.models.reference.coupled import Start
 from autobalancer.models.rotor import LinearRotor
 from autobalancer.models.steps.weights import advance as point_advance
 from autobalancer.models.steps.weights import reaction as point_reaction
@@ -95,6 +96,40 @@ def test_slow_root_with_contact_is_the_limit_of_the_spectrum_for_light_weights()
         errors.append(abs(root / max(moving, key=lambda v: v.real) - 1.0))
     assert errors[1] < 1e-3
     assert errors[0] / errors[1] == pytest.approx(16.0, rel=0.3)  # second order in the mass
+
+
+MEETING = {"balls.speeds": [12.0, -12.0], "balls.angles": [1.0, 2.0]}
+OPENING = {"balls.angles": [3.4889123984477144, 3.994272908731872], "run.initial.vx": -3.0}
+
+
+@pytest.mark.parametrize(
+    ("changes", "shift"),
+    [
+        ({}, (0.0, 0.0)),
+        ({**MEETING, "balls.restitution": 0.5}, (0.094, 0.0)),
+        (MEETING, (0.094, 0.0)),
+        ({**OPENING, "run.revolutions": 0.8}, (0.1, 0.1)),
+    ],
+    ids=["no contact", "collision with restitution", "collision", "contact that opens"],
+)
+def test_contact_converges_with_order_4_to_the_integration_in_one_piece(changes, shift):
+    """Means over starts: how far an event is off depends on where in its step it falls."""
+    scene, steps = load_scene("contact_order").replace(changes), np.array([10, 20, 40])
+    names = ["rotor.x", "rotor.y", "balls.weight[1].angle", "balls.weight[2].angle"]
+    turns, begin = scene.run.revolutions, np.array(scene.balancer[0].angles)
+    times, errors = math.tau / 80.0 * np.arange(0.1, turns + 0.05, 0.1), np.zeros((3, 2))
+    for part in np.arange(4) / 4:
+        one = scene.replace({"balls.angles": (begin + part * np.array(shift)).tolist()})
+        start = Start(vx=one.run.initial.vx)
+        speed = SpeedProfile.constant(80.0)
+        right = simulate(one.assembly(), speed, times, initial=start, rtol=1e-12)
+        for k, count in enumerate(steps.tolist()):
+            found = cosimulate(one.replace({"coupling.steps_per_rev": count}), record=names)
+            every = slice(count // 10, None, count // 10)
+            off = [np.abs(found[name][every] - right[name]).max() for name in names]
+            errors[k] += max(off[:2]), max(off[2:])
+    orders = -np.polyfit(np.log(steps), np.log(errors), 1)[0]
+    assert orders == pytest.approx([4.0, 4.0], abs=0.3)
 
 
 def test_lasting_contact_in_cosimulation_is_one_heavy_weight_in_the_monolith():

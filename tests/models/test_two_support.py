@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from autobalancer.models.linear.modes import critical_speeds, modes
+from autobalancer.models.linear.modes import critical_speeds
 from autobalancer.models.papers.influence import influence
 from autobalancer.models.rotor import LinearRotor
 from autobalancer.models.rotor_kinds import line_rows
@@ -67,25 +67,6 @@ def test_support_coordinates_have_the_eigenvalues_of_centre_coordinates(com, spe
     found = eigenvalues(*LinearRotor.two_support(**data).coefficients(speed))
     key = [np.sort_complex(np.round(v, 6)) for v in (found, expected)]
     np.testing.assert_allclose(key[0], key[1], rtol=1e-8)
-
-
-@pytest.mark.parametrize("speed", [0.0, 100.0, 1000.0])
-def test_conical_mode_splits_as_in_the_closed_form(speed):
-    k, span, inertia, polar = 2e5, 0.8, 0.7, 0.4
-    rotor = rigid(com=None, stiffness=((k, k), (k, k)), damping=np.zeros((2, 2)))
-    tilt = k * span**2 / 2
-    root = np.sqrt((polar * speed) ** 2 + 4 * inertia * tilt)
-    bounce = np.sqrt(2 * k / 12.0)
-    conical = [(root - polar * speed) / (2 * inertia), (root + polar * speed) / (2 * inertia)]
-    found = modes(rotor, speed)
-    np.testing.assert_allclose(
-        found.natural_frequencies, sorted([bounce, bounce, *conical]), rtol=1e-10
-    )
-    if speed:
-        signed = found.natural_frequencies * np.round(found.whirl)
-        np.testing.assert_allclose(
-            np.sort(signed), sorted([-bounce, bounce, -conical[0], conical[1]]), rtol=1e-10
-        )
 
 
 def test_flat_body_has_no_conical_critical_speed():

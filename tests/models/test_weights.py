@@ -124,13 +124,10 @@ def test_reaction_is_minus_the_second_derivative_of_the_static_moment(drag: floa
         angles, _ = integrate(weights, spin_up, t, "DOP853", 1e-13) if t else (ANGLES, SPEEDS)
         return static_moment(weights, angles) * np.exp(1j * (speed * t + spin_up * t * t / 2))
 
-    force, slope = reaction(weights, ANGLES, SPEEDS, SIGNAL[0], SIGNAL[1], speed, spin_up)
+    force, _ = reaction(weights, ANGLES, SPEEDS, SIGNAL[0], SIGNAL[1], speed, spin_up)
     values = [moment(k * h) for k in range(-3, 4)]
     second = np.dot([2, -27, 270, -490, 270, -27, 2], values) / (180 * h**2)
     assert_allclose(force, -second, rtol=1e-7)
-    third = np.dot([1, -8, 13, 0, -13, 8, -1], values) / (8 * h**3)
-    # in the rotor frame the slope lacks what the turning adds
-    assert_allclose(slope, -third - 1j * speed * force, rtol=2e-4)
 
 
 @pytest.mark.parametrize("drag", [0.0, 0.3, 30.0])

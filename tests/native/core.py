@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import ctypes
 import math
-import re
 from collections.abc import Callable, Sequence
 from ctypes import POINTER, byref, c_double, c_int, c_size_t
 from pathlib import Path
@@ -40,7 +39,7 @@ class Complex(ctypes.Structure):
 
 
 class Failure(ctypes.Structure):
-    _fields_ = (("code", c_int), ("where", c_int), ("value", c_double * 4))
+    _fields_ = (("code", c_int), ("words", ctypes.c_char * 1024))
 
 
 def _struct(name: str, doubles: str = "", **fields: Any) -> type[ctypes.Structure]:
@@ -130,12 +129,7 @@ _RETURNS = {
 
 
 class Refused(Exception):
-    """A function returned a failure: its code's number and what it holds."""
-
-    def __init__(self, failure: Any) -> None:
-        super().__init__(failure.code, list(failure.value))
-        self.code, self.where = failure.code, failure.where
-        self.value = tuple(failure.value)
+    """A function returned a failure: its words."""
 
 
 class Core:
@@ -143,7 +137,6 @@ class Core:
 
     Attributes:
         structures: the C structures, by name.
-        codes: numbers of the failures, by name, from failure.h.
     """
 
     Refused = Refused
@@ -151,9 +144,6 @@ class Core:
 
     def __init__(self, path: Path) -> None:
         self.structures = SimpleNamespace(**{t.__name__: t for t in STRUCTURES})
-        listed = re.search(r"enum \{(.*?)\};", (SOURCES / "base" / "failure.h").read_text(), re.S)
-        names = re.findall(r"^\s*([A-Z_]+)\b", listed[1], re.M)  # type: ignore[index]
-        self.codes = {name: number for number, name in enumerate(names)}
         self.library = ctypes.CDLL(str(path))
         self._kept: list[Any] = []
         for type_, names in _RETURNS.items():
@@ -169,13 +159,13 @@ class Core:
         """Call a function that may fail, and raise `Refused` when it does."""
         failure = Failure()
         if self(name, *arguments, byref(failure)):
-            raise Refused(failure)
+            raise Refused(failure.words.decode())
 
-    def refusal(self, call: Callable[..., object], *arguments: Any) -> tuple[str, Refused]:
-        """Name of the failure of a call that must fail, and the failure."""
+    def refusal(self, call: Callable[..., object], *arguments: Any) -> str:
+        """Words of a call that must fail."""
         with pytest.raises(Refused) as refused:
             call(*arguments)
-        return list(self.codes)[refused.value.code], refused.value
+        return str(refused.value)
 
     def real(self, name: str, x: NDArray, *others: NDArray) -> NDArray:
         """A function of numbers for each of the arrays' elements."""

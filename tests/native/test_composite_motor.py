@@ -61,12 +61,12 @@ def test_a_motor_that_comes_to_rest_on_a_corner_ends_no_step_there(hosted):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("tolerance", "separate"), [(1e-6, False), (1e-4, False), (1e-4, True)])
-def test_a_run_over_corners_states_its_error(tolerance, separate):
+@pytest.mark.parametrize("tolerance", [1e-6, 1e-4])
+def test_a_run_over_corners_states_its_error(tolerance):
     scene = Scene.from_document(DOCUMENT).replace(
         {**CORNERS, "coupling.steps_per_rev": None, "coupling.tolerance": tolerance}
     )
-    result = cosimulate(scene, separate=separate)
+    result = cosimulate(scene)
     error = max(deviations(result, motion(scene, result)).values())
     assert error < 3.0 * result.estimated_error
     assert error < tolerance

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import json
-import lzma
 import re
 import shutil
 import tarfile
@@ -19,7 +17,6 @@ from fmpy.build import build_platform_binary
 from autobalancer.fmus.build import build, contents, is_present_build
 from autobalancer.fmus.catalogue import CATALOGUE, sized_unit
 from autobalancer.fmus.native.build.compile import (
-    PACKED,
     PLATFORMS,
     SOURCE,
     libraries,
@@ -199,10 +196,8 @@ def test_the_wheel_carries_libraries_and_sources_in_at_most_1_7_million_bytes(wh
         for target, path in libraries().items():
             assert archive.read(f"{home}/bin/{target}/{path.name}") == path.read_bytes()
             assert archive.read(f"{home}/bin/{target}/stamp").decode() == stamp()
-        packed = archive.read(f"{home}/{PACKED.name}")
         everything = archive.namelist()
-    assert json.loads(lzma.decompress(packed)) == texts()
-    assert not [name for name in everything if name.endswith((".c", ".def"))]
+    assert {f"{home}/{name}" for name in texts()} <= {*everything}
     # of units the documentation, not the recorded runs that tests compare with
     pages = [name for name in everything if name.endswith(".md") and "/fmus/" in name]
     folders = {"composite", *(unit.folder for unit in CATALOGUE.values())}

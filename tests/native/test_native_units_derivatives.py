@@ -189,52 +189,6 @@ def test_derivatives_of_others_are_refused(fmus, packaging, knowns, unknowns, re
 
 
 @pytest.mark.parametrize("case", CASES, ids=str)
-def test_input_derivatives_are_the_units_own_slopes(fmus, packaging, case):
-    """FMI's call and the variables der(...) are two ways to the same bits."""
-    seen = []
-    for fmi_own_way in (False, True):
-        host, inputs = somewhere(fmus, packaging, case, 4, 0.0)
-        slopes = [name for name in inputs if name.startswith("der(")]
-        values = {name: 0.25 * k for k, name in enumerate(slopes)}
-        if "speed" in inputs:
-            values["acceleration"] = 12.0
-        if fmi_own_way:
-            references, orders = [], []
-            for name in values:
-                inner = "speed" if name == "acceleration" else name[4:-1].split(",")[0]
-                references.append(host.variables[inner].valueReference)
-                orders.append(int(name[4:-1].split(",")[1]) if "," in name else 1)
-            host.slave.setRealInputDerivatives(references, orders, list(values.values()))
-        else:
-            host.set(values)
-        host.step(1e-3)
-        seen.append(host.outputs())
-        host.free()
-    assert seen[1] == seen[0]
-
-
-@pytest.mark.parametrize(
-    ("name", "order", "value", "reason"),
-    [
-        ("a_xi", 4, 0.0, "a_xi: the order of a derivative must be 1 to 3"),
-        ("a_xi", 0, 0.0, "a_xi: the order of a derivative must be 1 to 3"),
-        ("a_xi", 1, float("nan"), "a_xi: a derivative must be a finite number"),
-        ("der(a_xi)", 1, 0.0, "der(a_xi): is a derivative itself"),
-        ("mass", 1, 0.0, "mass: is no input"),
-        ("F_xi", 1, 0.0, "F_xi: is no input"),
-    ],
-)
-def test_wrong_input_derivatives_are_refused(fmus, packaging, name, order, value, reason):
-    host, _ = somewhere(fmus, packaging, CASES[1], 1, 0.0)
-    before = host.outputs()
-    reference = host.variables[name].valueReference
-    text = host.refused(lambda: host.slave.setRealInputDerivatives([reference], [order], [value]))
-    assert text.endswith(reason)
-    assert host.outputs() == before
-    host.free()
-
-
-@pytest.mark.parametrize("case", CASES, ids=str)
 def test_output_derivatives_are_the_exact_slopes(fmus, packaging, case):
     """Signals by der(...), displacements by the velocities."""
     host, inputs = somewhere(fmus, packaging, case, 6, 0.0)
@@ -286,13 +240,12 @@ def test_output_derivatives_are_those_that_a_short_step_shows(fmus, packaging, c
     ("name", "order", "reason"),
     [
         ("F_xi", 2, "the order of an output's derivative must be 1"),
-        ("mass", 1, "is no output"),
-        ("a_xi", 1, "is no output"),
+        ("mass", 1, "value reference 0: is no output"),
     ],
 )
 def test_derivatives_there_are_not_are_refused(fmus, packaging, name, order, reason):
     host, _ = somewhere(fmus, packaging, CASES[1], 1, 0.0)
     reference = [host.variables[name].valueReference]
     text = host.refused(lambda: host.slave.getRealOutputDerivatives(reference, [order]))
-    assert text.endswith(f"{name}: {reason}")
+    assert text.endswith(reason)
     host.free()

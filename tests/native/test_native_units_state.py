@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import ctypes
-import struct
 
 import pytest
 
@@ -127,64 +126,6 @@ def test_a_state_of_another_unit_is_refused_and_changes_nothing(fmus, packaging)
     balls.slave.freeFMUState(state)
     for host in (rotor, balls):
         host.free()
-
-
-def fnv(data: bytes) -> bytes:
-    total = 0xCBF29CE484222325
-    for byte in data:
-        total = (total ^ byte) * 0x100000001B3 & 0xFFFFFFFFFFFFFFFF
-    return total.to_bytes(8, "little")
-
-
-@pytest.mark.parametrize(
-    ("offset", "value"),
-    [
-        (4, struct.pack("<I", 2)),  # version
-        (200, struct.pack("<Q", 3)),  # number of values
-        (208, struct.pack("<d", float("nan"))),  # time
-        (216, struct.pack("<i", 3)),  # phase
-        (220, struct.pack("<i", -1)),  # how stale
-        (224, struct.pack("<d", float("inf"))),  # first parameter
-    ],
-)
-def test_a_state_made_up_with_a_right_checksum_is_refused(fmus, packaging, offset, value):
-    host = moving(fmus, packaging, CASES[1])
-    state = host.slave.getFMUState()
-    data = bytearray(host.slave.serializeFMUState(state))
-    data[offset : offset + len(value)] = value
-    data[-8:] = fnv(bytes(data[:-8]))
-    host.refused(lambda: host.slave.deserializeFMUState(bytes(data)))
-    host.slave.freeFMUState(state)
-    host.free()
-
-
-def test_parameters_no_setter_lets_in_come_by_no_state(fmus, packaging):
-    """A mass below zero in bytes with a right checksum: refused when it is restored."""
-    host = moving(fmus, packaging, CASES[1])
-    before = host.outputs()
-    state = host.slave.getFMUState()
-    data = bytearray(host.slave.serializeFMUState(state))
-    data[224:232] = struct.pack("<d", -1.0)
-    data[-8:] = fnv(bytes(data[:-8]))
-    text = host.refused(lambda: host.slave.deserializeFMUState(bytes(data)))
-    assert "mass = -1.0 kg: must be a finite number above 0 kg" in text
-    assert host.outputs() == before
-    host.slave.freeFMUState(state)
-    host.free()
-
-
-@pytest.mark.parametrize("time", [-1.0, 3.0, 1e9])
-def test_a_time_that_is_not_that_of_the_coupled_units_is_refused(hosted, time):
-    """A step from there would first have to reach it."""
-    host = hosted(load_scene("two_balls"))
-    for _ in range(4):
-        host.step(0.3)
-    data = bytearray(host.slave.serializeFMUState(host.slave.getFMUState()))
-    assert struct.unpack("<d", data[208:216]) == (host.time,)
-    data[208:216] = struct.pack("<d", time)
-    data[-8:] = fnv(bytes(data[:-8]))
-    reason = host.refused(lambda: host.slave.deserializeFMUState(bytes(data)))
-    assert "a time that is not that of their motion" in reason
 
 
 def test_a_state_of_one_file_brings_the_unbalance_of_its_time_back(packaging, tmp_path):

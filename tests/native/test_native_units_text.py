@@ -45,27 +45,28 @@ def numbers() -> list[float]:
 
 def test_a_number_is_written_as_python_writes_its_first_twelve_digits(text):
     for x in numbers():
-        written = text("text_number", ctypes.c_double(x))
+        written = text("text_format", b"%v", ctypes.c_double(x))
         assert written == repr(float(written))
         assert float(written) == pytest.approx(x, rel=5.01e-12, abs=1e-323, nan_ok=True)
 
 
-@pytest.mark.parametrize("digits", [1, 3, 6, 12])
+@pytest.mark.parametrize("digits", [1, 3, 6, 9])
 def test_a_rounded_number_is_written_as_python_writes_it(text, digits):
     for x in numbers():
         near = {format(x * share, f".{digits}g") for share in (1.0 - 1e-13, 1.0, 1.0 + 1e-13)}
-        assert text("text_rounded", ctypes.c_double(x), digits) in near  # ties go either way
+        assert text("text_format", b"%%%d" % digits, ctypes.c_double(x)) in near  # ties: either way
 
 
 def test_a_list_is_written_as_python_writes_it(text):
     values = [0.0, 0.1, 0.30000000000000004, -1e-9]
     array = (ctypes.c_double * 4)(*values)
-    assert text("text_list", array, ctypes.c_size_t(4)) == "[0.0, 0.1, 0.3, -1e-09]"
+    written = text("text_format", b"%l kg", array, ctypes.c_size_t(4))
+    assert written == "[0.0, 0.1, 0.3, -1e-09] kg"
 
 
 def test_a_whole_number(text):
     for value in (0, 7, 10, 4294967295):
-        assert text("text_integer", ctypes.c_ulong(value)) == str(value)
+        assert text("text_format", b"<%u>", ctypes.c_ulong(value)) == f"<{value}>"
 
 
 @pytest.mark.parametrize("size", [4, 5, 10])

@@ -1,6 +1,6 @@
 """Command: draw random scenes, run them as they are, and count how many are right.
 
-python -m tests.truth --family planar=3000 --family heavy=500 [--seed 2] [--verify] [--separate]
+python -m tests.truth --family planar=3000 --family heavy=500 [--seed 2] [--separate]
     [--tolerance 1e-5] [--markdown FILE] [--save DIR]
 """
 
@@ -27,9 +27,6 @@ def command(
     tolerance: Annotated[
         float | None, typer.Option(help="Of every run, instead of the default coupling.")
     ] = None,
-    verify: Annotated[
-        bool, typer.Option("--verify", help="Judge the errors that runs measure themselves, too.")
-    ] = False,
     separate: Annotated[
         bool, typer.Option("--separate", help="Judge separate FMUs, not the coupling in C.")
     ] = False,
@@ -43,7 +40,7 @@ def command(
 ) -> None:
     """Random scenes against an independent integration."""
     changes = () if tolerance is None else (("coupling.tolerance", tolerance),)
-    study = Study(counts(family), seed, changes, verify, separate)
+    study = Study(counts(family), seed, changes, separate)
     with progress_bar("random scenes") as progress:
         found = verdicts(study, workers, progress)
     for verdict in misses(found):

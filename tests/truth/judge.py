@@ -14,7 +14,6 @@ from numpy.typing import NDArray
 
 from autobalancer.harness.errors import SimulationError, UserError
 from autobalancer.harness.master.names import kin
-from autobalancer.harness.master.resolution import Resolution
 from autobalancer.harness.master.result import Result
 from autobalancer.harness.master.run import cosimulate
 from autobalancer.harness.scene import Scene
@@ -65,8 +64,6 @@ class Verdict:
         words: the refusal or the note.
         steps: communication steps of the run.
         seconds: processor time of the run.
-        measured: with `verify`, whether the measured errors of all signals are right within
-            `FACTOR`; None where that is not known.
         estimate: the result's own estimate of its error, however small.
         within: whether the error is at most `FACTOR` times the estimate, as far as the reference
             tells; None where there is no reference.
@@ -81,7 +78,6 @@ class Verdict:
     words: str = ""
     steps: int = 0
     seconds: float = 0.0
-    measured: bool | None = None
     estimate: float = 0.0
     within: bool | None = None
 
@@ -95,25 +91,23 @@ def judge(
     seed: int,
     number: int,
     changes: Mapping[str, Any] | None = None,
-    verify: bool = False,
     separate: bool = False,
 ) -> Verdict:
     """Draw a scene, run it and compare.
 
     Args:
         changes: keys replaced in every scene, such as `coupling.tolerance`.
-        verify: also have the run measure its errors, and compare those.
         separate: run it on separate FMUs; whether a refusal was needless they say in any case.
     """
     verdict = Verdict(family, number, "crashed")
     try:
         scene = Scene.from_document(draw(family, seed, number)).replace(changes or {})
-        return _compared(scene, verdict, verify, separate)
+        return _compared(scene, verdict, separate)
     except Exception:
         return replace(verdict, words=traceback.format_exc(limit=-3))
 
 
-def _run(scene: Scene, verify: bool = False, separate: bool = False) -> Result:
+def _run(scene: Scene, separate: bool = False) -> Result:
     begun = clock.process_time()
 
     def limit(_done: float) -> None:
@@ -122,13 +116,13 @@ def _run(scene: Scene, verify: bool = False, separate: bool = False) -> Result:
 
     with warnings.catch_warnings():  # random scenes are as a rule implausible
         warnings.simplefilter("ignore", ImplausibleWarning)
-        return cosimulate(scene, progress=limit, verify=verify, separate=separate)
+        return cosimulate(scene, progress=limit, separate=separate)
 
 
-def _compared(scene: Scene, verdict: Verdict, verify: bool, separate: bool) -> Verdict:
+def _compared(scene: Scene, verdict: Verdict, separate: bool) -> Verdict:
     begun = clock.process_time()
     try:
-        result = _run(scene, verify, separate)
+        result = _run(scene, separate)
     except _Endless:
         return replace(verdict, outcome="endless", seconds=LONGEST_RUN)
     except (SimulationError, UserError) as refusal:
@@ -143,7 +137,7 @@ def _compared(scene: Scene, verdict: Verdict, verify: bool, separate: bool) -> V
             return replace(verdict, outcome="unknown", words=str(error))
         verdict = _against(scene, result, verdict, right, own)
         outcome = classify(verdict, scene.coupling.tolerance if scene.asks_for_coupling else None)
-        if outcome not in MISSES and verdict.measured is not False and verdict.within:
+        if outcome not in MISSES and verdict.within:
             break
     if outcome in MISSES and growth(scene, result.time) > CHAOTIC:
         outcome = "chaotic"
@@ -166,37 +160,16 @@ def _against(
         within=errors[where] <= FACTOR * estimate + max(own, RESOLVED),
         stated=estimate if estimate >= said else 0.0,
         words="; ".join(result.events),
-        measured=rightly_measured(result, right, own),
     )
 
 
 def right_if_let_go_on(scene: Scene) -> bool:
-    """Whether a refused run ends right when what it is judged by on the way is only noted."""
-    before = Resolution.strict
-    Resolution.strict = False
+    """Whether a refused run ends right on separate FMUs, which estimate no error of given steps."""
     try:
         result = _run(scene, separate=True)
         return max(deviations(result, motion(scene, result)).values()) <= RIGHT
     except (_Endless, SimulationError, UserError, ArithmeticError):
         return False
-    finally:
-        Resolution.strict = before
-
-
-def rightly_measured(result: Result, right: Mapping[str, NDArray], own: float) -> bool | None:
-    """Whether `verify` measures the errors of all signals within `FACTOR`; None without it.
-
-    Args:
-        own: error of `right` itself, of a signal's largest value.
-    """
-    if result.error is None:
-        return None
-    for name, scale in scales(right).items():
-        true = float(np.abs(result[name] - right[name]).max())
-        stated, floor = result.error[name], max(own, RESOLVED) * scale
-        if true > FACTOR * stated + floor or stated > FACTOR * true + floor:
-            return False
-    return True
 
 
 def classify(verdict: Verdict, tolerance: float | None) -> str:

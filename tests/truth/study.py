@@ -22,14 +22,12 @@ from tests.truth.judge import MISSES, OUTCOMES, SET_ASIDE, Verdict, judge
 class Study:
     """How many scenes of each family, drawn with which seed, with which keys replaced.
 
-    With `verify` every run also measures its own errors; with `separate` the scenes
-    run on separate FMUs.
+    With `separate` the scenes run on separate FMUs.
     """
 
     counts: Mapping[str, int]
     seed: int = 1
     changes: tuple[tuple[str, Any], ...] = ()
-    verify: bool = False
     separate: bool = False
 
 
@@ -42,18 +40,16 @@ def verdicts(study: Study, workers: Workers = 1, progress: Progress | None = Non
 def _judged(study: Study, item: tuple[str, int]) -> Verdict:
     family, number = item
     changes = dict(study.changes)
-    return judge(family, study.seed, number, changes, study.verify, study.separate)
+    return judge(family, study.seed, number, changes, study.separate)
 
 
 def table(found: Sequence[Verdict]) -> Sheet:
     """Per cent of each outcome by family; scenes set aside are not counted.
 
-    Also how many err by at most `FACTOR` times their own estimate, and with `verify` how many of
-    those whose true errors are known measure them rightly.
+    Also how many err by at most `FACTOR` times their own estimate.
     """
     columns = [outcome for outcome in OUTCOMES if outcome not in SET_ASIDE]
     heads = ["family", "scenes", *columns, "set aside", "estimated rightly"]
-    measured = any(v.measured is not None for v in found)
     rows = []
     for name in [*dict.fromkeys(verdict.family for verdict in found), "all"]:
         mine = [v for v in found if name in (v.family, "all")]
@@ -63,12 +59,7 @@ def table(found: Sequence[Verdict]) -> Sheet:
         row = [name, str(len(counted)), *shares, str(len(mine) - len(counted))]
         estimated = [v.within for v in counted if v.within is not None]
         row.append(_per_cent(sum(estimated), len(estimated)))
-        if measured:
-            known = [v.measured for v in counted if v.measured is not None]
-            row.append(_per_cent(sum(known), len(known)))
         rows.append(row)
-    if measured:
-        heads.append("measured rightly")
     return Sheet(heads, rows, "l" + "r" * (len(heads) - 1))
 
 

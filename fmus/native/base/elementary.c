@@ -27,35 +27,12 @@ typedef union {
     uint64_t bits;
 } Bits;
 
-double copy_sign(double size, double sign)
-{
-    Bits from, to;
-    from.number = sign;
-    to.number = size;
-    to.bits = (to.bits & ~((uint64_t)1 << 63)) | (from.bits & ((uint64_t)1 << 63));
-    return to.number;
-}
-
 double nearest(double x)
 {
     if (!(absolute(x) < WHOLE)) {
         return x;
     }
     return copy_sign((absolute(x) + WHOLE) - WHOLE, x);
-}
-
-double infinity(void)
-{
-    Bits b;
-    b.bits = (uint64_t)0x7FF << 52;
-    return b.number;
-}
-
-double not_a_number(void)
-{
-    Bits b;
-    b.bits = (uint64_t)0x7FF8 << 48;
-    return b.number;
 }
 
 int binary_exponent(double x)

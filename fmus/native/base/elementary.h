@@ -5,7 +5,7 @@
 #ifndef AUTOBALANCER_ELEMENTARY_H
 #define AUTOBALANCER_ELEMENTARY_H
 
-#include <math.h> /* sqrt and fabs, which are instructions */
+#include <math.h> /* sqrt, fabs and copysign, which are instructions */
 
 #include "base/complex_number.h"
 
@@ -38,10 +38,22 @@ static inline double smaller(double a, double b) /* a unless b < a */
     return b < a ? b : a;
 }
 
-double copy_sign(double size, double sign);
+static inline double copy_sign(double size, double sign)
+{
+    return copysign(size, sign);
+}
+
+static inline double infinity(void)
+{
+    return INFINITY;
+}
+
+static inline double not_a_number(void)
+{
+    return NAN;
+}
+
 double nearest(double x); /* integer, halves to even: Python's round */
-double infinity(void);
-double not_a_number(void);
 
 /* x = fraction 2^exponent with a fraction of 1/2 to 1; 0 for 0, infinite and NaN. */
 int binary_exponent(double x);

@@ -1,13 +1,15 @@
 #include "base/failure.h"
 
-int fail(Failure *failure, int code, int where, double first, double second, double third,
-         double fourth)
+#include <stdarg.h>
+
+#include "base/text.h"
+
+int fail(Failure *failure, const char *format, ...)
 {
-    failure->code = code;
-    failure->where = where;
-    failure->value[0] = first;
-    failure->value[1] = second;
-    failure->value[2] = third;
-    failure->value[3] = fourth;
-    return code;
+    Text words = text_in(failure->words, sizeof failure->words);
+    va_list values;
+    va_start(values, format);
+    text_format_values(&words, format, values);
+    va_end(values);
+    return failure->code = 1;
 }

@@ -30,10 +30,10 @@ void text_put_part(Text *text, const char *words, size_t length)
 
 void text_put(Text *text, const char *words)
 {
-    text_put_part(text, words, text_length(words));
+    text_put_part(text, words, strlen(words));
 }
 
-void text_integer(Text *text, unsigned long value)
+static void put_integer(Text *text, unsigned long value)
 {
     char digits[INTEGER_DIGITS];
     int at = INTEGER_DIGITS;
@@ -50,15 +50,6 @@ void text_hexadecimal(Text *text, uint64_t value)
     for (shift = 60; shift >= 0; shift -= 4) {
         text_put_part(text, &"0123456789abcdef"[value >> shift & 15], 1);
     }
-}
-
-size_t text_length(const char *words)
-{
-    size_t length = 0;
-    while (words[length]) {
-        length++;
-    }
-    return length;
 }
 
 int text_equal(const char *a, const char *b)
@@ -115,7 +106,7 @@ static void put_decimal(Text *text, const char *digits, int count, int exponent,
         text_put(text, exponent < 0 ? "e-" : "e+");
         exponent = exponent < 0 ? -exponent : exponent;
         text_put(text, exponent < 10 ? "0" : "");
-        text_integer(text, (unsigned long)exponent);
+        put_integer(text, (unsigned long)exponent);
         return;
     }
     if (exponent < 0) {
@@ -169,31 +160,62 @@ static void put_digits(Text *text, double value, int digits, int widest, const c
     put_decimal(text, found, count, exponent, widest, whole_end);
 }
 
-void text_number(Text *text, double value)
+/* Twelve significant digits without zeros at the end, 1.0 for a whole number. */
+static void put_number(Text *text, double value)
 {
     put_digits(text, value, MOST_DIGITS, 16, ".0");
 }
 
-void text_rounded(Text *text, double value, int digits)
-{
-    put_digits(text, value, digits, digits, "");
-}
-
-void text_put_rounded(Text *text, const char *words, double value, int digits)
-{
-    text_put(text, words);
-    text_rounded(text, value, digits);
-}
-
-void text_list(Text *text, const double *values, size_t count)
+static void put_list(Text *text, const double *values, size_t count)
 {
     size_t k;
     text_put(text, "[");
     for (k = 0; k < count; k++) {
         text_put(text, k ? ", " : "");
-        text_number(text, values[k]);
+        put_number(text, values[k]);
     }
     text_put(text, "]");
+}
+
+void text_format_values(Text *text, const char *format, va_list values)
+{
+    const double *list;
+    for (; *format; format++) {
+        size_t plain = 0;
+        while (format[plain] && format[plain] != '%') {
+            plain++;
+        }
+        text_put_part(text, format, plain);
+        format += plain;
+        if (!*format) {
+            return;
+        }
+        switch (*++format) {
+        case 's':
+            text_put(text, va_arg(values, const char *));
+            break;
+        case 'u':
+            put_integer(text, va_arg(values, unsigned long));
+            break;
+        case 'l':
+            list = va_arg(values, const double *);
+            put_list(text, list, va_arg(values, size_t));
+            break;
+        case 'v':
+            put_number(text, va_arg(values, double));
+            break;
+        default:
+            put_digits(text, va_arg(values, double), *format - '0', *format - '0', "");
+        }
+    }
+}
+
+void text_format(Text *text, const char *format, ...)
+{
+    va_list values;
+    va_start(values, format);
+    text_format_values(text, format, values);
+    va_end(values);
 }
 
 int text_digit(char c)
@@ -206,7 +228,7 @@ int text_digit(char c)
 
 const char *text_after(const char *text, const char *begin)
 {
-    const size_t length = text_length(begin);
+    const size_t length = strlen(begin);
     return strncmp(text, begin, length) ? NULL : text + length;
 }
 

@@ -4,6 +4,7 @@
 #ifndef AUTOBALANCER_TEXT_H
 #define AUTOBALANCER_TEXT_H
 
+#include <stdarg.h>
 #include <stddef.h>
 #include <stdint.h>
 
@@ -17,19 +18,14 @@ typedef struct {
 Text text_in(char *buffer, size_t size);
 void text_put(Text *text, const char *words);
 void text_put_part(Text *text, const char *words, size_t length);
-void text_integer(Text *text, unsigned long value);
 /* Sixteen hexadecimal digits. */
 void text_hexadecimal(Text *text, uint64_t value);
-/* Twelve significant digits without zeros at the end, 1.0 for a whole number. */
-void text_number(Text *text, double value);
-/* So many significant digits, 12 at most: Python's format(value, ".6g"). */
-void text_rounded(Text *text, double value, int digits);
-/* Words, and such a number behind them. */
-void text_put_rounded(Text *text, const char *words, double value, int digits);
-/* [1.0, 2.0] */
-void text_list(Text *text, const double *values, size_t count);
+/* Add words with values: %s a text, %u an unsigned long, %v a number of twelve significant digits without zeros
+   at the end, 1.0 for a whole one, %3 one of 3, Python's format(value, ".3g"), %l a list of numbers, given as
+   an array and its size: [1.0, 2.0]. */
+void text_format(Text *text, const char *format, ...);
+void text_format_values(Text *text, const char *format, va_list values);
 
-size_t text_length(const char *words);
 int text_equal(const char *a, const char *b);
 /* Where a text goes on behind what it begins with, or NULL. */
 const char *text_after(const char *text, const char *begin);

@@ -12,7 +12,6 @@ from types import ModuleType
 
 from setuptools import build_meta
 from setuptools.build_meta import *  # noqa: F403
-from setuptools.command.build_py import build_py
 from setuptools.command.sdist import sdist
 
 _ROOT = Path(__file__).resolve().parents[3]
@@ -23,9 +22,6 @@ _package.__path__ = [str(_ROOT)]
 sys.modules["autobalancer"] = _package
 
 from autobalancer.fmus.native.build import compile as native  # noqa: E402
-from autobalancer.fmus.xml.archive import write  # noqa: E402
-
-_HOME = native.SOURCES.relative_to(_ROOT).as_posix()
 
 
 def get_requires_for_build_wheel(config_settings=None) -> list[str]:
@@ -37,14 +33,12 @@ def get_requires_for_build_editable(config_settings=None) -> list[str]:
 
 
 def build_wheel(wheel_directory, config_settings=None, metadata_directory=None) -> str:
-    native.libraries()
-    native.page_library()
+    native.compiled()
     return build_meta.build_wheel(wheel_directory, config_settings, metadata_directory)
 
 
 def build_editable(wheel_directory, config_settings=None, metadata_directory=None) -> str:
-    native.libraries()
-    native.page_library()
+    native.compiled()
     return build_meta.build_editable(wheel_directory, config_settings, metadata_directory)
 
 
@@ -52,20 +46,9 @@ def _needed() -> list[str]:
     return [f"ziglang=={native.COMPILER}"] if native.stale() else []
 
 
-class WheelFiles(build_py):
-    """What a wheel holds: the C sources as one archive."""
-
-    def run(self) -> None:
-        super().run()
-        if not self.editable_mode:
-            home = Path(self.build_lib, "autobalancer", _HOME)
-            write(home / native.PACKED.name, native.packed())
-
-
 class Sources(sdist):
     """A source distribution without the libraries: a wheel made from it compiles its own."""
 
     def make_distribution(self) -> None:
-        self.filelist.extend(f"{_HOME}/{name}" for name in native.texts())
-        self.filelist.prune(f"{_HOME}/{native.BINARIES.name}")
+        self.filelist.prune(native.BINARIES.relative_to(_ROOT).as_posix())
         super().make_distribution()

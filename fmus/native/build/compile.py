@@ -13,18 +13,15 @@ sources, says what a library was made from.
 from __future__ import annotations
 
 import hashlib
+import importlib.resources
 import importlib.util
-import json
-import lzma
 import os
 import re
 import subprocess
 import sys
 import tempfile
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
 from concurrent.futures import ThreadPoolExecutor
-from contextlib import contextmanager
-from functools import cache
 from importlib.metadata import version
 from pathlib import Path
 
@@ -37,7 +34,6 @@ COMPILER = "0.17.1"  # version of ziglang: part of the stamp, another writes oth
 
 SOURCES = Path(__file__).resolve().parents[1]
 BINARIES = SOURCES / "bin"
-PACKED = SOURCES / "sources.json.xz"  # once installed, in place of the C files
 SOURCE = "autobalancer.c"  # what is compiled: all of them
 
 _INCLUDE = re.compile(r'^#include "(.+)"$', re.M)
@@ -63,24 +59,26 @@ def libraries(platforms: Iterable[str] = PLATFORMS) -> dict[str, Path]:
         NotCompiled: one is stale and ziglang is not installed.
         subprocess.CalledProcessError: the compiler refuses the sources; its words are on stderr.
     """
-    return _compiled_libraries(_known(platforms))
+    return compiled(_known(platforms))
 
 
 def page_library() -> bytes:
     """The library for web pages; raises as `libraries`."""
-    return lzma.decompress(_compiled_libraries([PAGE])[PAGE].read_bytes())
+    return compiled([PAGE])[PAGE].read_bytes()
 
 
-def _compiled_libraries(names: list[str]) -> dict[str, Path]:
+def compiled(names: Iterable[str] = TARGETS) -> dict[str, Path]:
+    """As `libraries`, of any targets."""
     current = stamp()
-    _compile([name for name in names if _made_from(name) != current])
+    if wanted := [name for name in names if _made_from(name) != current]:
+        compile(wanted)
     return {name: _library(name) for name in names}
 
 
-def stale(platforms: Iterable[str] = TARGETS) -> bool:
-    """Whether `libraries` would have to compile."""
+def stale(names: Iterable[str] = TARGETS) -> bool:
+    """Whether `compiled` would have to compile."""
     current = stamp()
-    return any(_made_from(name) != current for name in _known(platforms, TARGETS))
+    return any(_made_from(name) != current for name in names)
 
 
 def stamp() -> str:
@@ -107,25 +105,10 @@ def one_source(folder: str = "") -> str:
     return "".join(parts.values())
 
 
-def packed() -> bytes:
-    """The C sources as one file, for a wheel: half of what they take one by one."""
-    # for text, whose bytes know no alignment
-    text = {"lc": 4, "pb": 0, "nice_len": 273}
-    filters = [{"id": lzma.FILTER_LZMA2, "preset": 9, **text}]
-    return lzma.compress(json.dumps(texts()).encode(), filters=filters)
-
-
 def texts() -> dict[str, str]:
     """Text of every C source by its path, those for one platform in a folder of their own."""
-    if PACKED.exists():
-        return _unpacked()
     paths = [path for kind in ("[ch]", "def") for path in sorted(SOURCES.glob(f"*/*.{kind}"))]
     return {path.relative_to(SOURCES).as_posix(): source(path) for path in paths}
-
-
-@cache
-def _unpacked() -> dict[str, str]:
-    return json.loads(lzma.decompress(PACKED.read_bytes()))
 
 
 def _complete() -> tuple[dict[str, str], str]:
@@ -140,79 +123,42 @@ def _complete() -> tuple[dict[str, str], str]:
     return {**written, "stamp.h": _STAMP.format(current)}, current
 
 
-def compile(platforms: Iterable[str] = PLATFORMS) -> None:
-    """Compile the libraries of these platforms.
-
-    Raises:
-        As `libraries`.
-    """
-    _compile(_known(platforms))
-
-
-def _compile(names: list[str]) -> None:
-    if not names:
-        return
+def compile(names: list[str]) -> None:
+    """Compile the libraries of these targets; raises as `libraries`."""
     _installed()
     current = stamp()
-    with _caches() as environment, ThreadPoolExecutor(os.cpu_count()) as pool:
-        made = pool.map(lambda name: _compiled(TARGETS[name], environment), names)
+    with (
+        tempfile.TemporaryDirectory(prefix="autobalancer-zig-") as folder,
+        ThreadPoolExecutor(os.cpu_count()) as pool,
+    ):
+        made = pool.map(lambda name: _compiled(TARGETS[name], Path(folder, name)), names)
         for name, library in zip(names, made, strict=True):
-            # a page holds it as text, whatever the form in which it is kept
-            packed = name == PAGE
-            _write(_library(name), lzma.compress(library, preset=9) if packed else library)
-            _write(BINARIES / name / "stamp", current.encode())
+            write(_library(name), library)
+            write(BINARIES / name / "stamp", current.encode())
 
 
-def _compiled(platform: Platform, environment: dict[str, str]) -> bytes:
+def _compiled(platform: Platform, folder: Path) -> bytes:
     """Bytes of a library; the compiler runs in the folder of the source, so no path is in them."""
-    windows = platform.library.endswith(".dll")
     target = ("cc", "-target", platform.target)
-    with tempfile.TemporaryDirectory() as folder:
-        write(Path(folder) / SOURCE, one_source(platform.folder).encode())
-        object = "autobalancer.o"
-        compiled = [*target, *COMPILE, *platform.compiler, "-c", SOURCE, "-o", object]
-        _zig(compiled, folder, environment)
-        linked = [object, *([_import_library(folder, environment)] if windows else [])]
-        output = ["-o", platform.library]
-        _zig([*target, *LINK, *platform.link, *linked, *output], folder, environment)
-        library = (Path(folder) / platform.library).read_bytes()
-    return _without_time(library) if windows else library
+    write(folder / SOURCE, one_source(platform.folder).encode())
+    linked = ["autobalancer.o"]
+    _zig(folder, *target, *COMPILE, *platform.compiler, "-c", SOURCE, "-o", *linked)
+    if platform.library.endswith(".dll"):
+        # what names msvcrt.dll has: zig's own import libraries take a minute to make
+        write(folder / "msvcrt.def", texts()["windows/msvcrt.def"].encode())
+        _zig(folder, "dlltool", "-m", "i386:x86-64", "-d", "msvcrt.def", "-l", "msvcrt.lib")
+        linked.append("msvcrt.lib")
+    _zig(folder, *target, *LINK, *platform.link, *linked, "-o", platform.library)
+    return (folder / platform.library).read_bytes()
 
 
-def _import_library(folder: str, environment: dict[str, str]) -> str:
-    """What names msvcrt.dll has: zig's own import libraries take a minute to make."""
-    definition, output = "msvcrt.def", "msvcrt.lib"
-    write(Path(folder) / definition, texts()[f"windows/{definition}"].encode())
-    arguments = ["-m", "i386:x86-64", "-d", definition, "-l", output]
-    _zig(["dlltool", *arguments], folder, environment)
-    return output
-
-
-def _without_time(library: bytes) -> bytes:
-    """A PE file with its time of linking zeroed: eight bytes after the header's `PE`."""
-    position = int.from_bytes(library[0x3C:0x40], "little") + 8
-    return library[:position] + bytes(4) + library[position + 4 :]
-
-
-def _compiler() -> Path:
-    package = importlib.util.find_spec("ziglang")
-    assert package is not None  # `_installed`
-    assert package.origin is not None
-    return Path(package.origin).with_name("zig")
-
-
-def _zig(arguments: list[str], folder: str, environment: dict[str, str]) -> None:
+def _zig(folder: Path, *arguments: str) -> None:
+    """Run zig in a folder, with caches where the caller named them, else beside it."""
+    caches = dict.fromkeys(("ZIG_GLOBAL_CACHE_DIR", "ZIG_LOCAL_CACHE_DIR"), str(folder.parent))
     # not `python -m ziglang`: while that loads it answers Ctrl-C with a traceback
-    command = [str(_compiler()), *arguments]
+    command = [str(importlib.resources.files("ziglang") / "zig"), *arguments]
+    environment = {**caches, **os.environ}
     subprocess.run(command, cwd=folder, env=environment, check=True, stdin=subprocess.DEVNULL)
-
-
-@contextmanager
-def _caches() -> Iterator[dict[str, str]]:
-    """Environment with folders for zig's caches: those the caller named, else temporary ones."""
-    with tempfile.TemporaryDirectory(prefix="autobalancer-zig-") as folder:
-        places = {"ZIG_GLOBAL_CACHE_DIR": folder, "ZIG_LOCAL_CACHE_DIR": folder}
-        yield {**places, **os.environ}
 
 
 def _installed() -> None:
@@ -246,12 +192,6 @@ def _made_from(platform: str) -> str | None:
     return path.read_text() if path.exists() and _library(platform).exists() else None
 
 
-def _write(path: Path, data: bytes) -> None:
-    """Write a file whole, unless it says the same already."""
-    if not path.exists() or path.read_bytes() != data:
-        write(path, data)
-
-
 if __name__ == "__main__":
-    for platform_, path_ in _compiled_libraries(_known(sys.argv[1:] or TARGETS, TARGETS)).items():
+    for platform_, path_ in compiled(_known(sys.argv[1:] or TARGETS, TARGETS)).items():
         print(f"{platform_:15} {path_.stat().st_size:7} bytes  {path_}")

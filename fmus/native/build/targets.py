@@ -24,6 +24,8 @@ _SHARED = ("-shared",)
 # leaves memory it never wrote in the file where they are left out
 _MACOS = (_NO_TABLES, (*_SHARED, "-Wl,-install_name,@rpath/autobalancer.dylib"))
 
+_WINDOWS = (*_SHARED, "-Wl,-Brepro")  # else the time of linking would stand in the library
+
 
 @dataclass(frozen=True)
 class Platform:
@@ -48,7 +50,7 @@ PLATFORMS = {
     "x86_64-linux": Platform("x86_64-linux-gnu.2.17", "autobalancer.so", _LINUX),
     "aarch64-linux": Platform("aarch64-linux-gnu.2.17", "autobalancer.so", _LINUX),
     "x86_64-windows": Platform(
-        "x86_64-windows-gnu", "autobalancer.dll", _NO_FRAMES, folder="windows"
+        "x86_64-windows-gnu", "autobalancer.dll", _NO_FRAMES, _WINDOWS, "windows"
     ),
     "x86_64-darwin": Platform("x86_64-macos.11.0", "autobalancer.dylib", *_MACOS),
     "aarch64-darwin": Platform("aarch64-macos.11.0", "autobalancer.dylib", *_MACOS),
@@ -57,7 +59,7 @@ PLATFORMS = {
 PAGE = "wasm32"
 _PAGE = Platform(
     "wasm32-wasi",
-    "autobalancer.wasm.xz",
+    "autobalancer.wasm",
     ("-fno-pic",),
     ("-Wl,--no-entry", "-Wl,-z,stack-size=1048576"),
     "wasm",

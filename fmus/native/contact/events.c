@@ -36,7 +36,7 @@ static int substeps_of(const EventStepper *stepper, double left, double step)
                      &strongest);
     const double turns = left * fastest / TURN_PER_SUBSTEP;
     if (!(turns < MOST_SUBSTEPS)) {
-        fail(weights->failure, FAILURE_SUBSTEPS, 0, turns, left, strongest,
+        fail(weights->failure, TOO_MANY_SUBSTEPS, turns, left, strongest,
              largest_of(weights->count, weights->angle_rate));
         return 0;
     }
@@ -189,6 +189,7 @@ int advance_events(EventStepper *stepper, double step)
     if (failure->code) {
         return failure->code;
     }
-    return fail(stepper->weights->failure, FAILURE_EVENTS, MOST_SUBSTEPS, step,
-                stepper->time, 0.0, 0.0);
+    return fail(stepper->weights->failure, "more than %u substeps and events of the weights in %6 s, %6 s "
+                "reached: use smaller communication steps",
+                (unsigned long)MOST_SUBSTEPS, step, stepper->time);
 }

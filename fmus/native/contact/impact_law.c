@@ -191,7 +191,8 @@ int impact_solve(Impact *impact, Failure *failure)
             break;
         }
     }
-    return fail(failure, FAILURE_IMPACT, impact->contacts, largest, 0.0, 0.0, 0.0);
+    return fail(failure, "no solution was found for an impact of %u pairs of weights, which close at "
+                "%6 rad/s", (unsigned long)impact->contacts, largest);
 }
 
 Complex impact_on_plane(const Impact *impact, int plane)

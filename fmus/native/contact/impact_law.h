@@ -63,7 +63,7 @@ Impact impact_begin(const double *mobility, int planes, int count, double *memor
 /* Speed at which the gap of a pair opens [rad/s]. */
 double impact_opening(const Impact *impact, int contact);
 
-/* Let all pairs that touch collide until none approaches; 0, or FAILURE_IMPACT. */
+/* Let all pairs that touch collide until none approaches; 0, or 1 with the failure. */
 int impact_solve(Impact *impact, Failure *failure);
 
 /* Impulse on a plane of the rotor, in its axes [N s]. */

@@ -36,8 +36,9 @@ int track_first_contacts(const Track *track, const double *angles, const double 
         room += gap(&weights, k);
     }
     if (!code && !track->full && !(room > n * TOUCHING_ANGLE)) { /* which depends on their order */
-        code = fail(failure, FAILURE_NO_ROOM, n, TAU - room,
-                    track->weights.track_radius, 0.0, 0.0);
+        code = fail(failure, "weight_radius: %u weights of unequal radii need %6 rad of a track of radius "
+                    "%v m, must be less than a turn",
+                    (unsigned long)n, TAU - room, track->weights.track_radius);
     }
     return code;
 }
@@ -50,7 +51,8 @@ int track_advance(const Track *track, const double *angles, const double *speeds
     EventStepper stepper;
     int code;
     if (drifts(motion->spin.rates)) {
-        return fail(failure, FAILURE_SPIN, 0, motion->spin.rates[1], 0.0, 0.0, 0.0);
+        return fail(failure, "der(acceleration) = %v rad/s3: must be 0 for weights that touch or stick, "
+                    "as all its derivatives", motion->spin.rates[1]);
     }
     code = order_weights(track, angles, speeds, contacts, scratch, &weights, failure);
     if (code) {

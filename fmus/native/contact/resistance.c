@@ -82,6 +82,7 @@ int sliding_substep(const SlidingGroup *group, double *angle, double *angle_rate
             return FINE;
         }
     }
-    return fail(failure, FAILURE_SLIDE, 0, step, *angle, *angle_rate,
-                magnitude(now->motion[0]));
+    return fail(failure, "the sliding weights' step of %6 s did not converge (angle %6 rad, rate %6 "
+                "rad/s, acceleration %6 m/s^2): use smaller steps",
+                step, *angle, *angle_rate, magnitude(now->motion[0]));
 }

@@ -251,8 +251,8 @@ int align_chains(WeightsInOrder *weights)
     for (k = 0; k < weights->count; k++) {
         const double opening = gap(weights, k);
         if (opening < -OVERLAP) {
-            return fail(weights->failure, FAILURE_OVERLAP, 0, -opening,
-                        2.0 * weights->track->alpha, 0.0, 0.0);
+            return fail(weights->failure, "weights overlap by %3 rad: neighbours need %6 rad", -opening,
+                        2.0 * weights->track->alpha);
         }
         if (weights->joined[k] && opening > OVERLAP) {
             weights->joined[k] = 0;

@@ -3,30 +3,31 @@
 #include "base/elementary.h"
 #include "contact/spacing.h"
 
-/* 0, or what does not fit together; the variables' own limits hold. */
+static const char TOO_LARGE[] = "weight_radius = %v m: %u weights do not fit on a track of radius %v m, the "
+                                "largest that fit have %6 m";
+
+/* FINE, or what does not fit together; the variables' own limits hold. */
 static int check_options(const Track *track, Failure *failure)
 {
     const double radius = track->weights.track_radius, size = track->weight_radius;
     const int count = track->weights.count;
     int k;
     if (track->restitution > 1.0) {
-        return fail(failure, FAILURE_RESTITUTION, 0, track->restitution, 0.0, 0.0,
-                    0.0);
+        return fail(failure, "restitution = %v: must be within 0 to 1", track->restitution);
     }
     if (!(track->mobility * weights_added_mass(&track->weights) < 1.0)) {
-        return fail(failure, FAILURE_MOBILITY, 0, track->mobility,
-                    1.0 / weights_added_mass(&track->weights), 0.0, 0.0);
+        return fail(failure, "track_mobility = %v 1/kg: must be 0 or more and less than %6 1/kg, one over "
+                    "the mass of all weights",
+                    track->mobility, 1.0 / weights_added_mass(&track->weights));
     }
     for (k = 0; track->weights.each && k < count; k++) {
         const Weights one = weights_single(&track->weights, k);
         if (!(one.radius < radius)) {
-            return fail(failure, FAILURE_WEIGHT_RADIUS, 1, one.radius, radius,
-                        radius, 0.0);
+            return fail(failure, TOO_LARGE, one.radius, 1ul, radius, radius);
         }
     }
     if (!track->weights.each && !fits(count, size, radius)) {
-        return fail(failure, FAILURE_WEIGHT_RADIUS, count, size, radius,
-                    largest_radius(count, radius), 0.0);
+        return fail(failure, TOO_LARGE, size, (unsigned long)count, radius, largest_radius(count, radius));
     }
     return FINE;
 }

@@ -164,14 +164,6 @@ static int composite_parameters(Unit *unit)
     return (unit->exchanges && composite_eventful(unit)) || follow_changes(unit);
 }
 
-/* A host's times may be off by rounding, never by a step. */
-static int composite_stands_at(const double *memory, double time)
-{
-    const Course *course = (const Course *)memory;
-    return course->clock.started > 0.0 && time >= course->clock.begin - course->clock.length &&
-           time <= course->clock.time + course->clock.length;
-}
-
 static int composite_begin(Unit *unit)
 {
     ((Composite *)unit->own)->course->clock.started = 0.0;
@@ -726,7 +718,7 @@ static int composite_verdict(const Unit *unit)
 }
 
 const Equations COMPOSITE_EQUATIONS = {
-    .name = "Composite", .allocate = composite_allocate, .stands_at = composite_stands_at,
+    .name = "Composite", .allocate = composite_allocate,
     .parameters = composite_parameters, .begin = composite_begin, .step = composite_step_unit,
     .outputs = composite_outputs, .observe = composite_observe,
     .observe_torques = composite_observe_torques, .is_torque = composite_is_torque,

@@ -69,7 +69,7 @@ static int read_track(Unit *unit, const Part *part, WeightsInOrder *weights)
     const double *angles = part->unit->memory, *speeds = angles + balls->count;
     if (order_weights(&balls->track, angles, speeds, speeds + balls->count, balls->scratch, weights,
                      failure)) {
-        unit_failed(part->unit, failure, angles, (size_t)balls->count);
+        unit_failed(part->unit, failure);
         return composite_part_failed(unit, part);
     }
     return 0;
@@ -140,7 +140,7 @@ static int write_tracks(Unit *unit)
         if (part_balls(c->parts + k)) {
             double *angles = part->memory, *speeds = angles + weights->count;
             if (weights->track->solid && align_chains(weights)) {
-                unit_failed(part, weights->failure, angles, (size_t)weights->count);
+                unit_failed(part, weights->failure);
                 return composite_part_failed(unit, c->parts + k);
             }
             write_weights(weights, angles, speeds, speeds + weights->count);
@@ -185,7 +185,7 @@ int impacts_strike(Unit *unit, double soon, int *struck)
     }
     do {
         if (impact_solve(&impact, &c->impacts->failure)) {
-            return unit_failed(unit, &c->impacts->failure, NULL, 0);
+            return unit_failed(unit, &c->impacts->failure);
         }
     } while (apply_impact(c, &impact));
     push_rotor(c, &impact);

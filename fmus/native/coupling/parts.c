@@ -14,7 +14,7 @@ Balls *part_balls(const Part *part)
 
 void composite_put_gain(const Unit *unit, Text *reason)
 {
-    text_put_rounded(reason, "; loop gain ", ((const Composite *)unit->own)->course->loop.gain, 3);
+    text_format(reason, "; loop gain %3", ((const Composite *)unit->own)->course->loop.gain);
 }
 
 int composite_part_failed(Unit *unit, const Part *part)

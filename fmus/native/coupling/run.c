@@ -78,7 +78,7 @@ int autobalancer_run_start(Run *shown, const Steps *steps)
     memset(&c->pacing, 0, sizeof c->pacing);
     c->loop_failed = 0;
     unit_reset(unit);
-    if (unit_setup(unit, 0.0, infinity()) || unit_enter_initialisation(unit) ||
+    if (unit_setup(unit, 0.0, infinity()) ||
         unit_exit_initialisation(unit)) {
         shown->reason = unit->reason.at;
         return 1;

@@ -3,13 +3,12 @@
    is the identity alone, Composite/<hash of the text>, which tools use as a name of files.
 
        Composite;scheme=auto;corrections=-;part=rotor,0,-,RotorOnSupports/...;start=0:4028000000000000;
-       part=balls,1,s,BallBalancer/...;own=1:4044000000000000;id=<digest>-<stamp>
+       part=balls,1,s,BallBalancer/...;own=1:4044000000000000
 
    A part: name, plane of the rotor from 1, s where it exchanges force and v where it is told its plane's
    place, token.  The rotor is the first part and a motor the last; both have plane 0 and no letters.
-   `start` and `flags` are of the part before them: value references and the bits of what they start
-   from; Booleans that are true.  `own` are the start values of the composite's own variables; the
-   digest is of all before it. */
+   `start` and `flags` are of the part before them, as fmi/token.h has them; `own` are the start values of
+   the composite's own variables. */
 #include <string.h>
 
 #include "coupling/composite.h"
@@ -52,52 +51,56 @@ static int has_letter(const char *word, char letter)
     return *word == letter;
 }
 
-/* Make the unit of a part; 1 with the reason. */
-static int make_part(Unit *unit, Part *part, const char *name, const char *token)
+/* Make the unit of a part; where the text goes on, or NULL with the reason. */
+static const char *make_part(Unit *unit, Part *part, const char *name, const char *text)
 {
     Unit *made = unit_allocate(unit, 1, sizeof *made);
     int wrong;
     if (!made) {
-        return refuse_composition(unit, "there is not enough memory");
+        refuse_composition(unit, "there is not enough memory");
+        return NULL;
     }
     part->unit = made;
     made->log = forward;
     made->host = unit;
     made->may_end_early = 1;
     made->allocated = unit->allocated;
-    wrong = unit_build(made, name, token);
+    wrong = unit_build(made, name, text, &text);
     unit->allocated = made->allocated; /* what it needs goes with the composite */
     if (wrong) {
-        return refuse_composition(unit, made->reason.at);
+        refuse_composition(unit, made->reason.at);
     }
-    return 0;
+    return wrong ? NULL : text;
 }
 
-/* "name,plane,connections,token"; composition.py has checked what is where. */
-static int read_part(Unit *unit, Part *part, const char *at)
+/* "name,plane,connections,token" and its start values; composition.py has checked what is where.  Where
+   the text goes on, or NULL with the reason. */
+static const char *read_part(Unit *unit, Part *part, const char *at)
 {
     Composite *c = unit->own;
-    char name[NAME_SIZE], connections[4], token[TOKEN_SIZE];
+    char name[NAME_SIZE], connections[4];
     const int first = part == c->parts;
     int is_motor, is_mounted;
     uint64_t plane = 0;
     at = token_word(at, ',', name, sizeof name);
     at = at ? text_whole(at, 10, &plane) + 1 : NULL;
     at = at ? token_word(at, ',', connections, sizeof connections) : NULL;
-    at = at ? token_word(at, ';', token, sizeof token) : NULL;
     if (!at) {
-        return refuse_composition(unit, "a part must be name, plane, connections, token");
+        refuse_composition(unit, "a part must be name, plane, connections, token");
+        return NULL;
     }
-    if (make_part(unit, part, name, token)) {
-        return 1;
+    at = make_part(unit, part, name, at);
+    if (!at) {
+        return NULL;
     }
     is_motor = part->unit->equations == &MOTOR_EQUATIONS;
     is_mounted = !first && !is_motor;
     if (first != (part->unit->equations == &ROTOR_EQUATIONS) || c->motor ||
         part->unit->layout.sizes.fixed_frame ||
         (is_mounted && plane - 1 >= (uint64_t)c->parts->unit->layout.sizes.planes)) {
-        return refuse_composition(unit, "its parts must be a rotor, balancers on its planes and at "
-                                  "most one motor, with signals that turn with the rotor");
+        refuse_composition(unit, "its parts must be a rotor, balancers on its planes and at "
+                           "most one motor, with signals that turn with the rotor");
+        return NULL;
     }
     c->motor = is_motor ? part : NULL;
     c->parts_without_motor += !is_motor;
@@ -108,7 +111,7 @@ static int read_part(Unit *unit, Part *part, const char *at)
     part->torque = is_motor ? -1 : reference(part->unit, "torque");
     part->exchange = is_mounted && has_letter(connections, 's') ? c->exchanges++ : -1;
     c->state_count += part->unit->memory_count;
-    return 0;
+    return at;
 }
 
 static int read_scheme(Composite *c, const char *at)
@@ -132,45 +135,37 @@ static int read_count(const char *at, size_t *count)
     return wrong;
 }
 
-/* Read coupling and parts; 1 with the reason.  `own`: start values of the coupling's variables. */
-static int read_parts(Unit *unit, const char *at, const char **own)
+/* Read an entry; where the next begins, or NULL with the reason.  `own`: start values of the coupling's
+   variables. */
+static const char *read_entry(Unit *unit, const char *at, const char **own)
 {
     Composite *c = unit->own;
     uint64_t passes;
-    for (; at; at = token_next(at)) {
-        Part *part = c->part_count ? c->parts + c->part_count - 1 : NULL;
-        int wrong = 0;
-        const char *value;
-        if ((value = text_after(at, "scheme="))) {
-            wrong = read_scheme(c, value);
-        } else if ((value = text_after(at, "corrections="))) {
-            c->corrections = UNTIL_CONVERGED;
-            if (*value != '-') {
-                text_whole(value, 10, &passes);
-                c->corrections = (int)(passes & 127);
-            }
-        } else if ((value = text_after(at, "corners="))) {
-            wrong = read_count(value, &c->corner_count);
-        } else if ((value = text_after(at, "changes="))) {
-            wrong = read_count(value, &c->change_count);
-        } else if ((value = text_after(at, "part="))) {
-            if (read_part(unit, c->parts + c->part_count++, value)) {
-                return 1;
-            }
-        } else if ((value = text_after(at, "start=")) && part) {
-            wrong = token_starts(value, part->unit->starts, part->unit->layout.parameters.count);
-        } else if ((value = text_after(at, "flags=")) && part) {
-            wrong = token_flags(value, part->unit->boolean, part->unit->layout.boolean_count);
-        } else if ((value = text_after(at, "own="))) {
-            *own = value;
-        } else {
-            wrong = !text_after(at, "id=");
-        }
-        if (wrong) {
-            return refuse_composition(unit, "it has an entry this library does not know");
-        }
+    int wrong = 0;
+    const char *value;
+    if ((value = text_after(at, "part="))) {
+        return read_part(unit, c->parts + c->part_count++, value);
     }
-    return c->part_count && *own ? 0 : refuse_composition(unit, "it ends too early");
+    if ((value = text_after(at, "scheme="))) {
+        wrong = read_scheme(c, value);
+    } else if ((value = text_after(at, "corrections="))) {
+        c->corrections = UNTIL_CONVERGED;
+        if (*value != '-') {
+            text_whole(value, 10, &passes);
+            c->corrections = (int)(passes & 127);
+        }
+    } else if ((value = text_after(at, "corners="))) {
+        wrong = read_count(value, &c->corner_count);
+    } else if ((value = text_after(at, "changes="))) {
+        wrong = read_count(value, &c->change_count);
+    } else {
+        *own = text_after(at, "own=");
+        wrong = !*own;
+    }
+    if (wrong) {
+        refuse_composition(unit, "it has an entry this library does not know");
+    }
+    return wrong ? NULL : token_next(at);
 }
 
 /* Have steps end at events, where there are any to be taken back and no motor drives: weights are told
@@ -319,7 +314,7 @@ int composite_build(Unit *unit, const char *token)
     Text identity = text_in(unit->token, sizeof unit->token);
     Composite *c;
     size_t count = 0;
-    for (at = token; at; at = token_next(at)) {
+    for (at = token; *at; at = token_next(at)) {
         count += text_after(at, "part=") != NULL;
     }
     unit->equations = &COMPOSITE_EQUATIONS;
@@ -327,10 +322,14 @@ int composite_build(Unit *unit, const char *token)
     if (!c || !count || count > MOST_UNITS || !(c->parts = unit_allocate(unit, count, sizeof *c->parts))) {
         return refuse_composition(unit, "it has no parts, or too many for the memory");
     }
-    refuse_composition(unit, "");
-    if (token_check(token, &unit->reason) ||
-        read_parts(unit, text_after(token, "Composite;"), &own)) {
+    for (at = token_next(token); at && *at;) {
+        at = read_entry(unit, at, &own);
+    }
+    if (!at) {
         return 1;
+    }
+    if (!own || !c->part_count) {
+        return refuse_composition(unit, "it ends too early");
     }
     stop_at_contacts(c);
     if (connect(unit) || describe(unit, own)) {

@@ -31,7 +31,7 @@ static size_t run_one(Unit *unit, const Batch *batch, const double *values, doub
     unit_reset(unit);
     unit->own_steps = own;
     if (unit_set_reals(unit, batch->references, batch->changed, values) ||
-        unit_setup(unit, 0.0, infinity()) || unit_enter_initialisation(unit) ||
+        unit_setup(unit, 0.0, infinity()) ||
         unit_exit_initialisation(unit) ||
         unit_get_reals(unit, batch->outputs, batch->asked, signals + own)) {
         return 0;

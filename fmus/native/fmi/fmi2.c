@@ -1,15 +1,8 @@
-/* FMI 2.0: a thin front over unit.h. */
+/* FMI 2.0: a thin front over unit.h, with the host's functions as unit->host. */
 #include "fmi/fmi2.h"
 
 #include "base/elementary.h"
 #include "fmi/front.h"
-#include "fmi/unit.h"
-
-/* An instance: what the host gave, and the unit. */
-typedef struct {
-    Unit *unit;
-    fmi2CallbackFunctions functions;
-} Front2;
 
 /* -- messages -------------------------------------------------------------------------------- */
 
@@ -24,10 +17,9 @@ static void put_literally(Text *text, const char *words)
     }
 }
 
-/* Warnings and errors are logged even where the host has switched debug messages off. */
 static void fmi2_log(void *host, const char *instance, Status status, const char *message)
 {
-    const fmi2CallbackFunctions *functions = &((const Front2 *)host)->functions;
+    const fmi2CallbackFunctions *functions = host;
     char literal[2 * MESSAGE_SIZE];
     Text text = text_in(literal, sizeof literal);
     if (functions->logger) {
@@ -49,66 +41,34 @@ EXPORT const char *fmi2GetVersion(void)
     return "2.0";
 }
 
-EXPORT fmi2Status fmi2SetDebugLogging(fmi2Component c, fmi2Boolean on, size_t count,
-                                      const fmi2String categories[])
-{
-    return c ? fmi2OK : fmi2Error;
-}
-
 EXPORT fmi2Component fmi2Instantiate(fmi2String instance, fmi2Type type, fmi2String guid,
                                      fmi2String resources, const fmi2CallbackFunctions *functions,
                                      fmi2Boolean visible, fmi2Boolean logging)
 {
-    Front2 host = {0}, *front;
-    if (functions) {
-        host.functions = *functions;
+    const fmi2CallbackFunctions none = {0}, *host = functions ? functions : &none;
+    Unit *unit = front_instantiate(instance, guid, resources, fmi2_log, host, sizeof *host,
+                                   type == fmi2ModelExchange);
+    if (unit) {
+        unit->may_end_early = 1;
     }
-    front = front_instantiate(instance, guid, resources, fmi2_log, &host, sizeof host,
-                              type == fmi2ModelExchange);
-    if (front) {
-        front->unit->may_end_early = 1;
-    }
-    return front;
+    return unit;
 }
 
-EXPORT void fmi2FreeInstance(fmi2Component c)
-{
-    front_free(c);
-}
+FRONT_FUNCTIONS(fmi2)
 
 EXPORT fmi2Status fmi2SetupExperiment(fmi2Component c, fmi2Boolean tolerance_defined,
                                       fmi2Real tolerance, fmi2Real start, fmi2Boolean stop_defined,
                                       fmi2Real stop)
 {
-    const Status status = front_allowed(c, "fmi2SetupExperiment", INSTANTIATED, 0, NULL, NULL);
-    return status ? status : unit_setup(front_unit(c), start, stop_defined ? stop : infinity());
+    const Status status = front_allowed(c, "fmi2SetupExperiment", INSTANTIATED);
+    return status ? status : unit_setup(c, start, stop_defined ? stop : infinity());
 }
 
 EXPORT fmi2Status fmi2EnterInitializationMode(fmi2Component c)
 {
-    const Status status =
-        front_allowed(c, "fmi2EnterInitializationMode", INSTANTIATED, 0, NULL, NULL);
-    return status ? status : unit_enter_initialisation(front_unit(c));
-}
-
-EXPORT fmi2Status fmi2ExitInitializationMode(fmi2Component c)
-{
-    const Status status =
-        front_allowed(c, "fmi2ExitInitializationMode", INITIALISING, 0, NULL, NULL);
-    return status ? status : unit_exit_initialisation(front_unit(c));
-}
-
-EXPORT fmi2Status fmi2Terminate(fmi2Component c)
-{
-    const Status status = front_allowed(c, "fmi2Terminate", RUNNING, 0, NULL, NULL);
-    return status ? status : unit_terminate(front_unit(c));
-}
-
-EXPORT fmi2Status fmi2Reset(fmi2Component c)
-{
-    const Status status = front_allowed(c, "fmi2Reset", ANY_PHASE, 0, NULL, NULL);
+    const Status status = front_allowed(c, "fmi2EnterInitializationMode", INSTANTIATED);
     if (!status) {
-        unit_reset(front_unit(c));
+        ((Unit *)c)->phase = INITIALISING;
     }
     return status;
 }
@@ -118,24 +78,24 @@ EXPORT fmi2Status fmi2Reset(fmi2Component c)
 EXPORT fmi2Status fmi2GetReal(fmi2Component c, const fmi2ValueReference vr[], size_t count,
                               fmi2Real value[])
 {
-    const Status status = front_allowed(c, "fmi2GetReal", ANY_PHASE, count, vr, value);
-    return status ? status : unit_get_reals(front_unit(c), vr, count, value);
+    const Status status = front_arrays(c, "fmi2GetReal", ANY_PHASE, count, vr, value);
+    return status ? status : unit_get_reals(c, vr, count, value);
 }
 
 EXPORT fmi2Status fmi2SetReal(fmi2Component c, const fmi2ValueReference vr[], size_t count,
                               const fmi2Real value[])
 {
-    const Status status = front_allowed(c, "fmi2SetReal", SETTABLE_PHASES, count, vr, value);
-    return status ? status : unit_set_reals(front_unit(c), vr, count, value);
+    const Status status = front_arrays(c, "fmi2SetReal", SETTABLE_PHASES, count, vr, value);
+    return status ? status : unit_set_reals(c, vr, count, value);
 }
 
 EXPORT fmi2Status fmi2GetBoolean(fmi2Component c, const fmi2ValueReference vr[], size_t count,
                                  fmi2Boolean value[])
 {
-    Status status = front_allowed(c, "fmi2GetBoolean", ANY_PHASE, count, vr, value);
+    Status status = front_arrays(c, "fmi2GetBoolean", ANY_PHASE, count, vr, value);
     size_t k;
     for (k = 0; k < count && !status; k++) {
-        status = unit_get_boolean(front_unit(c), vr[k], value + k);
+        status = unit_get_boolean(c, vr[k], value + k);
     }
     return status;
 }
@@ -143,11 +103,10 @@ EXPORT fmi2Status fmi2GetBoolean(fmi2Component c, const fmi2ValueReference vr[],
 EXPORT fmi2Status fmi2SetBoolean(fmi2Component c, const fmi2ValueReference vr[], size_t count,
                                  const fmi2Boolean value[])
 {
-    Status status =
-        front_allowed(c, "fmi2SetBoolean", SETTABLE_PHASES, count, vr, value);
+    Status status = front_arrays(c, "fmi2SetBoolean", SETTABLE_PHASES, count, vr, value);
     size_t k;
     for (k = 0; k < count && !status; k++) {
-        status = unit_set_boolean(front_unit(c), vr[k], value[k]);
+        status = unit_set_boolean(c, vr[k], value[k]);
     }
     return status;
 }
@@ -168,8 +127,6 @@ EXPORT fmi2Status fmi2SetBoolean(fmi2Component c, const fmi2ValueReference vr[],
 REFUSE_FMI2_TYPE(Integer)
 REFUSE_FMI2_TYPE(String)
 
-/* -- state ----------------------------------------------------------------------------------- */
-
 FRONT_STATES(fmi2GetFMUstate, fmi2SetFMUstate, fmi2FreeFMUstate, fmi2SerializedFMUstateSize,
              fmi2SerializeFMUstate, fmi2DeSerializeFMUstate)
 
@@ -182,20 +139,17 @@ EXPORT fmi2Status fmi2GetDirectionalDerivative(fmi2Component c, const fmi2ValueR
 {
     const char *function = "fmi2GetDirectionalDerivative";
     const int phases = INITIALISING | RUNNING;
-    Status status = front_allowed(c, function, phases, unknowns, unknown, change);
-    status = status ? status : front_allowed(c, function, phases, knowns, known, seed);
+    Status status = front_arrays(c, function, phases, unknowns, unknown, change);
+    status = status ? status : front_arrays(c, function, phases, knowns, known, seed);
     return status ? status
-                  : unit_directional(front_unit(c), unknown, unknowns, known, knowns, seed, change);
+                  : unit_directional(c, unknown, unknowns, known, knowns, seed, change);
 }
 
 EXPORT fmi2Status fmi2SetRealInputDerivatives(fmi2Component c, const fmi2ValueReference vr[],
                                               size_t count, const fmi2Integer order[],
                                               const fmi2Real value[])
 {
-    const char *function = "fmi2SetRealInputDerivatives";
-    Status status = front_allowed(c, function, INITIALISING | RUNNING, count, vr, value);
-    status = status ? status : front_allowed(c, function, INITIALISING | RUNNING, count, vr, order);
-    return status ? status : unit_set_derivatives(front_unit(c), vr, count, order, value);
+    return front_refuse(c, "fmi2SetRealInputDerivatives", "set the variables der(...) instead");
 }
 
 EXPORT fmi2Status fmi2GetRealOutputDerivatives(fmi2Component c, const fmi2ValueReference vr[],
@@ -203,20 +157,14 @@ EXPORT fmi2Status fmi2GetRealOutputDerivatives(fmi2Component c, const fmi2ValueR
                                                fmi2Real value[])
 {
     const char *function = "fmi2GetRealOutputDerivatives";
-    Status status = front_allowed(c, function, AFTER_INSTANTIATION, count, vr, value);
-    status = status ? status : front_allowed(c, function, AFTER_INSTANTIATION, count, vr, order);
-    return status ? status : unit_get_derivatives(front_unit(c), vr, count, order, value);
+    Status status = front_arrays(c, function, AFTER_INSTANTIATION, count, vr, value);
+    status = status ? status : front_arrays(c, function, AFTER_INSTANTIATION, count, vr, order);
+    return status ? status : unit_get_derivatives(c, vr, count, order, value);
 }
 
 /* -- model exchange -------------------------------------------------------------------------- */
 
-FRONT_EXCHANGE(fmi2EnterEventMode, ENTER_MODE)
-FRONT_EXCHANGE(fmi2EnterContinuousTimeMode, ENTER_MODE)
-FRONT_EXCHANGE_VALUES(fmi2SetContinuousStates, SET_STATES)
-FRONT_EXCHANGE_VALUES(fmi2GetContinuousStates, GET_STATES)
 FRONT_EXCHANGE_VALUES(fmi2GetDerivatives, GET_DERIVATIVES)
-FRONT_EXCHANGE_VALUES(fmi2GetNominalsOfContinuousStates, GET_NOMINALS)
-FRONT_EXCHANGE_VALUES(fmi2GetEventIndicators, ENTER_MODE)
 
 EXPORT fmi2Status fmi2NewDiscreteStates(fmi2Component c, fmi2EventInfo *info)
 {
@@ -232,36 +180,18 @@ EXPORT fmi2Status fmi2NewDiscreteStates(fmi2Component c, fmi2EventInfo *info)
     return status;
 }
 
-EXPORT fmi2Status fmi2CompletedIntegratorStep(fmi2Component c, fmi2Boolean no_set_state_before,
-                                              fmi2Boolean *enter_event_mode, fmi2Boolean *terminate)
-{
-    if (enter_event_mode) {
-        *enter_event_mode = 0;
-    }
-    if (terminate) {
-        *terminate = 0;
-    }
-    return front_exchange(c, "fmi2CompletedIntegratorStep", COMPLETE_STEP, NULL, 0);
-}
-
-EXPORT fmi2Status fmi2SetTime(fmi2Component c, fmi2Real time)
-{
-    return front_exchange(c, "fmi2SetTime", SET_TIME, &time, 1);
-}
-
 /* -- the step -------------------------------------------------------------------------------- */
 
 EXPORT fmi2Status fmi2DoStep(fmi2Component c, fmi2Real time, fmi2Real step,
                              fmi2Boolean no_set_state_before)
 {
-    const Status status = front_allowed(c, "fmi2DoStep", RUNNING, 0, NULL, NULL);
-    Status stepped;
-    if (status) {
-        return status;
+    Status status = front_allowed(c, "fmi2DoStep", RUNNING);
+    if (!status) {
+        status = unit_step(c, time, step);
+        /* a step that ended early: the host asks for fmi2LastSuccessfulTime */
+        status = !status && ((Unit *)c)->made < step ? STATUS_DISCARD : status;
     }
-    stepped = unit_step(front_unit(c), time, step);
-    /* a step that ended early: the host asks for fmi2LastSuccessfulTime */
-    return stepped == STATUS_OK && front_unit(c)->made < step ? fmi2Discard : stepped;
+    return status;
 }
 
 EXPORT fmi2Status fmi2CancelStep(fmi2Component c)
@@ -290,7 +220,7 @@ EXPORT fmi2Status fmi2GetRealStatus(fmi2Component c, const fmi2StatusKind kind, 
     if (!c || !value || kind != fmi2LastSuccessfulTime) {
         return no_status(c);
     }
-    *value = front_unit(c)->time;
+    *value = ((Unit *)c)->time;
     return fmi2OK;
 }
 

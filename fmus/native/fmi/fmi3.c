@@ -6,46 +6,36 @@
 
 #include "base/elementary.h"
 #include "fmi/front.h"
-#include "fmi/unit.h"
 
-/* An instance: what the host gave, and the unit. */
+/* What the host gave. */
 typedef struct {
-    Unit *unit;
     fmi3InstanceEnvironment environment;
     fmi3LogMessageCallback log;
-} Front3;
+} Host3;
 
 /* -- life cycle ----------------------------------------------------------------------------- */
 
-/* Warnings and errors are logged even where the host has switched debug messages off. */
 static void fmi3_log(void *host, const char *instance, Status status, const char *message)
 {
-    const Front3 *front = host;
-    if (front->log) {
-        front->log(front->environment, status, front_category(status), message);
+    const Host3 *to = host;
+    if (to->log) {
+        to->log(to->environment, status, front_category(status), message);
     }
 }
 
-static Front3 *instantiate3(fmi3String name, fmi3String token, fmi3String resources, Front3 *host,
-                            int exchanges)
+static Unit *instantiate3(fmi3String name, fmi3String token, fmi3String resources,
+                          const Host3 *host, int exchanges)
 {
-    Front3 *front =
-        front_instantiate(name, token, resources, fmi3_log, host, sizeof *host, exchanges);
-    if (front) {
-        front->unit->first_boolean = front->unit->layout.real_count;
+    Unit *unit = front_instantiate(name, token, resources, fmi3_log, host, sizeof *host, exchanges);
+    if (unit) {
+        unit->first_boolean = unit->layout.real_count;
     }
-    return front;
+    return unit;
 }
 
 EXPORT const char *fmi3GetVersion(void)
 {
     return "3.0";
-}
-
-EXPORT fmi3Status fmi3SetDebugLogging(fmi3Instance instance, fmi3Boolean on, size_t count,
-                                      const fmi3String categories[])
-{
-    return instance ? fmi3OK : fmi3Error;
 }
 
 EXPORT fmi3Instance fmi3InstantiateCoSimulation(fmi3String name, fmi3String token,
@@ -58,17 +48,18 @@ EXPORT fmi3Instance fmi3InstantiateCoSimulation(fmi3String name, fmi3String toke
                                                 fmi3LogMessageCallback log,
                                                 fmi3IntermediateUpdateCallback update)
 {
-    Front3 host = {NULL, environment, log}, *front;
+    Host3 host = {environment, log};
+    Unit *unit;
     if (event_mode || intermediates) {
         fmi3_log(&host, name, STATUS_ERROR,
              "instantiation failed: the unit has neither event mode nor intermediate variables");
         return NULL;
     }
-    front = instantiate3(name, token, resources, &host, 0);
-    if (front) {
-        front->unit->may_end_early = early_return;
+    unit = instantiate3(name, token, resources, &host, 0);
+    if (unit) {
+        unit->may_end_early = early_return;
     }
-    return front;
+    return unit;
 }
 
 EXPORT fmi3Instance fmi3InstantiateModelExchange(fmi3String name, fmi3String token,
@@ -77,45 +68,21 @@ EXPORT fmi3Instance fmi3InstantiateModelExchange(fmi3String name, fmi3String tok
                                                  fmi3InstanceEnvironment environment,
                                                  fmi3LogMessageCallback log)
 {
-    Front3 host = {NULL, environment, log};
+    const Host3 host = {environment, log};
     return instantiate3(name, token, resources, &host, 1);
 }
 
-EXPORT void fmi3FreeInstance(fmi3Instance instance)
-{
-    front_free(instance);
-}
+FRONT_FUNCTIONS(fmi3)
 
 EXPORT fmi3Status fmi3EnterInitializationMode(fmi3Instance instance, fmi3Boolean tolerance_defined,
                                               fmi3Float64 tolerance, fmi3Float64 start,
                                               fmi3Boolean stop_defined, fmi3Float64 stop)
 {
     const char *function = "fmi3EnterInitializationMode";
-    Status status = front_allowed(instance, function, INSTANTIATED, 0, NULL, NULL);
+    Status status = front_allowed(instance, function, INSTANTIATED);
+    status = status ? status : unit_setup(instance, start, stop_defined ? stop : infinity());
     if (!status) {
-        status = unit_setup(front_unit(instance), start, stop_defined ? stop : infinity());
-    }
-    return status ? status : unit_enter_initialisation(front_unit(instance));
-}
-
-EXPORT fmi3Status fmi3ExitInitializationMode(fmi3Instance instance)
-{
-    const char *function = "fmi3ExitInitializationMode";
-    const Status status = front_allowed(instance, function, INITIALISING, 0, NULL, NULL);
-    return status ? status : unit_exit_initialisation(front_unit(instance));
-}
-
-EXPORT fmi3Status fmi3Terminate(fmi3Instance instance)
-{
-    const Status status = front_allowed(instance, "fmi3Terminate", RUNNING, 0, NULL, NULL);
-    return status ? status : unit_terminate(front_unit(instance));
-}
-
-EXPORT fmi3Status fmi3Reset(fmi3Instance instance)
-{
-    const Status status = front_allowed(instance, "fmi3Reset", ANY_PHASE, 0, NULL, NULL);
-    if (!status) {
-        unit_reset(front_unit(instance));
+        ((Unit *)instance)->phase = INITIALISING;
     }
     return status;
 }
@@ -127,14 +94,14 @@ static size_t time_reference(const Unit *unit)
     return unit->layout.real_count + (size_t)unit->layout.table->flag_count;
 }
 
-/* As front_allowed, for as many values as value references. */
+/* As front_arrays, for as many values as value references. */
 static Status values_allowed(fmi3Instance instance, const char *function, int phases,
                              const fmi3ValueReference vr[], size_t count, const void *values,
                              size_t value_count)
 {
-    const Status status = front_allowed(instance, function, phases, count, vr, values);
+    const Status status = front_arrays(instance, function, phases, count, vr, values);
     if (!status && value_count != count) {
-        return unit_refuse(front_unit(instance), function,
+        return unit_refuse(instance, function,
                            "there must be as many values as value references");
     }
     return status;
@@ -150,7 +117,7 @@ EXPORT fmi3Status fmi3GetFloat64(fmi3Instance instance, const fmi3ValueReference
     if (status) {
         return status;
     }
-    unit = front_unit(instance);
+    unit = instance;
     /* hosts read time together with others: what stands between is read at once */
     for (k = 0; k <= count && !status; k++) {
         if (k == count || vr[k] == time_reference(unit)) {
@@ -169,7 +136,7 @@ EXPORT fmi3Status fmi3SetFloat64(fmi3Instance instance, const fmi3ValueReference
 {
     const Status status = values_allowed(instance, "fmi3SetFloat64", SETTABLE_PHASES, vr, count,
                                          values, value_count);
-    return status ? status : unit_set_reals(front_unit(instance), vr, count, values);
+    return status ? status : unit_set_reals(instance, vr, count, values);
 }
 
 EXPORT fmi3Status fmi3GetBoolean(fmi3Instance instance, const fmi3ValueReference vr[], size_t count,
@@ -180,7 +147,7 @@ EXPORT fmi3Status fmi3GetBoolean(fmi3Instance instance, const fmi3ValueReference
     size_t k;
     for (k = 0; k < count && !status; k++) {
         int value = 0;
-        status = unit_get_boolean(front_unit(instance), vr[k], &value);
+        status = unit_get_boolean(instance, vr[k], &value);
         values[k] = value != 0;
     }
     return status;
@@ -193,12 +160,10 @@ EXPORT fmi3Status fmi3SetBoolean(fmi3Instance instance, const fmi3ValueReference
                                    value_count);
     size_t k;
     for (k = 0; k < count && !status; k++) {
-        status = unit_set_boolean(front_unit(instance), vr[k], values[k]);
+        status = unit_set_boolean(instance, vr[k], values[k]);
     }
     return status;
 }
-
-/* -- state ---------------------------------------------------------------------------------- */
 
 FRONT_STATES(fmi3GetFMUState, fmi3SetFMUState, fmi3FreeFMUState, fmi3SerializedFMUStateSize,
              fmi3SerializeFMUState, fmi3DeserializeFMUState)
@@ -221,7 +186,7 @@ EXPORT fmi3Status fmi3GetDirectionalDerivative(fmi3Instance instance,
         status = values_allowed(instance, function, phases, knowns, known_count, seed, seed_count);
     }
     return status ? status
-                  : unit_directional(front_unit(instance), unknowns, unknown_count, knowns,
+                  : unit_directional(instance, unknowns, unknown_count, knowns,
                                      known_count, seed, change);
 }
 
@@ -233,10 +198,10 @@ EXPORT fmi3Status fmi3GetOutputDerivatives(fmi3Instance instance, const fmi3Valu
     Status status = values_allowed(instance, function, AFTER_INSTANTIATION, vr, count, values,
                                    value_count);
     if (!status) {
-        status = front_allowed(instance, function, AFTER_INSTANTIATION, count, vr, orders);
+        status = front_arrays(instance, function, AFTER_INSTANTIATION, count, vr, orders);
     }
     return status ? status
-                  : unit_get_derivatives(front_unit(instance), vr, count, orders, values);
+                  : unit_get_derivatives(instance, vr, count, orders, values);
 }
 
 EXPORT fmi3Status fmi3DoStep(fmi3Instance instance, fmi3Float64 time, fmi3Float64 step,
@@ -244,19 +209,15 @@ EXPORT fmi3Status fmi3DoStep(fmi3Instance instance, fmi3Float64 time, fmi3Float6
                              fmi3Boolean *terminate, fmi3Boolean *early_return,
                              fmi3Float64 *last_successful_time)
 {
-    Status status = front_allowed(instance, "fmi3DoStep", RUNNING, 0, NULL, NULL);
+    Status status = front_allowed(instance, "fmi3DoStep", RUNNING);
     Unit *unit;
     if (status) {
         return status;
     }
-    unit = front_unit(instance);
+    unit = instance;
     status = unit_step(unit, time, step);
-    if (event_needed) {
-        *event_needed = 0;
-    }
-    if (terminate) {
-        *terminate = 0;
-    }
+    FRONT_CLEAR(event_needed)
+    FRONT_CLEAR(terminate)
     if (early_return) {
         *early_return = !status && unit->made < step;
     }
@@ -268,26 +229,15 @@ EXPORT fmi3Status fmi3DoStep(fmi3Instance instance, fmi3Float64 time, fmi3Float6
 
 /* -- model exchange -------------------------------------------------------------------------- */
 
-FRONT_EXCHANGE(fmi3EnterEventMode, ENTER_MODE)
-FRONT_EXCHANGE(fmi3EnterContinuousTimeMode, ENTER_MODE)
 FRONT_EXCHANGE(fmi3EvaluateDiscreteStates, ENTER_MODE)
-FRONT_EXCHANGE_VALUES(fmi3SetContinuousStates, SET_STATES)
-FRONT_EXCHANGE_VALUES(fmi3GetContinuousStates, GET_STATES)
 FRONT_EXCHANGE_VALUES(fmi3GetContinuousStateDerivatives, GET_DERIVATIVES)
-FRONT_EXCHANGE_VALUES(fmi3GetNominalsOfContinuousStates, GET_NOMINALS)
-FRONT_EXCHANGE_VALUES(fmi3GetEventIndicators, ENTER_MODE)
-
-EXPORT fmi3Status fmi3SetTime(fmi3Instance instance, fmi3Float64 time)
-{
-    return front_exchange(instance, "fmi3SetTime", SET_TIME, &time, 1);
-}
 
 /* Numbers of states, and of event indicators. */
 static fmi3Status count_of(fmi3Instance instance, const char *function, size_t *count, int states)
 {
-    const Status status = front_allowed(instance, function, ANY_PHASE, 1, count, count);
+    const Status status = front_arrays(instance, function, ANY_PHASE, 1, count, count);
     if (!status) {
-        *count = states ? exchange_count(front_unit(instance)) : 0;
+        *count = states ? exchange_count(instance) : 0;
     }
     return status;
 }
@@ -302,13 +252,6 @@ EXPORT fmi3Status fmi3GetNumberOfEventIndicators(fmi3Instance instance, size_t *
     return count_of(instance, "fmi3GetNumberOfEventIndicators", count, 0);
 }
 
-static void set_false(fmi3Boolean *value)
-{
-    if (value) {
-        *value = 0;
-    }
-}
-
 EXPORT fmi3Status fmi3UpdateDiscreteStates(fmi3Instance instance, fmi3Boolean *update_needed,
                                            fmi3Boolean *terminate, fmi3Boolean *nominals_changed,
                                            fmi3Boolean *values_changed, fmi3Boolean *next_defined,
@@ -316,10 +259,10 @@ EXPORT fmi3Status fmi3UpdateDiscreteStates(fmi3Instance instance, fmi3Boolean *u
 {
     double next = infinity();
     const Status status = front_exchange(instance, "fmi3UpdateDiscreteStates", PASS_EVENTS, &next, 1);
-    set_false(update_needed);
-    set_false(terminate);
-    set_false(nominals_changed);
-    set_false(values_changed);
+    FRONT_CLEAR(update_needed)
+    FRONT_CLEAR(terminate)
+    FRONT_CLEAR(nominals_changed)
+    FRONT_CLEAR(values_changed)
     if (next_defined) {
         *next_defined = is_finite(next);
     }
@@ -327,13 +270,4 @@ EXPORT fmi3Status fmi3UpdateDiscreteStates(fmi3Instance instance, fmi3Boolean *u
         *next_time = is_finite(next) ? next : 0.0;
     }
     return status;
-}
-
-EXPORT fmi3Status fmi3CompletedIntegratorStep(fmi3Instance instance,
-                                              fmi3Boolean no_set_state_before,
-                                              fmi3Boolean *enter_event_mode, fmi3Boolean *terminate)
-{
-    set_false(enter_event_mode);
-    set_false(terminate);
-    return front_exchange(instance, "fmi3CompletedIntegratorStep", COMPLETE_STEP, NULL, 0);
 }

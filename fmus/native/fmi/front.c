@@ -4,7 +4,6 @@
 #include <string.h>
 
 #include "fmi/resource.h"
-#include "fmi/state.h"
 #include "fmi/token.h"
 
 /* The text that an identity is the hash of; NULL with the reason. */
@@ -45,33 +44,20 @@ static Unit *instantiate(const char *name, const char *token, const char *resour
     return unit;
 }
 
-void *front_instantiate(const char *name, const char *token, const char *resources, Log log,
-                        void *host, size_t size, int exchanges)
+Unit *front_instantiate(const char *name, const char *token, const char *resources, Log log,
+                        const void *host, size_t size, int exchanges)
 {
-    Unit *unit = instantiate(name, token, resources, log, host);
-    void *instance = unit ? unit_allocate(unit, 1, size) : NULL;
-    if (instance) {
-        memcpy(instance, host, size);
-        *(Unit **)instance = unit;
-        unit->host = instance;
+    Unit *unit = instantiate(name, token, resources, log, (void *)host);
+    void *kept = unit ? unit_allocate(unit, 1, size) : NULL;
+    if (kept) {
+        memcpy(kept, host, size);
+        unit->host = kept;
     }
-    if (unit && (!instance || (exchanges && exchange_begin(unit)))) {
+    if (unit && (!kept || (exchanges && exchange_begin(unit)))) {
         unit_free(unit);
         return NULL;
     }
-    return instance;
-}
-
-void front_free(void *instance)
-{
-    if (instance) {
-        unit_free(front_unit(instance));
-    }
-}
-
-Unit *front_unit(void *instance)
-{
-    return *(Unit **)instance;
+    return unit;
 }
 
 const char *front_category(Status status)
@@ -81,75 +67,71 @@ const char *front_category(Status status)
     return categories[status];
 }
 
-Status front_allowed(void *instance, const char *function, int phases, size_t count,
-                     const void *a, const void *b)
+Status front_allowed(Unit *unit, const char *function, int phases)
 {
-    if (!instance) {
+    static const char *const names[] = {"before initialisation has begun", "during initialisation",
+                                        "after initialisation", "after the end"};
+    int k = 0;
+    if (!unit) {
         return STATUS_ERROR;
     }
-    if (count && (!a || !b)) {
-        return unit_refuse(front_unit(instance), function, "an array is missing");
+    if (unit->phase & phases) {
+        return STATUS_OK;
     }
-    return unit_allowed(front_unit(instance), function, phases);
+    while (!(unit->phase >> k & 1)) {
+        k++;
+    }
+    return unit_refuse(unit, function, "not allowed %s", names[k]);
 }
 
-Status front_refuse(void *instance, const char *function, const char *why)
+Status front_arrays(Unit *unit, const char *function, int phases, size_t count, const void *a,
+                    const void *b)
 {
-    return instance ? unit_refuse(front_unit(instance), function, why) : STATUS_ERROR;
+    if (unit && count && (!a || !b)) {
+        return unit_refuse(unit, function, "an array is missing");
+    }
+    return front_allowed(unit, function, phases);
 }
 
-Status front_wrong_type(void *instance, const char *function, size_t count)
+Status front_refuse(Unit *unit, const char *function, const char *why)
+{
+    return unit ? unit_refuse(unit, function, why) : STATUS_ERROR;
+}
+
+Status front_wrong_type(Unit *unit, const char *function, size_t count)
 {
     static const char why[] = "the unit has Reals and Booleans only";
-    return instance && !count ? STATUS_OK : front_refuse(instance, function, why);
+    return unit && !count ? STATUS_OK : front_refuse(unit, function, why);
 }
 
-Status front_exchange(void *instance, const char *function, ExchangeCall call, double *values, size_t count)
+Status front_end_initialisation(Unit *unit, const char *function)
 {
-    const int phases = call < SET_STATES ? AFTER_INSTANTIATION : RUNNING;
-    const size_t arrays = call == ENTER_MODE ? 0 : count;
-    const Status status = front_allowed(instance, function, phases, arrays, values, values);
-    return status ? status : exchange_call(front_unit(instance), function, call, values, count);
+    const Status status = front_allowed(unit, function, INITIALISING);
+    return status ? status : unit_exit_initialisation(unit);
 }
 
-Status front_save(void *instance, const char *function, void **state)
+Status front_terminate(Unit *unit, const char *function)
 {
-    const Status status = front_allowed(instance, function, ANY_PHASE, 1, state, state);
-    return status ? status : unit_save(front_unit(instance), state);
-}
-
-Status front_restore(void *instance, const char *function, void *state)
-{
-    const Status status = front_allowed(instance, function, ANY_PHASE, 1, state, state);
-    return status ? status : unit_restore(front_unit(instance), state);
-}
-
-Status front_free_state(void *instance, void **state)
-{
-    if (instance && state) {
-        unit_free_state(state);
-    }
-    return instance ? STATUS_OK : STATUS_ERROR;
-}
-
-Status front_state_size(void *instance, const char *function, void *state, size_t *size)
-{
-    const Status status = front_allowed(instance, function, ANY_PHASE, 1, state, size);
+    const Status status = front_allowed(unit, function, RUNNING);
     if (!status) {
-        *size = unit_state_size(front_unit(instance));
+        unit->phase = TERMINATED;
     }
     return status;
 }
 
-Status front_serialise(void *instance, const char *function, void *state, void *bytes, size_t size)
+Status front_reset(Unit *unit, const char *function)
 {
-    const Status status = front_allowed(instance, function, ANY_PHASE, 1, state, bytes);
-    return status ? status : unit_serialise(front_unit(instance), state, bytes, size);
+    const Status status = front_allowed(unit, function, ANY_PHASE);
+    if (!status) {
+        unit_reset(unit);
+    }
+    return status;
 }
 
-Status front_deserialise(void *instance, const char *function, const void *bytes, size_t size,
-                         void **state)
+Status front_exchange(Unit *unit, const char *function, ExchangeCall call, double *values, size_t count)
 {
-    const Status status = front_allowed(instance, function, ANY_PHASE, 1, bytes, state);
-    return status ? status : unit_deserialise(front_unit(instance), bytes, size, state);
+    const int phases = call < SET_STATES ? AFTER_INSTANTIATION : RUNNING;
+    const size_t arrays = call == ENTER_MODE ? 0 : count;
+    const Status status = front_arrays(unit, function, phases, arrays, values, values);
+    return status ? status : exchange_call(unit, function, call, values, count);
 }

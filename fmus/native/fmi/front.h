@@ -1,10 +1,11 @@
-/* What the fronts for both versions of FMI share: whether a call may be made, and the state as
-   pointers without type.  An instance is a structure whose first member is the unit. */
+/* What the functions of both versions of FMI share.  An instance is a unit; unit->host is what its host
+   gave: whom to send messages to. */
 #ifndef AUTOBALANCER_UNIT_FRONT_H
 #define AUTOBALANCER_UNIT_FRONT_H
 
 #include "coupling/exchange.h"
 #include "fmi/export.h"
+#include "fmi/state.h"
 #include "fmi/unit.h"
 
 enum {
@@ -17,61 +18,78 @@ enum {
 #define COMPOSITION "composition.txt"
 
 /* As unit_instantiate; what a short token is the identity of is read from the folder of the FMU's resources.
-   The instance is a copy of `host`, of that size, with the unit put in; `exchanges`: for model exchange. */
-void *front_instantiate(const char *name, const char *token, const char *resources, Log log,
-                        void *host, size_t size, int exchanges);
-void front_free(void *instance);
-Unit *front_unit(void *instance);
+   The unit gets a copy of `host`, of that size; `exchanges`: for model exchange. */
+Unit *front_instantiate(const char *name, const char *token, const char *resources, Log log,
+                        const void *host, size_t size, int exchanges);
 /* Log category of a message, as the model description names it. */
 const char *front_category(Status status);
-/* STATUS_OK when the call may be made now, and its arrays (if there are `count` elements to take)
-   are there. */
-Status front_allowed(void *instance, const char *function, int phases, size_t count,
-                     const void *a, const void *b);
+/* STATUS_OK when there is an instance and the call may be made now, */
+Status front_allowed(Unit *unit, const char *function, int phases);
+/* and its arrays are there, if there are `count` elements to take. */
+Status front_arrays(Unit *unit, const char *function, int phases, size_t count, const void *a,
+                    const void *b);
 /* The error of a call for what the unit does not have, */
-Status front_refuse(void *instance, const char *function, const char *why);
+Status front_refuse(Unit *unit, const char *function, const char *why);
 /* and of one for so many values of a type that no variable has. */
-Status front_wrong_type(void *instance, const char *function, size_t count);
+Status front_wrong_type(Unit *unit, const char *function, size_t count);
 
+Status front_end_initialisation(Unit *unit, const char *function);
+Status front_terminate(Unit *unit, const char *function);
+Status front_reset(Unit *unit, const char *function);
 /* A call of model exchange. */
-Status front_exchange(void *instance, const char *function, ExchangeCall call, double *values, size_t count);
-
-Status front_save(void *instance, const char *function, void **state);
-Status front_restore(void *instance, const char *function, void *state);
-Status front_free_state(void *instance, void **state);
-Status front_state_size(void *instance, const char *function, void *state, size_t *size);
-Status front_serialise(void *instance, const char *function, void *state, void *bytes,
-                       size_t size);
-Status front_deserialise(void *instance, const char *function, const void *bytes, size_t size,
-                         void **state);
-
-/* Functions that both versions of FMI have, under the names of either: of the state, */
-#define FRONT_STATES(get, set, release, size_of, serialise, deserialise)                          \
-    EXPORT int get(void *instance, void **state)                                                  \
-    {                                                                                             \
-        return front_save(instance, #get, state);                                                 \
-    }                                                                                             \
-    EXPORT int set(void *instance, void *state)                                                   \
-    {                                                                                             \
-        return front_restore(instance, #set, state);                                              \
-    }                                                                                             \
-    EXPORT int release(void *instance, void **state)                                              \
-    {                                                                                             \
-        return front_free_state(instance, state);                                                 \
-    }                                                                                             \
-    EXPORT int size_of(void *instance, void *state, size_t *size)                                 \
-    {                                                                                             \
-        return front_state_size(instance, #size_of, state, size);                                 \
-    }                                                                                             \
-    EXPORT int serialise(void *instance, void *state, void *bytes, size_t size)                   \
-    {                                                                                             \
-        return front_serialise(instance, #serialise, state, bytes, size);                         \
-    }                                                                                             \
-    EXPORT int deserialise(void *instance, const void *bytes, size_t size, void **state)          \
-    {                                                                                             \
-        return front_deserialise(instance, #deserialise, bytes, size, state);                     \
+Status front_exchange(Unit *unit, const char *function, ExchangeCall call, double *values, size_t count);
+/* What a host is told of where it wants to know: there is none of it. */
+#define FRONT_CLEAR(flag)                                                                         \
+    if (flag) {                                                                                   \
+        *flag = 0;                                                                                \
     }
-/* and of model exchange: calls without values, and with one of each continuous state. */
+
+/* The functions that both versions of FMI have alike.  Warnings and errors are logged even where the host
+   has switched debug messages off. */
+#define FRONT_FUNCTIONS(fmi)                                                                      \
+    EXPORT int fmi##SetDebugLogging(void *instance, fmi##Boolean on, size_t count,                \
+                                    const fmi##String categories[])                               \
+    {                                                                                             \
+        return instance ? STATUS_OK : STATUS_ERROR;                                               \
+    }                                                                                             \
+    EXPORT void fmi##FreeInstance(void *instance)                                                 \
+    {                                                                                             \
+        if (instance) {                                                                           \
+            unit_free(instance);                                                                  \
+        }                                                                                         \
+    }                                                                                             \
+    EXPORT int fmi##ExitInitializationMode(void *instance)                                        \
+    {                                                                                             \
+        return front_end_initialisation(instance, #fmi "ExitInitializationMode");                 \
+    }                                                                                             \
+    EXPORT int fmi##Terminate(void *instance)                                                     \
+    {                                                                                             \
+        return front_terminate(instance, #fmi "Terminate");                                       \
+    }                                                                                             \
+    EXPORT int fmi##Reset(void *instance)                                                         \
+    {                                                                                             \
+        return front_reset(instance, #fmi "Reset");                                               \
+    }                                                                                             \
+    EXPORT int fmi##SetTime(void *instance, double time)                                          \
+    {                                                                                             \
+        return front_exchange(instance, #fmi "SetTime", SET_TIME, &time, 1);                      \
+    }                                                                                             \
+    EXPORT int fmi##CompletedIntegratorStep(void *instance, fmi##Boolean no_set_state_before,     \
+                                            fmi##Boolean *enter_event_mode,                       \
+                                            fmi##Boolean *terminate)                              \
+    {                                                                                             \
+        FRONT_CLEAR(enter_event_mode)                                                             \
+        FRONT_CLEAR(terminate)                                                                    \
+        return front_exchange(instance, #fmi "CompletedIntegratorStep", COMPLETE_STEP, NULL, 0);  \
+    }                                                                                             \
+    FRONT_EXCHANGE(fmi##EnterEventMode, ENTER_MODE)                                               \
+    FRONT_EXCHANGE(fmi##EnterContinuousTimeMode, ENTER_MODE)                                      \
+    FRONT_EXCHANGE_VALUES(fmi##SetContinuousStates, SET_STATES)                                   \
+    FRONT_EXCHANGE_VALUES(fmi##GetContinuousStates, GET_STATES)                                   \
+    FRONT_EXCHANGE_VALUES(fmi##GetNominalsOfContinuousStates, GET_NOMINALS)                       \
+    FRONT_EXCHANGE_VALUES(fmi##GetEventIndicators, ENTER_MODE)
+
+/* Of model exchange: calls without values, and with one of each continuous state. */
 #define FRONT_EXCHANGE(function, call)                                                            \
     EXPORT int function(void *instance)                                                           \
     {                                                                                             \
@@ -81,6 +99,33 @@ Status front_deserialise(void *instance, const char *function, const void *bytes
     EXPORT int function(void *instance, double *values, size_t count)                             \
     {                                                                                             \
         return front_exchange(instance, #function, call, values, count);                          \
+    }
+
+/* Of the state, under the names of either version. */
+#define FRONT_STATES(get, set, release, size_of, serialise, deserialise)                          \
+    EXPORT int get(void *instance, void **state)                                                  \
+    {                                                                                             \
+        return unit_save(instance, state);                                                        \
+    }                                                                                             \
+    EXPORT int set(void *instance, void *state)                                                   \
+    {                                                                                             \
+        return unit_restore(instance, state);                                                     \
+    }                                                                                             \
+    EXPORT int release(void *instance, void **state)                                              \
+    {                                                                                             \
+        return unit_free_state(instance, state);                                                  \
+    }                                                                                             \
+    EXPORT int size_of(void *instance, void *state, size_t *size)                                 \
+    {                                                                                             \
+        return unit_measure_state(instance, state, size);                                         \
+    }                                                                                             \
+    EXPORT int serialise(void *instance, void *state, unsigned char *bytes, size_t size)          \
+    {                                                                                             \
+        return unit_serialise(instance, state, bytes, size);                                      \
+    }                                                                                             \
+    EXPORT int deserialise(void *instance, const unsigned char *bytes, size_t size, void **state) \
+    {                                                                                             \
+        return unit_deserialise(instance, bytes, size, state);                                    \
     }
 
 #endif

@@ -3,43 +3,6 @@
 
 #include "fmi/unit.h"
 
-/* As text_format, with the values as a list. */
-static void format_values(Text *text, const char *format, va_list values)
-{
-    for (; *format; format++) {
-        size_t plain = 0;
-        while (format[plain] && format[plain] != '%') {
-            plain++;
-        }
-        text_put_part(text, format, plain);
-        format += plain;
-        if (!*format) {
-            return;
-        }
-        switch (*++format) {
-        case 's':
-            text_put(text, va_arg(values, const char *));
-            break;
-        case 'u':
-            text_integer(text, va_arg(values, unsigned long));
-            break;
-        case 'v':
-            text_number(text, va_arg(values, double));
-            break;
-        default:
-            text_rounded(text, va_arg(values, double), *format - '0');
-        }
-    }
-}
-
-void text_format(Text *text, const char *format, ...)
-{
-    va_list values;
-    va_start(values, format);
-    format_values(text, format, values);
-    va_end(values);
-}
-
 Text *unit_reason(Unit *unit)
 {
     unit->reason = text_in(unit->reason_buffer, sizeof unit->reason_buffer);
@@ -50,15 +13,14 @@ int unit_fail(Unit *unit, const char *format, ...)
 {
     va_list values;
     va_start(values, format);
-    format_values(unit_reason(unit), format, values);
+    text_format_values(unit_reason(unit), format, values);
     va_end(values);
     return 1;
 }
 
-int unit_failed(Unit *unit, const Failure *failure, const double *values, size_t count)
+int unit_failed(Unit *unit, const Failure *failure)
 {
-    failure_words(unit_reason(unit), failure, values, count);
-    return 1;
+    return unit_fail(unit, "%s", failure->words);
 }
 
 Status unit_report(Unit *unit, Status status, const char *what)
@@ -83,21 +45,7 @@ Status unit_refuse(Unit *unit, const char *function, const char *format, ...)
 {
     va_list values;
     va_start(values, format);
-    format_values(unit_reason(unit), format, values);
+    text_format_values(unit_reason(unit), format, values);
     va_end(values);
     return unit_report(unit, STATUS_ERROR, function);
-}
-
-Status unit_allowed(Unit *unit, const char *function, int phases)
-{
-    static const char *const names[] = {"before initialisation has begun", "during initialisation",
-                                        "after initialisation", "after the end"};
-    int k = 0;
-    if (unit->phase & phases) {
-        return STATUS_OK;
-    }
-    while (!(unit->phase >> k & 1)) {
-        k++;
-    }
-    return unit_refuse(unit, function, "not allowed %s", names[k]);
 }

@@ -23,19 +23,20 @@ const char *token_word(const char *at, char end, char *word, size_t size)
     return at + length + (at[length] == end);
 }
 
-/* Where the digest at the end of a text begins. */
-static const char *signature_of(const char *text)
+/* Where the digest at the end of a token begins. */
+static const char *signature_of(const char *token)
 {
-    const size_t length = text_length(text);
-    return text + (length > SIGNATURE ? length - SIGNATURE : 0);
+    const size_t length = strlen(token);
+    return token + (length > SIGNATURE ? length - SIGNATURE : 0);
 }
 
-int token_check(const char *text, Text *reason)
+/* Compare digest and stamp at the end of a token with what they must be; as token_read. */
+static int check_signature(const char *token, Text *reason)
 {
-    const char *signature = signature_of(text);
+    const char *signature = signature_of(token);
     char expected[SIGNATURE + 1];
     Text words = text_in(expected, sizeof expected);
-    text_hexadecimal(&words, hash_bytes(hash_start(), text, (size_t)(signature - text)));
+    text_hexadecimal(&words, hash_bytes(token, (size_t)(signature - token)));
     text_put(&words, "-");
     text_put(&words, STAMP);
     if (text_equal(signature, expected)) {
@@ -104,11 +105,11 @@ int token_read(const char *token, const Table **table, Sizes *sizes, Text *reaso
     const char *wrong;
     *sizes = none;
     text_format(reason, "identity '%s': ", token ? token : "");
-    if (!token || text_length(token) >= TOKEN_SIZE) {
+    if (!token || strlen(token) >= TOKEN_SIZE) {
         text_put(reason, "must be that of the model description this library came with");
         return 1;
     }
-    if (token_check(token, reason)) {
+    if (check_signature(token, reason)) {
         return 1;
     }
     wrong = read_options(token, table, sizes);
@@ -138,14 +139,14 @@ void token_identity(const char *text, Text *identity)
     }
     text_put_part(identity, text, name);
     text_put(identity, "/");
-    text_hexadecimal(identity, hash_bytes(hash_start(), text, text_length(text)));
+    text_hexadecimal(identity, hash_bytes(text, strlen(text)));
 }
 
 const char *token_next(const char *at)
 {
     for (; *at && *at != ';'; at++) {
     }
-    return *at ? at + 1 : NULL;
+    return *at ? at + 1 : at;
 }
 
 int token_starts(const char *at, double *starts, size_t count)

@@ -19,16 +19,13 @@ enum { TOKEN_SIZE = 192, MOST_REALS = 1000000 };
 
 /* Check a unit's token and read it; 0, or 1 and what is wrong with it added to `reason`. */
 int token_read(const char *token, const Table **table, Sizes *sizes, Text *reason);
-/* Compare digest and stamp at the end of a token, or of the text of a composite, with what they must
-   be; as token_read. */
-int token_check(const char *text, Text *reason);
 /* Copy the text up to `end`, or to the end of its entry; where it goes on behind, NULL when it is too
    long. */
 const char *token_word(const char *at, char end, char *word, size_t size);
 /* Whether a token is the identity alone, and the identity that belongs to a text. */
 int token_abbreviated(const char *token);
 void token_identity(const char *text, Text *identity);
-/* Where the next entry of a text begins, or NULL. */
+/* Where the next entry of a text begins; its end where there is none. */
 const char *token_next(const char *at);
 /* Start values "3:<bits>,5:<bits>" into an array, and flags "0,2" into Booleans; 1 where they are none. */
 int token_starts(const char *at, double *starts, size_t count);

@@ -59,24 +59,12 @@ Status unit_setup(Unit *unit, double start, double stop)
     return STATUS_OK;
 }
 
-Status unit_enter_initialisation(Unit *unit)
-{
-    unit->phase = INITIALISING;
-    return STATUS_OK;
-}
-
 Status unit_exit_initialisation(Unit *unit)
 {
     if (unit_refresh(unit, WITHOUT_TORQUES)) {
         return unit_report(unit, STATUS_ERROR, "initialisation failed");
     }
     unit->phase = RUNNING;
-    return STATUS_OK;
-}
-
-Status unit_terminate(Unit *unit)
-{
-    unit->phase = TERMINATED;
     return STATUS_OK;
 }
 
@@ -157,20 +145,15 @@ Status unit_step(Unit *unit, double time, double step)
 
 /* -- inside ---------------------------------------------------------------------------------- */
 
-/* 0, or 1 and everything that is not allowed. */
-static int check_values(Unit *unit)
+int unit_check(Unit *unit, const unsigned *references, size_t count, const double *values)
 {
-    const Layout *layout = &unit->layout;
-    const size_t end = layout->inputs.first + layout->inputs.count;
     int wrong = 0;
     size_t k;
-    for (k = 0; k < end; k++) {
-        char words[256];
-        Text problem = text_in(words, sizeof words);
-        if (layout_problem(layout, k, unit->real[k], &problem)) {
-            Text *reason = wrong ? &unit->reason : unit_reason(unit);
-            text_put(reason, wrong ? "; " : "");
-            text_put(reason, words);
+    for (k = 0; k < count; k++) {
+        const size_t reference = references ? references[k] : k;
+        if (!layout_allows(&unit->layout, reference, values[k])) {
+            text_put(wrong ? &unit->reason : unit_reason(unit), wrong ? "; " : "");
+            layout_refuse(&unit->layout, reference, values[k], &unit->reason);
             wrong = 1;
         }
     }
@@ -181,7 +164,8 @@ int unit_refresh(Unit *unit, int level)
 {
     const Equations *equations = unit->equations;
     if (unit->stale == BEGINNING && level < BEGINNING) {
-        if (check_values(unit) || equations->parameters(unit) || equations->begin(unit)) {
+        const Range inputs = unit->layout.inputs;
+        if (unit_check(unit, NULL, inputs.first + inputs.count, unit->real) || equations->parameters(unit) || equations->begin(unit)) {
             return 1;
         }
         unit->stale = COMPUTED;

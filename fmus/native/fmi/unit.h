@@ -9,7 +9,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#include "base/failure_words.h"
+#include "base/failure.h"
 #include "fmi/token.h"
 #include "fmi/variables.h"
 
@@ -36,8 +36,6 @@ typedef struct {
     /* Start values that depend on index and size; then what the equations allocate; or NULL. */
     void (*starts)(const Layout *layout, double *real);
     int (*allocate)(Unit *unit);
-    /* Whether a state's memory is that of its time [s]; NULL: it holds no time. */
-    int (*stands_at)(const double *memory, double time);
     /* Make the physical model from the parameters. */
     int (*parameters)(Unit *unit);
     /* Set `memory` to the initial state. */
@@ -81,15 +79,17 @@ struct Unit {
     Layout layout;
     char token[TOKEN_SIZE];
     char *name;
-    double *real; /* values of all variables, */
-    double *starts; /* and what they start from */
-    unsigned char *boolean, *flags; /* Booleans, and what they start from */
-    double *memory; /* state of the equations */
+    /* Values of all variables, the state of the equations and the Booleans, one block of memory behind the
+       other: what changes while the instance lives. */
+    double *real, *memory;
+    unsigned char *boolean;
     size_t memory_count;
+    double *starts; /* what the variables start from, */
+    unsigned char *flags; /* and the Booleans */
     double *before; /* `memory` before a step, for one that fails */
     double *change; /* change of the outputs by the inputs, */
     double *beside; /* by one of them, */
-    double *saved_outputs;   /* and the outputs while it is found */
+    double *kept; /* and what the instance holds while it is found */
     const unsigned *asked; /* outputs that are read, where others need not be computed; else NULL */
     size_t asked_count;
     double time;    /* communication point reached [s] */
@@ -121,29 +121,30 @@ void *unit_allocate(Unit *unit, size_t count, size_t size);
 /* -- life cycle; NULL is returned, and an error given, after a reason is logged -------------- */
 
 Unit *unit_instantiate(const char *name, const char *token, Log log, void *host);
-/* Give a zeroed unit, no composite, all that it needs while it lives, in `allocated`; 1 with the
-   reason when something is wrong. */
-int unit_build(Unit *unit, const char *name, const char *token);
+/* Give a zeroed unit, no composite, all that it needs while it lives, in `allocated`, and the start values
+   that follow its token in the text; `rest`: where the text goes on.  1 with the reason when something is
+   wrong. */
+int unit_build(Unit *unit, const char *name, const char *text, const char **rest);
 /* The same of one whose layout, start values and equations are known. */
 int unit_build_arrays(Unit *unit, const char *name);
+/* Bytes of what changes, from unit->real on. */
+size_t unit_values_size(const Unit *unit);
 void unit_free(Unit *unit);
 /* As new: start values, no state, all of the above kept. */
 void unit_reset(Unit *unit);
 Status unit_setup(Unit *unit, double start, double stop);
-Status unit_enter_initialisation(Unit *unit);
 /* Check every parameter and start the equations. */
 Status unit_exit_initialisation(Unit *unit);
-Status unit_terminate(Unit *unit);
 /* One communication step; STATUS_ERROR with the reason logged when it fails: hosts repeat what is
    discarded, some for ever.  After a failure the state is that of before the step. */
 Status unit_step(Unit *unit, double time, double step);
-/* STATUS_OK when `function` may be called in one of these phases. */
-Status unit_allowed(Unit *unit, const char *function, int phases);
 /* The error of a call that is wrong by itself, with the reason as in text_format. */
 Status unit_refuse(Unit *unit, const char *function, const char *format, ...);
 
 /* -- values ---------------------------------------------------------------------------------- */
 
+/* 0, or 1 with everything that is not allowed in values of these variables; NULL: of the first ones. */
+int unit_check(Unit *unit, const unsigned *references, size_t count, const double *values);
 Status unit_get_reals(Unit *unit, const unsigned *references, size_t count, double *values);
 /* The same of references that are known, whose outputs may be as stale as `unit_level` says: for who
    reads them again and again. */
@@ -153,9 +154,7 @@ Status unit_set_reals(Unit *unit, const unsigned *references, size_t count, cons
 /* One Boolean, 0 or 1. */
 Status unit_get_boolean(Unit *unit, unsigned reference, int *value);
 Status unit_set_boolean(Unit *unit, unsigned reference, int value);
-/* FMI's own way to an input's and an output's derivatives. */
-Status unit_set_derivatives(Unit *unit, const unsigned *references, size_t count,
-                            const int *orders, const double *values);
+/* FMI's own way to an output's derivatives. */
 Status unit_get_derivatives(Unit *unit, const unsigned *references, size_t count,
                             const int *orders, double *values);
 /* Change of `unknowns` (outputs) for a change `seed` of `knowns`: inputs, before the end of initialisation
@@ -172,15 +171,12 @@ int unit_ends_with(const Unit *unit, size_t reference);
 int unit_refresh(Unit *unit, int level);
 /* Move the equations by a step [s]; 1 with the reason, and as it was, where they fail. */
 int unit_advance(Unit *unit, double step);
-/* Add words with values: %s a text, %u an unsigned long, %v a number, %3 one with 3 significant
-   digits. */
-void text_format(Text *text, const char *format, ...);
 /* Begin the reason anew and return it. */
 Text *unit_reason(Unit *unit);
 /* A new reason, as in text_format; returns 1. */
 int unit_fail(Unit *unit, const char *format, ...);
-/* The reason for a failure of the core, with the values it names as a list; returns 1. */
-int unit_failed(Unit *unit, const Failure *failure, const double *values, size_t count);
+/* The same for a failure of the core. */
+int unit_failed(Unit *unit, const Failure *failure);
 /* Log a warning the first time it applies in this instance: `bit` says which. */
 void unit_warn_once(Unit *unit, int bit, double time, const char *words);
 /* Log an error with what was attempted and the reason, and return the status. */

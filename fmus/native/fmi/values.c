@@ -8,26 +8,22 @@
 static int unknown(Unit *unit, const unsigned *references, size_t count, size_t first,
                    size_t known)
 {
-    Text *reason = NULL;
+    int wrong = 0;
     size_t k;
     for (k = 0; k < count; k++) {
         if (references[k] - first >= known) {
-            if (reason) {
-                text_put(reason, ", ");
-            } else {
-                reason = unit_reason(unit);
-                text_put(reason, "value references [");
-            }
-            text_integer(reason, references[k]);
+            Text *reason = wrong ? &unit->reason : unit_reason(unit);
+            text_format(reason, "%s%u", wrong ? ", " : "value references [", (unsigned long)references[k]);
+            wrong = 1;
         }
     }
-    if (reason && known) {
-        text_format(reason, "]: unknown, there are %u to %u", (unsigned long)first,
+    if (wrong && known) {
+        text_format(&unit->reason, "]: unknown, there are %u to %u", (unsigned long)first,
                     (unsigned long)(first + known - 1));
-    } else if (reason) {
-        text_put(reason, "]: unknown, there are none");
+    } else if (wrong) {
+        text_put(&unit->reason, "]: unknown, there are none");
     }
-    return reason != NULL;
+    return wrong;
 }
 
 /* Whether it may be set between steps: a parameter of a unit that stands alone. */
@@ -39,24 +35,21 @@ static int is_tunable(const Unit *unit, size_t reference)
 
 /* 1 and the names of these variables, but the tunable ones, followed by why they are refused. */
 static int refuse_values(Unit *unit, const unsigned *references, size_t count, Range range,
-                   const char *why)
+                         const char *why)
 {
-    Text *reason = NULL;
+    int wrong = 0;
     size_t k;
     for (k = 0; k < count; k++) {
         if (references[k] - range.first < range.count && !is_tunable(unit, references[k])) {
-            if (reason) {
-                text_put(reason, ", ");
-            } else {
-                reason = unit_reason(unit);
-            }
-            layout_name(&unit->layout, references[k], reason);
+            text_put(wrong ? &unit->reason : unit_reason(unit), wrong ? ", " : "");
+            layout_name(&unit->layout, references[k], &unit->reason);
+            wrong = 1;
         }
     }
-    if (reason) {
-        text_put(reason, why);
+    if (wrong) {
+        text_put(&unit->reason, why);
     }
-    return reason != NULL;
+    return wrong;
 }
 
 /* How stale the outputs may be for a value to be read. */
@@ -122,32 +115,13 @@ static int not_settable(Unit *unit, const unsigned *references, size_t count,
 {
     const Layout *layout = &unit->layout;
     Range outputs;
-    Text *reason = NULL;
-    size_t k;
     outputs.first = layout->computed.first;
     outputs.count = layout->computed.count + layout->observed.count;
-    if (unknown(unit, references, count, 0, layout->real_count) ||
-        refuse_values(unit, references, count, outputs, ": outputs cannot be set") ||
-        (unit->phase == RUNNING && refuse_values(unit, references, count, layout->parameters,
-                                           ": fixed once initialisation has ended"))) {
-        return 1;
-    }
-    for (k = 0; k < count; k++) {
-        const Declared *declared = layout->reals[references[k]].declared;
-        if (!is_finite(values[k]) || declared->flags & HAS_MINIMUM) {
-            char words[256];
-            Text problem = text_in(words, sizeof words);
-            if (layout_problem(layout, references[k], values[k], &problem)) {
-                if (reason) {
-                    text_put(reason, "; ");
-                } else {
-                    reason = unit_reason(unit);
-                }
-                text_put(reason, words);
-            }
-        }
-    }
-    return reason != NULL;
+    return unknown(unit, references, count, 0, layout->real_count) ||
+           refuse_values(unit, references, count, outputs, ": outputs cannot be set") ||
+           (unit->phase == RUNNING && refuse_values(unit, references, count, layout->parameters,
+                                                    ": fixed once initialisation has ended")) ||
+           unit_check(unit, references, count, values);
 }
 
 Status unit_set_reals(Unit *unit, const unsigned *references, size_t count, const double *values)

@@ -154,7 +154,7 @@ void layout_name(const Layout *layout, size_t reference, Text *text)
     }
     for (; *name; name++) {
         if (*name == '#') {
-            text_integer(text, (unsigned long)(indices ? variable->second : variable->index));
+            text_format(text, "%u", (unsigned long)(indices ? variable->second : variable->index));
             indices++;
         } else if (*name == '@') {
             name++;
@@ -173,42 +173,33 @@ void layout_shown(const Layout *layout, size_t reference, double value, Text *te
 {
     const char *unit = layout->reals[reference].declared->unit;
     layout_name(layout, reference, text);
-    text_put(text, " = ");
-    text_number(text, value);
-    if (!text_equal(unit, "1")) {
-        text_put(text, " ");
-        text_put(text, unit);
-    }
+    text_format(text, text_equal(unit, "1") ? " = %v" : " = %v %s", value, unit);
 }
 
-int layout_problem(const Layout *layout, size_t reference, double value, Text *text)
+int layout_allows(const Layout *layout, size_t reference, double value)
 {
     const Declared *declared = layout->reals[reference].declared;
-    const int limited = declared->flags & HAS_MINIMUM, above = declared->flags & ABOVE_MINIMUM;
-    if (is_finite(value) && (!limited || value > declared->minimum ||
-                             (value == declared->minimum && !above))) {
-        return 0;
-    }
+    return is_finite(value) &&
+           (!(declared->flags & HAS_MINIMUM) || value > declared->minimum ||
+            (value == declared->minimum && !(declared->flags & ABOVE_MINIMUM)));
+}
+
+void layout_refuse(const Layout *layout, size_t reference, double value, Text *text)
+{
+    const Declared *declared = layout->reals[reference].declared;
     layout_shown(layout, reference, value, text);
     text_put(text, ": must be a finite number");
-    if (limited) {
-        text_put_rounded(text, above ? " above " : ", at least ", declared->minimum, 6);
-        if (!text_equal(declared->unit, "1")) {
-            text_put(text, " ");
-            text_put(text, declared->unit);
-        }
+    if (declared->flags & HAS_MINIMUM) {
+        text_format(text, text_equal(declared->unit, "1") ? "%s%6" : "%s%6 %s",
+                    declared->flags & ABOVE_MINIMUM ? " above " : ", at least ",
+                    (double)declared->minimum, declared->unit);
     }
-    return 1;
 }
 
-uint64_t hash_start(void)
-{
-    return 0xCBF29CE484222325u;
-}
-
-uint64_t hash_bytes(uint64_t hash, const void *bytes, size_t count)
+uint64_t hash_bytes(const void *bytes, size_t count)
 {
     const unsigned char *byte = bytes;
+    uint64_t hash = 0xCBF29CE484222325u;
     size_t k;
     for (k = 0; k < count; k++) {
         hash = (hash ^ byte[k]) * 0x100000001B3u;

@@ -92,11 +92,11 @@ void layout_starts(const Layout *layout, double *real);
 void layout_name(const Layout *layout, size_t reference, Text *text);
 /* Name, value and unit in words. */
 void layout_shown(const Layout *layout, size_t reference, double value, Text *text);
-/* 0, or 1 and why a value is not allowed added to the text. */
-int layout_problem(const Layout *layout, size_t reference, double value, Text *text);
+/* Whether a variable may have a value, and the words for one that it may not. */
+int layout_allows(const Layout *layout, size_t reference, double value);
+void layout_refuse(const Layout *layout, size_t reference, double value, Text *text);
 
-/* FNV-1a of some bytes, from `hash` on. */
-uint64_t hash_bytes(uint64_t hash, const void *bytes, size_t count);
-uint64_t hash_start(void);
+/* FNV-1a of some bytes. */
+uint64_t hash_bytes(const void *bytes, size_t count);
 
 #endif

@@ -29,7 +29,8 @@ int linear_rotor_two_support(const double *values, int unbalances, LinearRotor *
     double at_centre[2], row[2];
     int i, j, k;
     if (!(polar_inertia <= 2.0 * inertia)) {
-        return fail(failure, FAILURE_POLAR_INERTIA, 0, polar_inertia, 2.0 * inertia, 0.0, 0.0);
+        return fail(failure, "polar_inertia = %v kg m^2: must be 0 to 2 inertia = %6", polar_inertia,
+                    2.0 * inertia);
     }
     line_row(com, span, at_centre);
     for (i = 0; i < 2; i++, support += 4) {
@@ -60,14 +61,14 @@ static int check_discs(int n, const Flexible *v, Failure *failure)
     int k;
     for (k = 1; k < n; k++) {
         if (v->stations[k] - v->stations[k - 1] <= 0.0) {
-            return fail(failure, FAILURE_STATIONS, k + 1, v->stations[k], 0.0, 0.0,
-                        0.0);
+            return fail(failure, "stations = %l: must be at least two, each beyond the last [m]",
+                        v->stations, (size_t)n);
         }
     }
     return v->supports[0] != v->supports[1]
                ? FINE
-               : fail(failure, FAILURE_SUPPORTS, n, v->supports[0], v->supports[1], 0.0,
-                      0.0);
+               : fail(failure, "supports = [%u, %u]: must be two different stations, 1 to %u",
+                      (unsigned long)v->supports[0], (unsigned long)v->supports[1], (unsigned long)n);
 }
 
 static int set_shaft_unbalance(const Flexible *v, LinearRotor *rotor, double *scratch,
@@ -89,8 +90,8 @@ static int set_shaft_unbalance(const Flexible *v, LinearRotor *rotor, double *sc
             continue;
         }
         if (v->compliance || u[0] < z[0] || u[0] > z[n - 1]) {
-            return fail(failure, FAILURE_UNBALANCE_PLACE, k + 1, u[0], 0.0,
-                        0.0, 0.0);
+            return fail(failure, "unbalances: position = %v m: must be a disc's, one of %l, or "
+                        "between them on a uniform shaft", u[0], z, (size_t)n);
         }
         beam_shares(n, z, u[0], scratch, scratch + n);
         for (j = 0; j < n; j++) {
@@ -132,8 +133,7 @@ int linear_rotor_flexible(const Flexible *values, LinearRotor *rotor, double *sc
         return code;
     }
     if (values->internal_damping != 0.0 && size == 0) {
-        return fail(failure, FAILURE_CANNOT_BEND, 0, values->internal_damping,
-                    0.0, 0.0, 0.0);
+        return fail(failure, "internal_damping: a shaft with discs at its supports only cannot bend");
     }
     /* Dubovik's p belongs to the stiffness 1/delta that a disc feels where the shaft is softest */
     for (k = 0; k < size; k++) {

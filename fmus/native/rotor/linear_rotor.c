@@ -140,8 +140,7 @@ int linear_rotor_sag(const LinearRotor *rotor, double speed, double *sag, double
     }
     matrix_product(parts, dof, dof, 1, mass, field, sag);
     return matrix_solve(parts, dof, 1, stiffness, sag)
-               ? fail(failure, FAILURE_NOT_CARRIED, 0, rotor->gravity[0],
-                      rotor->gravity[1], 0.0, 0.0)
+               ? fail(failure, "gravity: supports without stiffness cannot carry the rotor's weight")
                : FINE;
 }
 
@@ -172,7 +171,7 @@ int linear_rotor_rows(const LinearRotor *rotor, double speed, double *rows, doub
         row[e * parts + 1] = axes == 1 ? y : axis ? x : -y;
     }
     return matrix_solve(parts, dof, width, mass, rows)
-               ? fail(failure, FAILURE_SINGULAR, 0, 0.0, 0.0, 0.0, 0.0)
+               ? fail(failure, SINGULAR_MATRIX)
                : FINE;
 }
 

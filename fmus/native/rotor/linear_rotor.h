@@ -12,6 +12,8 @@
 #include "base/failure.h"
 #include "base/spin.h"
 
+#define SINGULAR_MATRIX "Singular matrix"
+
 /* Matrices and planes of a rotor with n stations and p correction planes; see models/rotor.py. */
 typedef struct {
     int stations;    /* n */
@@ -46,7 +48,7 @@ typedef struct {
     const int *ports;         /* (p,) stations of the planes, from 0 */
 } Flexible;
 
-/* Set a rotor (from linear_rotor_in, of the right sizes); 0 or the code of a failure.
+/* Set a rotor (from linear_rotor_in, of the right sizes); 0, or 1 with the failure.
 
    A disc in one plane with p ports at it: mass, stiffness x, y, damping x, y, internal damping, amount
    and angle of the unbalance.  A rigid rotor on two supports: mass, inertia, polar inertia, span, centre
@@ -55,8 +57,7 @@ typedef struct {
 void linear_rotor_planar(const double *values, LinearRotor *rotor);
 int linear_rotor_two_support(const double *values, int unbalances, LinearRotor *rotor,
                              Failure *failure);
-/* `scratch` has linear_rotor_flexible_scratch doubles; after FAILURE_NOT_ELASTIC and
-   FAILURE_COMPLIANCE its first (n - 2)^2 are the compliance refused. */
+/* `scratch` has linear_rotor_flexible_scratch doubles. */
 size_t linear_rotor_flexible_scratch(int stations);
 int linear_rotor_flexible(const Flexible *values, LinearRotor *rotor, double *scratch,
                           Failure *failure);
@@ -70,14 +71,13 @@ LinearRotor linear_rotor_with_added_mass(const LinearRotor *rotor, const double 
                                          double *mass);
 
 int linear_rotor_heavy(const LinearRotor *rotor);
-/* Displacements at rest under gravity (n pairs); FAILURE_NOT_CARRIED where the supports have no
-   stiffness.  `scratch` is that of a step matrix. */
+/* Displacements at rest under gravity (n pairs); 1 where the supports have no stiffness.  `scratch` is that of a step matrix. */
 int linear_rotor_sag(const LinearRotor *rotor, double speed, double *sag, double *scratch,
                      Failure *failure);
 
 /* Rows (dof, 2 dof + axes (p + 1)) of the acceleration by displacements, velocities, forces on the
    planes and the unbalance's pull w^2 e^{i beta}, at a constant speed w [rad/s].  scratch: 3 parts
-   dof^2 doubles; FAILURE_SINGULAR. */
+   dof^2 doubles; 1 where the mass matrix is singular. */
 int linear_rotor_rows(const LinearRotor *rotor, double speed, double *rows, double *scratch,
                       Failure *failure);
 

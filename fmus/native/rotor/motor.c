@@ -30,8 +30,8 @@ int motor_check(const Motor *motor, Failure *failure)
     int k;
     for (k = 1; k < motor->count; k++) {
         if (!(speed_at(motor, k) > speed_at(motor, k - 1))) {
-            return fail(failure, FAILURE_CHARACTERISTIC, k + 1, speed_at(motor, k), 0.0,
-                        0.0, 0.0);
+            return fail(failure, "point[%u].speed = %v rad/s: speeds must ascend",
+                        (unsigned long)k + 1, speed_at(motor, k));
         }
     }
     return FINE;
@@ -110,7 +110,7 @@ int motor_advance(Motor *motor, double *speed, double *angle, const double *torq
     Line line;
     int k;
     if (!is_finite(sum)) {
-        return fail(failure, FAILURE_MOTOR, 0, *speed, 0.0, 0.0, 0.0);
+        return fail(failure, "the motor's speed %v rad/s or the torque is not finite", *speed);
     }
     motor->reached = step;
     line.motor = motor;
@@ -154,5 +154,6 @@ int motor_advance(Motor *motor, double *speed, double *angle, const double *torq
         line.speed = line.bound;
         line.piece += line.beyond;
     }
-    return fail(failure, FAILURE_CROSSINGS, 0, step, line.bound, 0.0, 0.0);
+    return fail(failure, "the motor's speed crosses %6 rad/s again and again within a step of %6 s",
+                line.bound, step);
 }

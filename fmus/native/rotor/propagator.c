@@ -91,7 +91,7 @@ int exponential(int parts, int size, int upper, double *matrix, double *scratch,
     int doublings, j;
     size_t i;
     if (!is_finite(norm)) {
-        return fail(failure, FAILURE_MATRICES, 0, norm, 0.0, 0.0, 0.0);
+        return fail(failure, "the rotor's matrices are not finite");
     }
     doublings = binary_exponent(norm) + 1;
     doublings = doublings > 0 ? doublings : 0;

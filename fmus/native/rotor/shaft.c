@@ -107,7 +107,7 @@ int given_compliance(int size, const double *compliance, double *delta, Failure 
             delta[i * size + j] = delta[j * size + i] = (a + b) / 2.0;
         }
     }
-    return fits ? FINE : fail(failure, FAILURE_COMPLIANCE, size, 0.0, 0.0, 0.0, 0.0);
+    return fits ? FINE : fail(failure, "compliance: must be finite and symmetric (Maxwell's reciprocity)");
 }
 
 /* Lower triangle of delta scaled to a unit diagonal; 0, or 1 when it is not positive definite. */
@@ -143,7 +143,9 @@ int shaft_stiffness(int n, const double *delta, const double *rows, double *stif
         scale[i] = square_root(absolute(delta[i * size + i]));
     }
     if (cholesky(size, delta, scale, lower)) {
-        return fail(failure, FAILURE_NOT_ELASTIC, size, 0.0, 0.0, 0.0, 0.0);
+        return fail(failure, "compliance = %l m/N: must be positive definite: every load bends the shaft "
+                    "its own way (are two stations almost at one place?)",
+                    delta, (size_t)(size * size));
     }
     for (i = 0; i < size; i++) {
         for (j = 0; j < n; j++) {

@@ -94,7 +94,7 @@ static int set_push(const LinearRotor *rotor, TaylorStep *made, double *mass, Fa
         made->push[slider_place(made->sliders + j) * m + j] = 1.0;
     }
     return matrix_solve(1, 2 * n, m, mass, made->push)
-               ? fail(failure, FAILURE_SINGULAR, 0, 0.0, 0.0, 0.0, 0.0)
+               ? fail(failure, SINGULAR_MATRIX)
                : FINE;
 }
 
@@ -132,7 +132,8 @@ int taylor_step_in(double *memory, const LinearRotor *rotor, const Slider *slide
         for (j = 0; j < i; j++) {
             if (slider_is_rigid(sliders + i) && slider_is_rigid(sliders + j) &&
                 slider_place(sliders + i) == slider_place(sliders + j)) {
-                return fail(failure, FAILURE_RIGID_SLIDERS, 0, 0.0, 0.0, 0.0, 0.0);
+                return fail(failure, "sliders: two rigid ones at one support and axis are one "
+                            "with the sum of their limits; give that, or a stiffness");
             }
         }
     }
@@ -271,7 +272,7 @@ static int set_series(TaylorStep *method, const double *state, const double *sli
         set_forces(method, slider_states, k, motion);
         set_rate(method, &spin, k, motion);
         if (hold_fixed(method, slider_states, method->rate, method->forces + k * method->count)) {
-            return fail(failure, FAILURE_SINGULAR, 0, 0.0, 0.0, 0.0, 0.0);
+            return fail(failure, SINGULAR_MATRIX);
         }
         for (i = 0; i < half && k < terms; i++) {
             motion[length + i] = factor * motion[half + i];
@@ -454,7 +455,9 @@ int taylor_advance(TaylorStep *method, double *state, double *slider_states, con
         }
     }
     return code ? code
-                : fail(failure, FAILURE_STRETCHES, MOST_STRETCHES, step, time, 0.0, 0.0);
+                : fail(failure, "the rotor vibrates too fast, or its sliders change too often, for a "
+                       "step of %6 s: %6 s reached in %u stretches; use smaller communication steps",
+                       step, time, (unsigned long)MOST_STRETCHES);
 }
 
 int taylor_motion(TaylorStep *method, const double *state, const double *slider_states,

@@ -39,7 +39,7 @@ typedef struct {
 
 /* Doubles that a step takes, and one in such an array, for a rotor that carries what its planes do.
 
-   scratch: that of a step matrix; FAILURE_RIGID_SLIDERS: two rigid ones at one station and axis. */
+   scratch: that of a step matrix; 1: two rigid sliders at one station and axis. */
 size_t taylor_step_size(int stations, int planes, int count);
 int taylor_step_in(double *memory, const LinearRotor *rotor, const Slider *sliders, int count,
                    double *scratch, TaylorStep *made, Failure *failure);

@@ -25,7 +25,7 @@ static int liquid_parameters(Unit *unit)
     own->liquid.height = real[2];
     own->liquid.density = real[3];
     if (liquid_check(&own->liquid, &failure)) {
-        return unit_failed(unit, &failure, NULL, 0);
+        return unit_failed(unit, &failure);
     }
     own->carried = unit->boolean[0] ? 0.0 : liquid_added_mass(&own->liquid);
     own->sent = liquid_added_mass(&own->liquid) - own->carried;
@@ -43,9 +43,8 @@ static void warn_of_touch(Unit *unit, Complex displacement, double time)
     const Own *own = unit->own;
     char words[160];
     Text text = text_in(words, sizeof words);
-    text_put_rounded(&text, "bending ", magnitude(displacement), 6);
-    text_put_rounded(&text, " m exceeds the gap ", liquid_gap(&own->liquid), 6);
-    text_put(&text, " m: the float touches the chamber and the model is invalid");
+    text_format(&text, "bending %6 m exceeds the gap %6 m: the float touches the chamber and the model "
+                "is invalid", magnitude(displacement), liquid_gap(&own->liquid));
     unit_warn_once(unit, TOUCHES, time, words);
 }
 

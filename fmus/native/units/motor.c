@@ -38,7 +38,7 @@ static int motor_parameters(Unit *unit)
     own->points = unit->real + 1;
     own->negligible = infinity();
     own->quadrature = quadrature_empty();
-    return motor_check(own, &failure) ? unit_failed(unit, &failure, NULL, 0) : 0;
+    return motor_check(own, &failure) ? unit_failed(unit, &failure) : 0;
 }
 
 static int motor_begin(Unit *unit)
@@ -64,7 +64,7 @@ static int motor_step_unit(Unit *unit, double length)
     double end[2], turned;
     Failure failure;
     if (motor_advance(own, unit->memory + MEMORY_SPEED, &turned, torque, length, &failure)) {
-        return unit_failed(unit, &failure, NULL, 0);
+        return unit_failed(unit, &failure);
     }
     unit->made = length = own->reached;
     angle_turn(unit->memory, turned);

@@ -13,7 +13,7 @@ static int find_sag(Unit *unit)
     }
     loaded = rotor_anew(unit, &own->sag_of);
     if (linear_rotor_sag(&loaded, speed, own->sag, own->matrix_scratch, &failure)) {
-        return unit_failed(unit, &failure, NULL, 0);
+        return unit_failed(unit, &failure);
     }
     rotor_made(unit, &own->sag_of, speed);
     return 0;

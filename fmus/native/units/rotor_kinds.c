@@ -85,9 +85,7 @@ static int station_at(Unit *unit, const double *z, size_t reference)
     if (!(absolute(z[nearest] - place) <= SAME_PLACE * absolute(z[n - 1] - z[0]))) {
         Text *reason = unit_reason(unit);
         layout_shown(&unit->layout, reference, place, reason);
-        text_put(reason, ": must be the place of a station, one of ");
-        text_list(reason, z, (size_t)n);
-        text_put(reason, " m");
+        text_format(reason, ": must be the place of a station, one of %l m", z, (size_t)n);
         return -1;
     }
     return nearest;
@@ -154,9 +152,7 @@ static int flexible(Unit *unit)
         }
     }
     if (linear_rotor_flexible(&values, &own->rotor, scratch, &failure)) {
-        return failure.code == FAILURE_NOT_ELASTIC
-                   ? unit_failed(unit, &failure, scratch, (size_t)(bent * bent))
-                   : unit_failed(unit, &failure, z, (size_t)n);
+        return unit_failed(unit, &failure);
     }
     return misplaced >= 0; /* the reason is that of the first one */
 }
@@ -217,7 +213,7 @@ static int set_matrices(Unit *unit)
         return 0;
     }
     return linear_rotor_two_support(unit->real, own->unbalances, &own->rotor, &failure)
-               ? unit_failed(unit, &failure, NULL, 0)
+               ? unit_failed(unit, &failure)
                : 0;
 }
 

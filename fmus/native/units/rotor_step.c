@@ -40,7 +40,7 @@ const double *rotor_matrix(Unit *unit, double speed, double step)
     loaded = rotor_anew(unit, &kept->of);
     if (step_matrix(&loaded, speed, step, own->turning, own->unsorted, own->matrix_scratch,
                     &failure)) {
-        unit_failed(unit, &failure, NULL, 0);
+        unit_failed(unit, &failure);
         return NULL;
     }
     matrix_transposed(own->parts, own->rows, own->columns, own->unsorted, kept->matrix);
@@ -66,7 +66,7 @@ int rotor_make_taylor(Unit *unit)
     loaded = rotor_anew(unit, &own->taylor_of);
     if (taylor_step_in(own->taylor_memory, &loaded, own->sliders, own->slider_count,
                        own->matrix_scratch, &own->taylor, &failure)) {
-        return unit_failed(unit, &failure, NULL, 0);
+        return unit_failed(unit, &failure);
     }
     rotor_made(unit, &own->taylor_of, 0.0);
     return 0;
@@ -116,7 +116,7 @@ static int propagate_series(Unit *unit, double step)
     }
     if (code || taylor_plane_motion(&own->taylor, state, slider_states, &drive, own->reached,
                                     state + motion, &failure)) {
-        return unit_failed(unit, &failure, NULL, 0);
+        return unit_failed(unit, &failure);
     }
     return 0;
 }
@@ -142,7 +142,7 @@ static int find_motion(Unit *unit, int orders, Spin *spin)
     }
     if (code || taylor_motion(&own->taylor, state, own->slider_states, &drive, ago, orders,
                               own->motion, &failure)) {
-        return unit_failed(unit, &failure, NULL, 0);
+        return unit_failed(unit, &failure);
     }
     return 0;
 }

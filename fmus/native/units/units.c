@@ -47,10 +47,15 @@ static int build_single(Unit *unit, const char *token)
     if (unit->equations->starts) {
         unit->equations->starts(&unit->layout, unit->starts);
     }
-    memcpy(unit->token, token, text_length(token) + 1);
+    memcpy(unit->token, token, strlen(token) + 1);
     unit->memory_count =
         unit->equations->memory_size ? unit->equations->memory_size(&unit->layout) : 0;
     return 0;
+}
+
+size_t unit_values_size(const Unit *unit)
+{
+    return (unit->layout.real_count + unit->memory_count) * sizeof(double) + unit->layout.boolean_count;
 }
 
 int unit_build_arrays(Unit *unit, const char *name)
@@ -58,29 +63,42 @@ int unit_build_arrays(Unit *unit, const char *name)
     const size_t count = unit->layout.real_count;
     const size_t outputs = unit->layout.computed.count + unit->layout.observed.count;
     size_t k;
-    unit->real = unit_allocate(unit, count, sizeof(double));
-    unit->name = unit_allocate(unit, text_length(name) + 1, 1);
-    unit->boolean = unit_allocate(unit, unit->layout.boolean_count, 1);
+    unit->real = unit_allocate(unit, unit_values_size(unit), 1);
+    unit->name = unit_allocate(unit, strlen(name) + 1, 1);
     unit->flags = unit_allocate(unit, unit->layout.boolean_count, 1);
-    unit->memory = unit_allocate(unit, unit->memory_count, sizeof(double));
     unit->before = unit_allocate(unit, unit->memory_count, sizeof(double));
     unit->change = unit_allocate(unit, outputs, sizeof(double));
     unit->beside = unit_allocate(unit, outputs, sizeof(double));
-    unit->saved_outputs = unit_allocate(unit, outputs, sizeof(double));
-    if (!unit->real || !unit->name || !unit->boolean || !unit->flags || !unit->memory || !unit->before ||
-        !unit->change || !unit->beside || !unit->saved_outputs ||
+    unit->kept = unit_allocate(unit, unit_values_size(unit), 1);
+    unit->memory = unit->real + count;
+    unit->boolean = (unsigned char *)(unit->memory + unit->memory_count);
+    if (!unit->real || !unit->name || !unit->flags || !unit->before || !unit->change || !unit->beside ||
+        !unit->kept ||
         (unit->equations->allocate && unit->equations->allocate(unit))) {
         text_put(unit_reason(unit), NO_MEMORY);
         return 1;
     }
-    memcpy(unit->name, name, text_length(name) + 1);
+    memcpy(unit->name, name, strlen(name) + 1);
     for (k = 0; k < unit->layout.boolean_count; k++) {
         unit->boolean[k] = unit->flags[k] = (unsigned char)unit->layout.table->flags[k].start;
     }
     return 0;
 }
 
-int unit_build(Unit *unit, const char *name, const char *token)
+int unit_build(Unit *unit, const char *name, const char *text, const char **rest)
 {
-    return build_single(unit, token) || unit_build_arrays(unit, name);
+    char token[TOKEN_SIZE];
+    const char *at = text ? token_word(text, ';', token, sizeof token) : NULL, *value;
+    if (build_single(unit, at ? token : text) || unit_build_arrays(unit, name)) {
+        return 1;
+    }
+    for (; (value = text_after(at, "start=")) || text_after(at, "flags="); at = token_next(at)) {
+        if (value ? token_starts(value, unit->starts, unit->layout.computed.first)
+                  : token_flags(text_after(at, "flags="), unit->flags, unit->layout.boolean_count)) {
+            return unit_fail(unit, "its start values are not those of variables that it has");
+        }
+    }
+    memcpy(unit->boolean, unit->flags, unit->layout.boolean_count);
+    *rest = at;
+    return 0;
 }

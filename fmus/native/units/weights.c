@@ -45,13 +45,8 @@ static int flag(const Unit *unit, const char *name)
 
 static int refuse_size(Unit *unit, double size, double radius)
 {
-    Text *reason = unit_reason(unit);
-    text_put(reason, "weight_radius = ");
-    text_number(reason, size);
-    text_put(reason, " m: such weights do not fit on a track of radius ");
-    text_number(reason, radius);
-    text_put(reason, " m, which must be larger");
-    return 1;
+    return unit_fail(unit, "weight_radius = %v m: such weights do not fit on a track of radius %v m, which "
+                     "must be larger", size, radius);
 }
 
 static int weights_parameters(Unit *unit)
@@ -81,7 +76,7 @@ static int weights_parameters(Unit *unit)
         return refuse_size(unit, real[WEIGHT_RADIUS], real[TRACK_RADIUS]);
     }
     if (track_prepare(track, &failure)) {
-        return unit_failed(unit, &failure, NULL, 0);
+        return unit_failed(unit, &failure);
     }
     own->stop_at_contact = flag(unit, "stop_at_contact") && unit->may_end_early;
     own->carried = flag(unit, "inertia_as_force") ? 0.0 : weights_added_mass(&track->weights);
@@ -99,7 +94,7 @@ static int weights_begin(Unit *unit)
     memcpy(angles, unit->real + FIRST_ANGLE, 2 * count * sizeof(double));
     if (track_first_contacts(&own->track, angles, angles + count, angles + 2 * count,
                              own->scratch, &failure)) {
-        return unit_failed(unit, &failure, angles, count);
+        return unit_failed(unit, &failure);
     }
     return 0;
 }
@@ -114,7 +109,7 @@ static int find_reaction(Unit *unit, const Instant *plane, Complex *force)
     Failure failure;
     if (track_reaction(&own->track, angles, angles + count, angles + 2 * count, plane,
                        force, own->turned, own->scratch, &failure)) {
-        return unit_failed(unit, &failure, angles, count);
+        return unit_failed(unit, &failure);
     }
     return 0;
 }
@@ -187,7 +182,7 @@ static int step_with_events(Unit *unit, CentreMotion *motion, double length)
     take_off_answer(own->track.mobility, pulse, given, length, motion->signal);
     if (track_advance(&own->track, moved.angles, moved.speeds, moved.contacts, motion, length,
                       stops_of(unit, length), &moved, own->scratch, &failure)) {
-        return unit_failed(unit, &failure, unit->before, count);
+        return unit_failed(unit, &failure);
     }
     unit->made = moved.reached;
     if (moved.reached == 0.0) {
@@ -237,7 +232,7 @@ static int weights_step_unit(Unit *unit, double length)
         }
     } else if (weights_advance(&own->track.weights, angles, speeds, &motion, length, angles, speeds,
                                &own->quadrature, own->turned, &failure)) {
-        return unit_failed(unit, &failure, unit->before, (size_t)own->count);
+        return unit_failed(unit, &failure);
     }
     unit->memory[unit->memory_count - 1] = unit->made;
     return weights_put_outputs(unit);

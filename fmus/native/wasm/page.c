@@ -58,7 +58,6 @@ EXPORTED("begin") Status page_begin(Unit *unit, const unsigned *references, size
     unit_reset(unit);
     status = unit_setup(unit, time, infinity());
     status = status ? status : unit_set_reals(unit, references, count, values);
-    status = status ? status : unit_enter_initialisation(unit);
     return status ? status : unit_exit_initialisation(unit);
 }
 

@@ -6,8 +6,8 @@ int liquid_check(const Liquid *liquid, Failure *failure)
 {
     return liquid->float_radius < liquid->chamber_radius
                ? FINE
-               : fail(failure, FAILURE_FLOAT_RADIUS, 0, liquid->float_radius,
-                      liquid->chamber_radius, 0.0, 0.0);
+               : fail(failure, "float_radius = %v m: must be smaller than chamber_radius = %v m",
+                      liquid->float_radius, liquid->chamber_radius);
 }
 
 double liquid_gap(const Liquid *liquid)

@@ -190,8 +190,9 @@ int weights_substep(double *angle, double *angle_rate, const Driven *start, cons
             return FINE;
         }
     }
-    return fail(failure, FAILURE_NOT_CONVERGED, 0, step, *angle, *angle_rate,
-                magnitude(start->motion[0]));
+    return fail(failure, "the weights' step of %6 s did not converge (angle %6 rad, rate %6 rad/s, "
+                "acceleration %6 m/s^2): use smaller communication steps",
+                step, *angle, *angle_rate, magnitude(start->motion[0]));
 }
 
 int converged(double change, double last_change, double angle)
@@ -238,13 +239,12 @@ static int count_substeps(const Weights *weights, const double *angles, const do
         fastest_rate(weights->count, speeds, motion->signal, weights_lever(weights), lag,
                      weights_damping_rate(weights), step, &strongest);
     if (!is_finite(sum_of(angles, weights->count))) {
-        fail(failure, FAILURE_ANGLES, 0, 0.0, 0.0, 0.0, 0.0);
+        fail(failure, "the weights' angles %l are not finite", angles, (size_t)weights->count);
         return 0;
     }
     turns = step * fastest / TURN_PER_SUBSTEP;
     if (!(turns < MAX_SUBSTEPS)) {
-        fail(failure, FAILURE_SUBSTEPS, 0, turns, step, strongest,
-             largest_of(weights->count, speeds));
+        fail(failure, TOO_MANY_SUBSTEPS, turns, step, strongest, largest_of(weights->count, speeds));
         return 0;
     }
     return 1 + (int)turns;

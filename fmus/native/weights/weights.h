@@ -6,6 +6,9 @@
 #include "base/failure.h"
 #include "weights/centre.h"
 
+#define TOO_MANY_SUBSTEPS                                                                         \
+    "the weights would need %3 substeps in %6 s: acceleration %6 m/s^2, rate %6 rad/s"
+
 /* N weights on one circular track. */
 typedef struct {
     int count;           /* N */

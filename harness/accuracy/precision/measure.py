@@ -25,7 +25,6 @@ from ...output.workers import ItemProgress
 from ...scene import Scene
 from ...scene.balancer import Liquid
 from .methods import (
-    UNDER_A_MOTOR,
     Method,
     Runner,
     TimedRun,
@@ -161,7 +160,7 @@ def all_methods(scene: Scene) -> list[Method]:
     exchanges = any(not isinstance(b, Liquid) or b.inertia_as_force for b in scene.balancer)
     methods = coupling_methods(exchanges)
     if scene.operation.motor:
-        methods = [m for m in methods if m.name in UNDER_A_MOTOR]
+        methods = [m for m in methods if m.one_file and m.name != "compensated"]
     return methods + monolith_methods()
 
 

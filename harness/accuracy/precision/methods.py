@@ -38,7 +38,6 @@ SOLVERS: dict[str, tuple[float, ...]] = {
 }
 MORE = 16  # points than steps of the composite: of those at the start and at jumps
 REPEATS = 10  # of the composite in one call, which takes less than a ms
-UNDER_A_MOTOR = ("auto", "jacobi", "gauss-seidel", "iterated")  # the others know the speed ahead
 
 
 @dataclass(frozen=True, eq=False)

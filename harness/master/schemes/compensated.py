@@ -63,7 +63,7 @@ class Compensated(Scheme):
         count, past = len(system.force_names), system.forces.last_step
         assumed, missed = system.forces.predicted(3), self._missed
         if jump or not past or missed is None:
-            missed = np.zeros((count + len(system.acceleration_names), 2), complex)
+            missed = np.zeros((count + len(system.accelerations.now), 2), complex)
         given = _added(assumed, missed[:count], self._speed(time) * past, past, step)
         motion = system.rotor_pass(given, time, step)
         accelerations = system.accelerations.to(motion, step)

@@ -25,11 +25,9 @@ class Scheme:
 
     Attributes:
         startup_halvings: of the first step, in any case.
-        miss_per_error: how far a prediction misses, over the mean error of the signal stepped on.
     """
 
     startup_halvings = 0
-    miss_per_error = 4.0  # the prediction itself is stepped on
 
     def step(self, system: System, time: float, step: float, jump: bool = False) -> float:
         """Take one step; `jump`: over a jump of the drive.
@@ -49,9 +47,6 @@ class Scheme:
         for number in range(JUMP_PARTS):
             self.step(system, time + number * part, part, jump=True)
             system.drop_past()
-
-    def after_start(self, system: System, time: float, step: float) -> None:
-        """Nothing: no Jacobian is used."""
 
     def check_agreement(self, system: System, time: float, residual: float) -> bool:
         """Always converged: there is nothing to iterate."""

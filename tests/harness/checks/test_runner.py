@@ -91,7 +91,7 @@ def test_every_kind_of_check_has_one_function():
     assert kinds <= {*registry.CHECKS}
 
 
-SCENES = ("liquid_disc", "regions", "filimonikhina_tables", "goncharov_balls", "contact_order")
+SCENES = ("liquid_disc", "regions", "filimonikhina_tables", "goncharov_balls")
 
 
 @pytest.mark.parametrize("scheme", ["jacobi", "gauss-seidel", "compensated", "iterated", "auto"])

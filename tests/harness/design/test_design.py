@@ -14,7 +14,6 @@ from scipy.optimize import brentq
 
 from autobalancer.harness import load_scene
 from autobalancer.harness.checks.capacity import check_capacity, check_sizes, packed_turn
-from autobalancer.harness.checks.contact_order import check_contact_order
 from autobalancer.harness.checks.largest_spread import check_largest_spread
 from autobalancer.harness.checks.ranking import check_ranking
 from autobalancer.harness.checks.slow_root import check_slow_root
@@ -214,13 +213,6 @@ def test_contradictions_need_intervals_that_do_not_touch():
     data = SimpleNamespace(with_capacity=choices)
     assert contradictions(data) == [(3, 4)]
     assert [c.count for c in rivals(data)] == [4, 5]
-
-
-@pytest.mark.parametrize("case", [1, 3])
-def test_contact_converges_at_its_order_in_the_communication_step(case):
-    rows = rows_of(check_contact_order, "contact_order", index=case, reference=640, runs=4)
-    assert [row for row in rows if not row.holds] == []
-    assert len(rows) == 2
 
 
 def test_a_scheme_that_one_file_does_not_have_is_refused():

@@ -181,21 +181,27 @@ def test_no_collision_takes_or_gives_energy():
     np.testing.assert_allclose(seen, seen[0], rtol=1e-6)
 
 
-@pytest.mark.parametrize("engine", [OneFileRun, CoSimulation])
-@pytest.mark.parametrize("name", ["two_balls", "run_up", "liquid_heavy_force", "sommerfeld"])
+@pytest.mark.parametrize(
+    ("name", "engine"),
+    [
+        ("two_balls", CoSimulation),
+        ("run_up", CoSimulation),
+        ("two_balls", OneFileRun),
+        ("run_up", OneFileRun),
+        ("sommerfeld", OneFileRun),
+    ],
+)
 def test_a_run_that_begins_again_does_not_know_what_became_of_the_one_before(name, engine):
     scene = load_scene(name).replace({"coupling.tolerance": 1e-3, "run.revolutions": 2})
-    again = Repeated(np.linspace(0.0, 0.1, 200), 2, 1e-4)
-    ends = []
+
+    def run(cosim, again=None):
+        recorder = Recorder(cosim.units, recorded(scene))
+        cosim.start(attempt=0, again=again)
+        cosim.record(recorder, None)
+        return recorder
+
     with engine(scene) as cosim:
-        for steps in (0, 7):
-            cosim.start()
-            for _ in range(steps):
-                cosim.step(0.01, 0.001)
-            cosim.start(attempt=0, again=again)
-            recorder = Recorder(cosim.units, recorded(scene))
-            for _ in range(20):
-                cosim.step(0.01, 0.001)
-            recorder.record(cosim.time)
-            ends.append(recorder.rows.tobytes())
-    assert ends[0] == ends[1]
+        times, _ = run(cosim).columns()
+        late = run(cosim, Repeated(times, 2, 1e-4))
+    with engine(scene) as cosim:
+        assert run(cosim, Repeated(times, 2, 1e-4)).rows == late.rows

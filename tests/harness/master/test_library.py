@@ -53,6 +53,18 @@ def test_threads_may_use_units_that_run_python():
             assert all((found[k] == alone[k]).all() for k in alone)
 
 
+def test_native_units_and_those_that_run_python_are_two_programs_of_the_same_equations():
+    scene = load_scene("balls_and_liquid").replace({"run.revolutions": 20.0})
+    native, python = (
+        cosimulate(scene.replace({"coupling.units": units}), separate=True)
+        for units in ("native", "python")
+    )
+    assert native.signals.keys() == python.signals.keys()
+    for name, expected in python.signals.items():
+        size = float(np.ptp(expected)) or 1.0
+        np.testing.assert_allclose(native[name], expected, rtol=0.0, atol=1e-12 * size)
+
+
 def test_without_a_native_library_python_units_serve_and_the_run_says_so(monkeypatch):
     def absent(platforms):
         raise NotCompiled("no library for this machine")

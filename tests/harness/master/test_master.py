@@ -127,18 +127,6 @@ def test_a_liquid_that_is_all_added_mass_exchanges_no_force_and_never_rolls_back
         assert what in left_out
 
 
-def test_without_a_watched_clearance_the_rotor_steps_alone():
-    with CoSimulation(load_scene("liquid_disc"), watch=False) as cosim:
-        cosim.start()
-        before = {name: dict(unit.calls) for name, unit in cosim.units.items()}
-        for _ in range(10):
-            cosim.step(1e-3)
-        assert cosim.units["liquid"].calls == before["liquid"]
-        assert cosim.units["rotor"].calls == before["rotor"] | {
-            "step": before["rotor"]["step"] + 10
-        }
-
-
 def test_recording_nothing_reads_nothing():
     scene = load_scene("two_balls")
     nothing = calls_per_step(scene, record=[])

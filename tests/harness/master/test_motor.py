@@ -220,6 +220,8 @@ def integral(times, values):
 WRONG = [
     ({"operation.motor.inertia": 1e-6}, "operation.motor.inertia = 1e-06 kg m^2: must be above"),
     ({"coupling.scheme": "compensated"}, "does not support operation.motor"),
+    ({"coupling.scheme": "jacobi"}, 'coupling.scheme = "jacobi": .* must be "auto" or "iterated"'),
+    ({"coupling.order": 1}, "coupling.order = 1: does not support operation.motor: must be 3"),
     ({"operation.motor.table": [[0.0, 1.0], [9.0, 0.0]]}, "give either table, or stall_torque"),
 ]
 
@@ -244,9 +246,6 @@ def test_weights_of_finite_size_that_do_not_meet_move_as_points_to_their_order()
     assert (np.array(errors[1]) < 0.6 * np.array(errors[0])).all()
 
 
-@pytest.mark.parametrize("scheme", ["gauss-seidel", "jacobi", "iterated"])
-def test_every_scheme_drives_the_rotor_alike(scheme):
-    document = {**SCENE, "balancer": [], "coupling": {"scheme": scheme, "steps_per_rev": 200}}
-    found = cosimulate(Scene.from_document(document), record=["motor.speed"])["motor.speed"][-1]
-    fine = cosimulate(Scene.from_document({**SCENE, "balancer": []}), record=["motor.speed"])
-    assert found == pytest.approx(fine["motor.speed"][-1], rel=1e-7)
+def test_separate_units_are_not_coupled_with_a_motor():
+    with pytest.raises(SceneError, match=r"operation\.motor: .*as one file"):
+        cosimulate(Scene.from_document(SCENE), separate=True)

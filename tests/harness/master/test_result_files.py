@@ -9,12 +9,11 @@ import numpy as np
 import pytest
 
 from autobalancer.harness import Result, UserError, cosimulate
-from autobalancer.harness.master.parting import Parting
 
 
 @pytest.fixture(scope="module")
 def result() -> Result:
-    return cosimulate("two_balls", verify=True)
+    return cosimulate("two_balls")
 
 
 def assert_equal(one: Result, other: Result) -> None:
@@ -30,9 +29,8 @@ def assert_equal(one: Result, other: Result) -> None:
 
 def test_a_loaded_result_is_the_one_that_was_saved(result, tmp_path):
     pytest.importorskip("xarray")
-    parted = replace(result.verification, parting=Parting(0.25, 12.0))
     words = {"scene_title": 'µ <"title"> €', "events": ("note\nwith a second line",)}
-    strange = replace(result, verification=parted, **words)
+    strange = replace(result, **words)
     for number, one in enumerate((result, strange, cosimulate("liquid_disc", record=[]))):
         path = one.save(tmp_path / f"{number}.nc")
         again = Result.load(path)
@@ -64,14 +62,13 @@ def test_a_file_appears_whole_or_not_at_all(result, tmp_path):
     assert not list(tmp_path.iterdir())
 
 
-def test_tables_hold_signals_units_and_errors(result):
+def test_tables_hold_signals_and_units(result):
     pytest.importorskip("xarray")
     frame, data = result.to_pandas(), result.to_xarray()
     np.testing.assert_array_equal(frame["rotor.x"].to_numpy(), result["rotor.x"])
     np.testing.assert_array_equal(frame.index.to_numpy(), result.time)
     assert frame.attrs["units"]["rotor.x"] == "m"
-    named = {"units": "m", "long_name": "displacement rotor.x"}
-    assert data["rotor.x"].attrs == {**named, "error": result.error["rotor.x"]}
+    assert data["rotor.x"].attrs == {"units": "m", "long_name": "displacement rotor.x"}
     assert data["time"].attrs == {"units": "s", "long_name": "time"}
     late = data["weights.weight[1].angle"].sel(time=result.time[-1], method="nearest")
     assert float(late) == result["weights.weight[1].angle"][-1]
@@ -92,4 +89,4 @@ def test_a_notebook_shows_signals_and_notes_as_text(result):
     assert "&lt;script&gt;alert(1)" in page
     assert "rotor.x</td>" in page
     assert page.count("data:image/png;base64,") == 1
-    assert "<img" not in replace(result, signals={}, verification=None)._repr_html_()
+    assert "<img" not in replace(result, signals={})._repr_html_()

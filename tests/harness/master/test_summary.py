@@ -1,5 +1,6 @@
 """What a run comes to: the summary's figures against closed forms, and each of its reasons."""
 
+import json
 import math
 
 import numpy as np
@@ -59,14 +60,13 @@ def test_vibration_and_velocity_of_the_rotor_alone_are_those_of_its_equations():
     assert "Unbalance of the rotor 20 g m: G630." in str(found)
 
 
-def test_velocity_is_recorded_without_changing_the_run_and_its_error_is_measured():
+def test_velocity_is_recorded_without_changing_the_run():
     names = ["rotor.x", "balls.weight[1].angle"]
     plain = cosimulate(drum(run__revolutions=20), record=names)
-    run = cosimulate(drum(run__revolutions=20), record=[*names, "rotor.velocity_rms"], verify=True)
+    run = cosimulate(drum(run__revolutions=20), record=[*names, "rotor.velocity_rms"])
     assert list(run.signals) == [*names, "rotor.velocity_rms"]
     assert run.signal_units["rotor.velocity_rms"] == "m/s"
     assert all((plain[name] == run[name]).all() for name in names)
-    assert 0.0 < run.verification.relative["rotor.velocity_rms"] < 0.02
 
 
 @pytest.mark.parametrize(
@@ -126,7 +126,11 @@ def test_run_prints_the_summary_and_bookkeeping_only_when_asked(invoke, tmp_path
     assert "Balanced after 22 s: vibration 0.046 mm" in outcome.output
     assert "Left out" not in outcome.output
     assert "Balanced after 22 s" in (tmp_path / "report.html").read_text(encoding="utf-8")
-    assert "Left out: " in invoke("run", "two_balls", "--verbose").output
+    verbose = invoke("run", "two_balls", "--verbose", "--json", tmp_path / "run.json")
+    assert "Left out: " in verbose.output
+    error = json.loads((tmp_path / "run.json").read_text(encoding="utf-8"))["estimated_error"]
+    assert 0.0 < error < 1e-3
+    assert f"estimated error {error:.1g}" in verbose.output
 
 
 def test_assert_settled_takes_the_time_of_the_summary_and_says_why_not():

@@ -1,17 +1,13 @@
 """Stability maps: what stands on the axes, in the grid, and in the files."""
 
 import csv
-import math
-import warnings
 
 import numpy as np
 import pytest
-from scipy.spatial.distance import pdist
-from scipy.stats import qmc
 
 from autobalancer.harness import UserError, load_scene
 from autobalancer.harness.stability.axis import Axis
-from autobalancer.harness.stability.map import grid_points, stability_map
+from autobalancer.harness.stability.map import stability_map
 from autobalancer.models.stability import growth_rates
 
 pytestmark = pytest.mark.slow
@@ -85,63 +81,23 @@ def test_criterion_changes_sign_at_its_own_roots():
 
 def test_weights_that_cannot_balance_are_not_a_number():
     x, y = Axis.parse("speed=2:4:2"), Axis.parse("rotor.unbalance=0.001:0.02:3")
-    data = stability_map(load_scene("filimonikhina"), x, y, cosim=3)
+    data = stability_map(load_scene("filimonikhina"), x, y)
     assert np.isfinite(data.growth[0]).all()
     assert np.isnan(data.growth[1:]).all()
-    assert len(data.points) == data.agreeing == 3
-    assert all(bool(p.refusal) == (p.y > 0) for p in data.points)
-
-
-def test_cosimulated_points_agree_with_floquet():
-    x, y = Axis.parse("speed=1.5:11:20"), Axis.parse("weights.drag=1e-3:1e-1:20:log")
-    data = stability_map(load_scene("filimonikhina"), x, y, cosim=10)
-    assert len({(p.x, p.y) for p in data.points}) == 10
-    assert data.agreeing == 10
-    for p in data.points:
-        assert p.growth == pytest.approx(data.growth[p.y, p.x], rel=1e-3)
-
-
-@pytest.mark.parametrize("count", [8, 12, 25, 40, 100])
-def test_cosimulated_points_are_spread_more_evenly_than_by_standard_sequences(count):
-    def nearest(points):
-        return pdist(np.asarray(points)).min() * math.sqrt(count)
-
-    fine = 10_000
-    points = grid_points(count, fine, fine)
-    assert len(set(points)) == count
-    assert nearest(np.array(points) / fine) > 0.6
-    for sequence in (qmc.Halton, qmc.Sobol):
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore", UserWarning)  # of Sobol about powers of two
-            assert nearest(points) / fine > nearest(sequence(2, scramble=False).random(count))
-
-
-def test_a_grid_smaller_than_what_is_asked_is_taken_whole():
-    assert sorted(grid_points(50, 3, 4)) == [(i, j) for i in range(3) for j in range(4)]
-
-
-def test_agreement_is_counted_not_assumed():
-    x, y = Axis.parse("speed=3:7:2"), Axis.parse("weights.drag=2e-3:3e-3:2")
-    data = stability_map(load_scene("filimonikhina"), x, y, cosim=4)
-    assert data.agreeing == 4
-    data.growth[:] *= -1.0
-    assert data.agreeing == 0
 
 
 def test_command_writes_picture_and_points(invoke, tmp_path, one_process):
     picture, table = tmp_path / "map.png", tmp_path / "map.csv"
     outcome = invoke(
         "map", "filimonikhina", "--x", "speed=0.9:12:12", "--y", "weights.drag=1e-3:1:6:log",
-        "-o", picture, "--csv", table, "--cosim", 3,
+        "-o", picture, "--csv", table,
     )  # fmt: skip
     assert outcome.exit_code == 0, outcome.output
-    assert "3 of 3 co-simulated points agree" in outcome.output
     assert picture.read_bytes().startswith(b"\x89PNG")
     with table.open() as stream:
         rows = list(csv.DictReader(stream))
     assert len(rows) == 72
     assert float(rows[0]["speed [rad/s]"]) == 0.9
-    assert sum(bool(row["cosim growth rate [1/s]"]) for row in rows) == 3
     for row in rows:
         assert row["criterion"] in {"stable", "unstable"}
 

@@ -10,7 +10,7 @@ import pytest
 from autobalancer.harness import load_scene
 from autobalancer.harness.master.revolution import Revolution
 from autobalancer.models.papers.window import LiquidWindow
-from tests.floquet import multipliers
+from tests.floquet import multipliers, units_multipliers
 
 pytestmark = pytest.mark.slow
 
@@ -45,7 +45,7 @@ def test_multipliers_of_a_liquid_are_those_of_the_exact_roots(name, steps, toler
     roots = np.array(window.roots(speed))
     roots = np.concatenate([roots, roots.conj()])  # of z, and of its conjugate
     with Revolution(scene, steps=steps) as revolution:
-        found = revolution.multipliers(speed, np.zeros(len(revolution.states)))
+        found = units_multipliers(revolution, speed, np.zeros(len(revolution.states)))
     same_spectrum(found, np.exp(roots * 2.0 * math.pi / speed), tolerance)
 
 
@@ -55,7 +55,7 @@ def test_multipliers_converge_with_order_4():
     errors = []
     for steps in (20, 40, 80):
         with Revolution(scene, steps=steps) as revolution:
-            found = revolution.multipliers(6.0, revolution.first)
+            found = units_multipliers(revolution, 6.0, revolution.first)
         errors.append(abs(np.abs(found[0]) - expected))
     assert np.log2(errors[0] / errors[1]) == pytest.approx(4.0, abs=0.6)
     assert errors[2] < 1e-6
@@ -74,7 +74,7 @@ def test_the_map_is_of_constant_speed_and_whole_revolutions_whatever_the_scene_r
     spectra = []
     for each in (scene, scene.replace(changes)):
         with Revolution(each, steps=20) as revolution:
-            spectra.append(revolution.multipliers(6.0, revolution.first))
+            spectra.append(units_multipliers(revolution, 6.0, revolution.first))
     assert spectra[0] == pytest.approx(spectra[1], abs=1e-12)
 
 

@@ -13,7 +13,7 @@ import pytest
 
 flint = pytest.importorskip("flint", reason="the extra `proof` is not installed")
 
-from autobalancer.harness import UserError, load_scene, speeds  # noqa: E402
+from autobalancer.harness import Scene, UserError, load_scene, speeds  # noqa: E402
 from autobalancer.harness.checks.filimonikhina import OUTSIDE, RANGE, TABLES, variant  # noqa: E402
 from autobalancer.harness.checks.proved import bracket_rows  # noqa: E402
 from autobalancer.harness.checks.row import Rows  # noqa: E402
@@ -21,6 +21,7 @@ from autobalancer.harness.stability.exact import Tables, tolerances  # noqa: E40
 from autobalancer.harness.stability.proved import Band, Proof, prove  # noqa: E402
 from autobalancer.models.linear.boundaries import balancing_boundaries  # noqa: E402
 from autobalancer.models.stability import growth_rates  # noqa: E402
+from tests.truth.draw import draw  # noqa: E402
 
 
 def proof_of(scene, low: float, high: float, **options) -> Proof:
@@ -103,6 +104,13 @@ def test_limits_within_tolerances_are_shown_as_two_speeds():
     low, high = (usual * (1.0 + 3.0 * ratio) for ratio in (0.9 / 1.1, 1.1 / 0.9))
     shown = line.removeprefix("stable below ").removesuffix(" rad/s").split(" to ")
     assert [float(end) for end in shown] == pytest.approx([low, high], rel=1e-8)
+    assert float(shown[0]) < low < high < float(shown[1])  # rounded outwards
+
+
+def test_limits_are_shown_in_engineers_units(invoke):
+    line = ("speeds", "liquid_disc", "--range", "100", "700", "--method", "proved")
+    outcome = invoke(*line, "--units", "engineering")
+    assert "proved: stable below 3977.253147 to 3977.253148 rpm" in outcome.output
 
 
 @pytest.mark.parametrize(
@@ -145,6 +153,26 @@ def test_no_machine_within_the_tolerances_contradicts_a_band(name, low, high, wi
             places, growth_rates(scene.replace(machine).assembly(), places), strict=True
         ):
             assert not refuted(proof.bands, speed, growth), (machine, speed)
+
+
+@pytest.mark.parametrize(
+    ("family", "number"),
+    [
+        *[("planar", k) for k in (0, 5)],
+        *[("heavy", k) for k in (0, 1, 3, 4, 5)],
+        *[("liquid", k) for k in (0, 2, 3)],
+        *[pytest.param(name, k, marks=pytest.mark.slow)
+          for name, k in (("flexible", 3), ("two_support", 4))],
+    ],
+)  # fmt: skip
+def test_random_machines_do_not_contradict_their_bands(family, number):
+    scene = Scene.from_document(draw(family, 1, number))
+    speed = scene.profile().end
+    proof = proof_of(scene, 0.5 * speed, 1.5 * speed, narrowest=1e-3 * speed)
+    assert proof.undecided < 0.01
+    places = np.random.default_rng(1).uniform(0.5 * speed, 1.5 * speed, 200)
+    for place, growth in zip(places, growth_rates(scene.assembly(), places), strict=True):
+        assert abs(growth) < 1e-9 * place or not refuted(proof.bands, place, growth)
 
 
 def test_numbers_of_both_axes_are_parameters_of_their_own():

@@ -94,6 +94,3 @@ def test_command_draws_runs(invoke, tmp_path, monkeypatch):
         rows = list(csv.DictReader(stream))
     assert len(rows) == 12
     assert all(float(row["residual amplitude [m]"]) > 0.0 for row in rows)
-    outcome = invoke("map", "two_balls", *axes, "--method", "cosim-run", "--cosim", 3)
-    assert outcome.exit_code == 2
-    assert "belongs to floquet" in outcome.output

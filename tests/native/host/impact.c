@@ -5,7 +5,7 @@
 
 EXPORT int collide_now(void *instance)
 {
-    Unit *unit = front_unit(instance);
+    Unit *unit = instance;
     int struck;
     const int wrong = impacts_strike(unit, 0.0, &struck);
     unit->stale = OBSERVED; /* speeds are read anew from the memories of the parts */

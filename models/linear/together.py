@@ -8,13 +8,14 @@ acceleration a of the track's centre in the rotor's frame it obeys
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from ..arrays import Array
 from ..assembly import Assembly
-from ..linear.balanced import WeightTable
-from .response import Response
-from .search import moment_without_weights
+from ..harmonic_balance import unbalance_response
+from .balanced import WeightTable
 
 
 def difference_growth(assembly: Assembly, speed: float, angles: Array) -> Array:
@@ -29,9 +30,12 @@ def difference_growth(assembly: Assembly, speed: float, angles: Array) -> Array:
     """
     rotor, table = assembly.loaded_rotor, WeightTable.of(assembly)
     rotor.refuse_sliders("the response to weights that stand together")
-    moment = moment_without_weights(assembly)
-    moment += (table.moment * np.exp(1j * angles)) @ rotor.planes[table.plane]
-    centre = rotor.planes[table.plane] @ Response.of(rotor, speed, 2).direct[0] @ moment
+    moment = rotor.unbalance + (table.moment * np.exp(1j * angles)) @ rotor.planes[table.plane]
+    for mounted in assembly.weights:  # added masses on tracks that are off centre
+        mass = mounted.device.added_mass
+        moment = moment + mass * mounted.offset * rotor.planes[mounted.plane]
+    x, y = unbalance_response(replace(rotor, unbalance=moment), [speed])[0]
+    centre = rotor.planes[table.plane] @ (x + 1j * y) / 2.0  # the mean in the rotor's frame
     centre += [m.offset for m in assembly.weights for _ in m.angles]
     pull = -(speed**2) * (centre * np.exp(-1j * angles)).real / table.kappa_radius
     half = table.damping_rate / 2.0
