@@ -194,7 +194,7 @@ class Core:
     def centre_motion(
         self, signal: Sequence[complex], speed: float, spin_up: Sequence[float]
     ) -> Any:
-        """How a track's centre moves over a step: its acceleration's cubic, and the rotor's spin."""
+        """How a track's centre moves over a step: a cubic acceleration, and how the rotor turns."""
         parts = [Complex(z.real, z.imag) for z in map(complex, signal)]
         spin = Spin(0.0, speed, (c_double * 4)(*spin_up))
         return byref(CentreMotion((Complex * 4)(*parts), spin))

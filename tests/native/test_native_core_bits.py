@@ -27,9 +27,9 @@ def _bits(core):
     native = core.structures.Weights(3, 0.01, 0.05, 0.05, 1.4)
     angles, speeds, signal = random.normal(size=(3, 8))
     moved, rates = np.zeros(3), np.zeros(3)
+    motion = core.centre_motion(signal.view(complex) * 1e3, 0.0, (7.0, 30.0, -2e3, 1e5))
     core.demand(
-        "weights_advance", byref(native), angles, speeds,
-        core.centre_motion(signal.view(complex) * 1e3, 0.0, (7.0, 30.0, -2e3, 1e5)), 1e-2, moved, rates,
+        "weights_advance", byref(native), angles, speeds, motion, 1e-2, moved, rates,
         byref(core("quadrature_empty")), None,
     )  # fmt: skip
     return b"".join(values.tobytes() for values in [*results, moved, rates, *_contact(core)])

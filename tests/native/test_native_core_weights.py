@@ -37,9 +37,10 @@ def _advance(core, native, angles, speeds, signal, spin_up, step, memory=None):
     angles, speeds = np.array(angles, float), np.array(speeds, float)
     new_angles, new_speeds = np.empty_like(angles), np.empty_like(speeds)
     memory = memory or core("quadrature_empty")
+    motion = core.centre_motion(signal, 0.0, (spin_up, *STEADY))
     core.demand(
-        "weights_advance", byref(native), angles, speeds,
-        core.centre_motion(signal, 0.0, (spin_up, *STEADY)), step, new_angles, new_speeds, byref(memory), None,
+        "weights_advance", byref(native), angles, speeds, motion, step, new_angles, new_speeds,
+        byref(memory), None,
     )  # fmt: skip
     return new_angles, new_speeds
 

@@ -5,7 +5,7 @@
 #include "rotor/first_fall.h"
 
 enum { TERMS = MOST_COEFFICIENTS - 1 }; /* 0.5^18/18! is far below rounding */
-enum { MOST_STRETCHES = 10000, MOST_SWEEPS = 10000, MOST_DERIVATIVES = 3 };
+enum { MOST_STRETCHES = 10000, MOST_SWEEPS = 10000, DERIVATIVES = 3 };
 static const double REACH = 0.5, SWEEP_CONVERGED = 1e-15;
 static const double LIMIT_ROUNDING = 1e-12; /* of a limit: a force so near to it has reached it */
 
@@ -19,7 +19,7 @@ size_t taylor_step_size(int stations, int planes, int count)
     const size_t half = 2 * (size_t)stations, m = (size_t)count, terms = TERMS + 1;
     const size_t length = (size_t)doubles_of_row(stations, planes);
     return 3 * half * length + half * m + terms * (length + m + 2) +
-           (MOST_DERIVATIVES + 2) * half + m * m + 5 * m;
+           (DERIVATIVES + 2) * half + m * m + 5 * m;
 }
 
 static double *next_block(double **memory, size_t count)
@@ -123,7 +123,7 @@ int taylor_step_in(double *memory, const LinearRotor *rotor, const Slider *slide
     made->forces = next_block(&memory, terms * m);
     made->turn = next_block(&memory, terms * 2);
     made->rate = next_block(&memory, half);
-    made->faster = next_block(&memory, (MOST_DERIVATIVES + 1) * half);
+    made->faster = next_block(&memory, (DERIVATIVES + 1) * half);
     made->mobility = next_block(&memory, m * m);
     made->hold = next_block(&memory, 2 * m);
     made->slider_states = next_block(&memory, 2 * m);
@@ -461,17 +461,17 @@ int taylor_advance(TaylorStep *method, double *state, double *slider_states, con
 }
 
 int taylor_motion(TaylorStep *method, const double *state, const double *slider_states,
-                  const Drive *drive, double t, int orders, double *rates, Failure *failure)
+                  const Drive *drive, double t, double *rates, Failure *failure)
 {
+    static const double factorials[DERIVATIVES] = {1.0, 1.0, 2.0};
     const int half = method->half;
     const double *velocity = method->series + half;
-    double factorial = 1.0;
     int i, k;
-    const int code = set_series(method, state, slider_states, drive, t, 1.0, orders - 1, failure);
-    for (k = 0; k < orders && !code; k++, velocity += method->length, rates += half) {
-        factorial *= k ? k : 1;
+    const int code =
+        set_series(method, state, slider_states, drive, t, 1.0, DERIVATIVES - 1, failure);
+    for (k = 0; k < DERIVATIVES && !code; k++, velocity += method->length, rates += half) {
         for (i = 0; i < half; i++) {
-            rates[i] = factorial * velocity[i];
+            rates[i] = factorials[k] * velocity[i];
         }
     }
     return code;
@@ -483,9 +483,8 @@ int taylor_plane_motion(TaylorStep *method, const double *state, double *slider_
     const int p = method->plane_count, n = method->half / 2;
     double *rates = method->faster + method->half;
     int k;
-    const int code = taylor_motion(method, state, slider_states, drive, t, MOST_DERIVATIVES, rates,
-                                   failure);
-    for (k = 1; k < MOST_DERIVATIVES && !code; k++, planes += 2 * p) {
+    const int code = taylor_motion(method, state, slider_states, drive, t, rates, failure);
+    for (k = 1; k < DERIVATIVES && !code; k++, planes += 2 * p) {
         combine_vectors(method->planes, p, n, rates + k * method->half, planes);
     }
     for (k = 0; k < method->count && !code; k++) {

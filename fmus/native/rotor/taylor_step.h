@@ -56,9 +56,9 @@ int taylor_advance(TaylorStep *method, double *state, double *slider_states, con
 int taylor_resolve(TaylorStep *method, const double *state, double *slider_states,
                    const Drive *drive, double t, Failure *failure);
 
-/* Derivatives of the displacements at time t, of order 1 to `orders` (at most 3). */
+/* Derivatives of the displacements at time t, of order 1 to 3. */
 int taylor_motion(TaylorStep *method, const double *state, const double *slider_states,
-                  const Drive *drive, double t, int orders, double *rates, Failure *failure);
+                  const Drive *drive, double t, double *rates, Failure *failure);
 
 /* Acceleration and jerk of the planes in fixed axes at time t, and the friction forces. */
 int taylor_plane_motion(TaylorStep *method, const double *state, double *slider_states,

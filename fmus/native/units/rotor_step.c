@@ -121,9 +121,9 @@ static int propagate_series(Unit *unit, double step)
     return 0;
 }
 
-/* Derivatives of the displacements at the present time, of order 1 to `orders`, in own->motion; how the
-   rotor turns. */
-static int find_motion(Unit *unit, int orders, Spin *spin)
+/* Derivatives of the displacements at the present time, of order 1 to 3, in own->motion; how the rotor
+   turns. */
+static int find_motion(Unit *unit, Spin *spin)
 {
     Rotor *own = unit->own;
     const double *state = unit->memory + MOTION, ago = state[4 * own->stations + 1];
@@ -140,8 +140,8 @@ static int find_motion(Unit *unit, int orders, Spin *spin)
                                            &failure)
                           : FINE;
     }
-    if (code || taylor_motion(&own->taylor, state, own->slider_states, &drive, ago, orders,
-                              own->motion, &failure)) {
+    if (code || taylor_motion(&own->taylor, state, own->slider_states, &drive, ago, own->motion,
+                              &failure)) {
         return unit_failed(unit, &failure);
     }
     return 0;
@@ -151,7 +151,7 @@ int rotor_torque_now(Unit *unit, double *torque)
 {
     const Rotor *own = unit->own;
     Spin spin;
-    if (find_motion(unit, 3, &spin)) {
+    if (find_motion(unit, &spin)) {
         return 1;
     }
     linear_rotor_torque(&own->rotor, unit->memory + MOTION, own->motion, &spin, torque);
@@ -163,7 +163,7 @@ int rotor_derivatives(Unit *unit, double *rates)
     const Rotor *own = unit->own;
     const size_t motion = 4 * (size_t)own->stations;
     Spin spin;
-    if (find_motion(unit, 2, &spin)) {
+    if (find_motion(unit, &spin)) {
         return 1;
     }
     rates[0] = unit->memory[MOTION + motion];
