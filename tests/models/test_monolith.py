@@ -11,14 +11,12 @@ from numpy.testing import assert_allclose
 from scipy.integrate import quad
 
 from autobalancer.models.assembly import Assembly, Mounted, SpeedProfile
-from autobalancer.models.cubic import hermite
 from autobalancer.models.liquid import Liquid
 from autobalancer.models.monolith import ReferenceDisagreement, reference, simulate
 from autobalancer.models.reference.coupled import Monolith, Start
 from autobalancer.models.reference.trajectory import differences
 from autobalancer.models.rotor import LinearRotor
 from autobalancer.models.steps.propagator import step_matrix
-from autobalancer.models.steps.weights import advance, reaction
 from autobalancer.models.weights import KAPPA, Weights
 
 pytestmark = pytest.mark.slow
@@ -191,34 +189,6 @@ def test_a_rotor_with_liquid_moves_as_the_exact_step(isotropic: bool) -> None:
         expected = complex(*(step_matrix(assembly.loaded_rotor, 3.0, 4.0) @ start)[:2])
     assert_allclose(run.x[0, 0] + 1j * run.y[0, 0], expected, rtol=1e-9)
     assert_allclose(run["liquid.clearance"], 0.01 - abs(expected), rtol=1e-9)
-
-
-@pytest.mark.parametrize("profile", [SPEED, SpeedProfile.run_up(2.0, 3.0, 8.0)])
-def test_weights_follow_the_monolith_when_shown_its_acceleration(profile: SpeedProfile) -> None:
-    assembly, h = mixed(), 0.01
-    time = np.arange(0, 200) * h
-    run = simulate(assembly, profile, time, initial=Start(0.1, 0.0, 0.2), rtol=1e-12)
-    a = run.plane_acceleration(0)
-    slopes = np.gradient(a, h, edge_order=2)
-    slopes[2:-2] = (a[:-4] - 8 * a[1:-3] + 8 * a[3:-1] - a[4:]) / (12 * h)
-    for name in ("balls", "pendulums"):
-        device = next(m.device for m in assembly.weights if m.name == name)
-        assert isinstance(device, Weights)
-        angles, speeds = list(run.theta[name][2]), list(run.angle_rate[name][2])
-        for k in range(2, 196):
-            ends = a[k], slopes[k], a[k + 1], slopes[k + 1]
-            signal = *ends[:2], *hermite(*ends, h)
-            w1 = profile.acceleration(time[k])
-            angles, speeds = advance(device, angles, speeds, signal, w1, h)
-        assert_allclose(angles, run.theta[name][196], atol=2e-7)
-        force, slope = reaction(
-            device, list(run.theta[name][100]), list(run.angle_rate[name][100]), a[100],
-            slopes[100], run.speed[100], run.angular_acceleration[100],
-        )  # fmt: skip
-        f = run.force(name)
-        assert_allclose(force, f[100], rtol=1e-10)
-        central = (f[98] - 8 * f[99] + 8 * f[101] - f[102]) / (12 * h)
-        assert_allclose(slope, central, rtol=1e-5)
 
 
 def test_the_reference_scene_states_its_own_error() -> None:
