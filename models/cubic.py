@@ -1,4 +1,4 @@
-"""Cubics over a step, told by value and derivatives 1 to 3 at its start; real or complex."""
+"""Cubics over a step, given by value and derivatives 1 to 3 at its start; real or complex."""
 
 from __future__ import annotations
 

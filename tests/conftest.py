@@ -6,6 +6,7 @@ import os
 import tempfile
 import zipfile
 from collections.abc import Callable, Iterator, Sequence
+from contextvars import copy_context
 from functools import cache, partial
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -52,7 +53,9 @@ def invoke() -> Callable[..., object]:
 
         from autobalancer.harness.__main__ import program
 
-        return CliRunner().invoke(program(), [str(argument) for argument in arguments])
+        written = [str(argument) for argument in arguments]
+        # a context of its own: the units that one command shows are not those of what follows
+        return copy_context().run(CliRunner().invoke, program(), written)
 
     return run
 

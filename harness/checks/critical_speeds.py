@@ -20,7 +20,7 @@ from .row import Row, Rows
 SPEED_TOLERANCE = 1e-3  # relative, co-simulated against Floquet: the coupling's error
 BALANCED_SHARE = 0.01  # residual moment over that at the start
 LATE = 10  # last part of a run in which it is judged: one tenth
-SETTLING = 9.0  # times 1/growth rate: e^-9 leaves 1e-4 of what the main motion is missed by
+SETTLING = 9.0  # times 1/growth rate: e^-9 = 1e-4 of the distance to the main motion is left
 TRANSIENT = 60.0  # revolutions before that: the weights find their places
 LONGEST = 3000.0  # revolutions of a run: what settles later, e^-0.003 per revolution, is a boundary
 FLOQUET = "Floquet multipliers about the main motion"

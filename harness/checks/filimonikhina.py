@@ -21,7 +21,7 @@ from .row import Row, Rows
 
 TABLES = (*TABLE_1, *TABLE_2)
 RANGE = (0.9, 13.0)  # n, below the lowest speed of both tables and well beyond the highest
-NARROWEST = 0.02  # n: no band wider than this is missed by Floquet
+NARROWEST = 0.02  # n: Floquet finds every wider band
 # what the paper's intervals miss of the exact speeds: it integrates for a finite time, and calls
 # stable what grows very slowly, which Table 2's heavy damping of the supports makes common
 OUTSIDE = {1: 3e-4, 2: 2.2e-2}  # n

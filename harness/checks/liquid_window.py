@@ -1,4 +1,4 @@
-"""The window of a liquid balancer from the coupled units, held against Dubovik 2006.
+"""The window of a liquid balancer from the coupled units, compared with Dubovik 2006.
 
 Measured without an equation of motion: steady bending is the fixed point of the one-revolution
 map, stability its largest multiplier.  Expected: (6), (10), (11) and the roots of the disturbed

@@ -57,7 +57,7 @@ def parts_of(scene: Scene) -> list[CheckPart]:
     """Everything that a scene asks to be checked, in order.
 
     Raises:
-        SceneError: there is nothing, or gravity acts, of which a check's theory knows nothing.
+        SceneError: there is nothing to check, or gravity acts, which no theory of a check has.
     """
     if not scene.checks:
         raise SceneError(

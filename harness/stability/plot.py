@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from .proved_map import ProvedMap
 
 
-DECADES = 3.0  # of growth rates told apart on either side of zero
+DECADES = 3.0  # of growth rates shown on either side of zero
 
 
 def plot_map(data: StabilityMap, path: Path | None) -> Path | Drawing:

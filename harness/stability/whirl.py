@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import SceneError
+from ..errors import UserError
 from ..master.many import cosimulate_many
 from ..master.names import station_residuals, weight
 from ..output.words import kinds_of
@@ -98,7 +98,7 @@ def whirls(scene: Scene, span: tuple[float, float], why: str) -> Whirls:
             now = _run(scene, speeds, revolutions)
             change = np.abs(now.amplitude - before.amplitude)
             stays = (change <= STAYS * now.amplitude.max(axis=1, keepdims=True)).all(axis=1)
-    except SceneError as error:
+    except UserError as error:
         return Whirls(why, (), str(error))
     rows = zip(speeds.tolist(), stays.tolist(), now.amplitude, now.angles, now.failure, strict=True)
     return Whirls(

@@ -148,7 +148,7 @@ def one_turn_multipliers(
             mean, each = _harmonics_of(steady[system], w), w[:, None, None]
             swings = (part[system][:, ~held] / each for part in (cosine, sine))
             at_nodes = partial(_at_nodes, (mean[:, ~held], *swings), int(count))
-            with np.errstate(over="ignore", invalid="ignore"):  # told below
+            with np.errstate(over="ignore", invalid="ignore"):  # raised below
                 turn: NDArray = half_turn(at_nodes, int(count), (held, mean[:, held]))
             finite = np.isfinite(turn).all(axis=(1, 2))
             if not finite.all():

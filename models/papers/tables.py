@@ -1,4 +1,4 @@
-"""Published numbers of Filimonikhina 2017 that the code is held against: Tables 1 and 2.
+"""Published numbers of Filimonikhina 2017, with which the code is compared: Tables 1 and 2.
 
 Two pendulums (kappa = 1) at 2 pi/3 and 4 pi/3, unbalance that of one weight, n_eta = 7.  The paper
 found each critical speed by integrating the motion and gives the interval that holds it.

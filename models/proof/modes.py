@@ -3,7 +3,7 @@
 x = F y with F a polynomial in s = w - w0 and in the parameters e_j, and in harmonics of 2 beta.
 Where all of them are 0 its columns are Floquet modes: eigenvectors of the truncated harmonic
 problem (Hill's), refined by Newton's method; higher degrees follow by perturbation.  In
-y' = T y, T is diagonal but for blocks of modes too near to each other to be told apart.
+y' = T y, T is diagonal but for blocks of modes too near to each other to be distinguished.
 """
 
 from __future__ import annotations

@@ -1,1 +1,1 @@
-"""Independent motion of a whole assembly, to hold co-simulation against."""
+"""Independent motion of a whole assembly, with which co-simulation is compared."""

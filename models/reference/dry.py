@@ -88,12 +88,12 @@ class Dry:
         profile, rotor = self.system.profile, self.system.assembly.rotor
         w, w1 = profile.speed(t), profile.acceleration(t)
         grips = [*(phi2[:, self.weights] - w1).T, *(a[:, s.axis, s.station] for s in self._rigid)]
-        felt = a[:, 0] + 1j * a[:, 1] - rotor.gravity
-        whirl = (1j * w1 - w * w) * np.exp(1j * (self.system.angle + profile.angle(t)))
+        relative = a[:, 0] + 1j * a[:, 1] - rotor.gravity
+        turned = (1j * w1 - w * w) * np.exp(1j * (self.system.angle + profile.angle(t)))
         loads = []
         for k, m in zip(self.weights, self._of, strict=True):
             phi, rate = y[4 * self.system.stations + k :: self.count][:2]
-            centre = felt @ rotor.planes[m.plane] + whirl * m.offset
+            centre = relative @ rotor.planes[m.plane] + turned * m.offset
             inward = (centre * np.exp(-1j * phi)).real
             loads.append(m.device.track_radius * rate**2 - inward)  # type: ignore[union-attr]
         rest = np.array([*grips, *loads]).reshape(-1, len(pushes)).T

@@ -76,18 +76,6 @@ def test_every_row_of_a_bundled_scene_holds_and_says_what_is_special(name):
 
 
 @pytest.mark.parametrize(
-    ("attribute", "start"),
-    [("lower", "lower boundary"), ("upper", "upper boundary")],
-)
-def test_a_boundary_that_is_off_by_3e_4_does_not_hold(monkeypatch, attribute, start):
-    theory = getattr(LiquidWindow, attribute).fget
-    monkeypatch.setattr(LiquidWindow, attribute, property(lambda w: theory(w) * (1.0 + 3e-4)))
-    wrong = row(check("liquid_disc"), start)
-    assert not wrong.holds
-    assert wrong.error == pytest.approx(3e-4, rel=1e-3)
-
-
-@pytest.mark.parametrize(
     ("method", "change", "start"),
     [
         ("bending", lambda value: value * (1.0 + 3e-5), "steady bending"),

@@ -9,7 +9,6 @@ import pytest
 from autobalancer.harness import SimulationError, UserError, check, load_scene, speeds
 from autobalancer.harness.checks.critical_speeds import needed_revolutions
 from autobalancer.harness.master.revolution import Revolution
-from autobalancer.harness.scene import Scene
 from autobalancer.harness.stability.crossings import crossings, nodes_around
 from autobalancer.harness.stability.main_motion import MainMotion, NoMainMotion
 from autobalancer.harness.stability.speeds import Speeds
@@ -134,34 +133,16 @@ def test_steps_that_do_not_resolve_the_rotor_are_refined():
         assert motion.units.steps == 8
 
 
-def sized(count: int):
-    """A drum with steel balls of 20 mm: points at the nearest balanced angles would overlap."""
-    return Scene.from_document(
-        {
-            "rotor": {
-                "kind": "planar", "mass": 12.0, "stiffness": 25e3, "damping": 80.0,
-                "unbalance": 0.02,
-            },
-            "balancer": [
-                {
-                    "name": "balls", "kind": "balls", "count": count, "mass": 0.0327,
-                    "weight_radius": 0.01, "track_radius": 0.2, "drag": 0.2,
-                }
-            ],
-            "operation": {"speed": 125.66},
-        },
-        label="sized",
-    )  # fmt: skip
-
-
 @pytest.mark.parametrize("count", [4, 5, 6, 7])
 def test_balls_of_finite_size_balance_side_by_side_and_units_grow_as_floquet_says(count):
-    scene = sized(count)
-    needed = 2.0 * math.asin(0.01 / 0.2)
+    """Points at the nearest balanced angles would overlap."""
+    scene = load_scene("finite_weights").replace({"balls.count": count, "balls.angles": None})
+    speed = scene.profile().end
     with MainMotion(scene) as motion:
-        assert closest(motion.state[angles_of(motion)])[0] > needed + 1e-3
-        found = motion.growth(125.66)
-    assert found == pytest.approx(float(growth_rates(scene.assembly(), 125.66)[0]), rel=1e-3)
+        touching = 2.0 * scene.balancer[0].half_angle
+        assert closest(motion.state[angles_of(motion)])[0] > touching + 1e-3
+        found = motion.growth(speed)
+    assert found == pytest.approx(float(growth_rates(scene.assembly(), speed)[0]), rel=1e-3)
 
 
 # -- speeds ---------------------------------------------------------------------------------------
