@@ -6,7 +6,7 @@ masters.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any, Literal, NamedTuple
 
@@ -14,7 +14,7 @@ from ...fmus.catalogue import sized_unit
 from ..scene import Scene
 from ..scene.balancer import Balancer
 from ..scene.run import Motor
-from .names import AXES, components, plane, stations
+from .names import AXES, components, plane, readable, stations
 from .schedule import end_time, step_size
 
 ROTOR, MOTOR = "rotor", "motor"
@@ -90,10 +90,11 @@ class Plan:
         """Names of the FMU files, each once."""
         return tuple(dict.fromkeys(unit.file_name for unit in self.units))
 
-    def variables_by_unit(self) -> dict[str, list[str]]:
-        """Names of all variables of the units, as they are built."""
-        layouts = {unit.name: sized_unit(unit.model, **unit.sizes).layout for unit in self.units}
-        return {name: [v.name for v in layout.variables] for name, layout in layouts.items()}
+    def signal_units(self, names: Iterable[str]) -> dict[str, str]:
+        """What signals are measured in, as the units declare it."""
+        layouts = [(unit.name, sized_unit(unit.model, **unit.sizes).layout) for unit in self.units]
+        declared = {f"{n}.{v.name}": readable(v.unit) for n, each in layouts for v in each.reals}
+        return {name: declared[name] for name in names}
 
     def of_kind(self, kind: Kind) -> list[Connection]:
         """Connections of one kind."""

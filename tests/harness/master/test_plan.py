@@ -9,7 +9,6 @@ from autobalancer.harness.master.cosimulation import CoSimulation
 from autobalancer.harness.master.names import readable, signals, stations
 from autobalancer.harness.master.plan import Port, plan
 from autobalancer.harness.master.recorder import Recorder, recorded
-from autobalancer.harness.master.unit_files import signal_units
 
 
 def shaft(**changes):
@@ -143,7 +142,7 @@ def test_records_are_measured_in_what_the_fmus_declare():
     names = [name.replace("weights.", f"{scene.balancer[0].label}.") for name in names]
     with CoSimulation(scene) as cosim:
         found = Recorder(cosim.units, names).signal_units
-    assert found == signal_units(plan(scene).units, names)
+    assert found == plan(scene).signal_units(names)
     for name, unit in expected.items():
         name = name.replace("weights.", f"{scene.balancer[0].label}.")
         assert found[name] == unit
