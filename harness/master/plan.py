@@ -1,7 +1,6 @@
 """The plan of a scene: which units it needs, what they start from, and what is connected to what.
 
-Everything that couples or exports the units reads it: the master, the runs along fixed axes, other
-masters.
+Everything that couples or exports the units reads it.
 """
 
 from __future__ import annotations
@@ -14,7 +13,7 @@ from ...fmus.catalogue import sized_unit
 from ..scene import Scene
 from ..scene.balancer import Balancer
 from ..scene.run import Motor
-from .names import AXES, components, plane, readable, stations
+from .names import components, plane, readable, stations
 from .schedule import end_time, step_size
 
 ROTOR, MOTOR = "rotor", "motor"
@@ -77,13 +76,11 @@ class Plan:
 
     Attributes:
         planes: of the rotor's unit on which the balancers are, from 1, by their names.
-        axes: of the coupling signals.
     """
 
     units: tuple[UnitPlan, ...]
     connections: tuple[Connection, ...]
     planes: Mapping[str, int]
-    axes: tuple[str, str] = AXES["rotor"]
 
     @property
     def files(self) -> tuple[str, ...]:
@@ -114,22 +111,20 @@ class Plan:
         """The single variables of a port: two of a signal."""
         names = [port.variable]
         if kind == "signal":
-            names = components(port.variable, self.axes)
+            names = components(port.variable)
         return [Port(port.unit, name) for name in names]
 
 
-def plan(scene: Scene, frame: str = "rotor", order: int | None = None) -> Plan:
+def plan(scene: Scene, order: int | None = None) -> Plan:
     """The units a scene needs and no others, and their connections.
 
     Args:
-        frame: of the coupling signals, "rotor", or "fixed" as most tools have them.
         order: of the coupling signals; by default the scene's.
     """
     profile, motor = scene.profile(), scene.operation.motor
     speed = motor.start if motor else profile.speed(0.0)
     drive = {"speed": speed, "acceleration": profile.acceleration(0.0)}
-    built: dict[str, Any] = {} if frame == "rotor" else {"frame": frame}
-    built |= {"order": 5} if (order or scene.coupling.order) == 5 else {}
+    built: dict[str, Any] = {"order": 5} if (order or scene.coupling.order) == 5 else {}
     planes = scene.rotor.unit_planes([balancer.at for balancer in scene.balancer])
     start = {
         f"{'' if name == 'angle' else prefix}{name}0": value
@@ -158,12 +153,12 @@ def plan(scene: Scene, frame: str = "rotor", order: int | None = None) -> Plan:
     connections = [
         connection
         for balancer in scene.balancer
-        for connection in _connections(balancer, number[balancer.label], frame)
+        for connection in _connections(balancer, number[balancer.label])
     ]
     units = [rotor, *balancers]
     if motor:
         units.append(_motor(motor, scene.run.initial.angle))
-    return Plan(tuple(units), tuple(connections), number, AXES[frame])
+    return Plan(tuple(units), tuple(connections), number)
 
 
 def about(unit: UnitPlan, scene: Scene) -> dict[str, Any]:
@@ -183,7 +178,7 @@ def _motor(motor: Motor, angle: float) -> UnitPlan:
     return UnitPlan(MOTOR, "Motor", {"points": len(motor.points)}, start)
 
 
-def _connections(balancer: Balancer, number: int, frame: str) -> Iterator[Connection]:
+def _connections(balancer: Balancer, number: int) -> Iterator[Connection]:
     """Of a balancer on plane `number` of the rotor's unit."""
     name = balancer.label
     if balancer.exchanges_force:
@@ -191,7 +186,5 @@ def _connections(balancer: Balancer, number: int, frame: str) -> Iterator[Connec
         yield Connection(Port(name, "F"), Port(ROTOR, plane(number, "F")), "signal")
     for variable in balancer.follows:
         yield Connection(Port(ROTOR, plane(number, variable)), Port(name, variable), "value")
-    if frame == "fixed" and balancer.driven:
-        yield Connection(Port(ROTOR, "angle"), Port(name, "angle"), "value")
     mass = "added_mass"
     yield Connection(Port(name, mass), Port(ROTOR, plane(number, mass)), "mass")

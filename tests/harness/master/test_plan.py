@@ -35,11 +35,10 @@ def shaft(**changes):
 
 
 @pytest.mark.parametrize("name", bundled_scenes())
-@pytest.mark.parametrize("frame", ["rotor", "fixed"])
-def test_every_port_of_a_plan_is_a_variable_that_its_unit_has(name, frame):
+def test_every_port_of_a_plan_is_a_variable_that_its_unit_has(name):
     from autobalancer.fmus.catalogue import sized_unit
 
-    found = plan(load_scene(name), frame)
+    found = plan(load_scene(name))
     layouts = {u.name: sized_unit(u.model, **u.sizes).layout for u in found.units}
     names = {unit: {v.name: v for v in layout.variables} for unit, layout in layouts.items()}
     for unit in found.units:
