@@ -16,8 +16,8 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from autobalancer.harness.master.cosimulation import CoSimulation
-from autobalancer.harness.master.facts import result
 from autobalancer.harness.master.recorder import Recorder, recorded
+from autobalancer.harness.master.result import Result
 from autobalancer.harness.output.machine import machine
 from autobalancer.harness.output.table import Sheet
 from autobalancer.harness.scene import Scene, load_scene
@@ -124,10 +124,12 @@ class _Prepared:
         cosim.record(recorder, None)
         seconds = clock.process_time() - begun
         calls = self._calls() - before
-        self.result = result(recorder, cosim.facts(), seconds)
         if self.way.draw:
+            time, signals = recorder.columns()
+            units, scene = recorder.signal_units, cosim.scene
+            result = Result(scene.title, time, signals, seconds, signal_units=units, scene=scene)
             with TemporaryDirectory() as directory:
-                self.result.plot(Path(directory) / "run.png")
+                result.plot(Path(directory) / "run.png")
             seconds = clock.process_time() - begun
         return Cost(calls / cosim.steps, seconds / cosim.steps)
 

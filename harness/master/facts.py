@@ -53,19 +53,17 @@ class Facts:
     unresolved: int = 0
 
 
-def result(
-    recorder: Recorder, facts: Facts, seconds: float, names: Sequence[str] | None = None
-) -> Result:
-    """Signals by these names, by default the recorder's, with the facts of the run."""
-    velocity = [] if names is None else velocities(facts.scene)
-    names = recorder.names if names is None else names
+def result(recorder: Recorder, facts: Facts, seconds: float, names: Sequence[str]) -> Result:
+    """Signals by these names, and velocities if there are any, with the facts of the run."""
     time, signals = recorder.columns()
     units = recorder.signal_units
     return Result(
         scene_title=facts.scene.title,
         time=time,
         signals=with_velocities(facts.scene, names, time, signals),
-        velocity=with_velocities(facts.scene, velocity if names else [], time, signals),
+        velocity=with_velocities(
+            facts.scene, velocities(facts.scene) if names else [], time, signals
+        ),
         seconds=seconds,
         left_out=(*left_out(facts.scene, names), *([] if facts.calls else [NO_CALLS])),
         units=facts.files,

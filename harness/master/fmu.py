@@ -8,7 +8,6 @@ those of a step are called with C values made once.
 from __future__ import annotations
 
 import shutil
-import zipfile
 from collections.abc import Sequence
 from ctypes import Array, byref, c_double, c_int, c_size_t, c_uint, c_void_p
 from pathlib import Path
@@ -19,7 +18,6 @@ import fmpy
 import numpy as np
 from fmpy import fmi2
 
-from ...fmus.xml.archive import refuse_large
 from ..errors import SimulationError, UnitError
 from .library import Library
 from .unit_files import described, measured_in
@@ -82,11 +80,11 @@ class Fmu(Closing):
     """An instance of an FMI 2.0 co-simulation FMU.
 
     Args:
-        path: the `.fmu` file.
+        path: the `.fmu` file, from `unit_files.find_or_build`, which refuses any of another build.
         name: instance name, used in messages.
 
     Raises:
-        UnitError: the file is missing, is no FMU, or cannot be instantiated here.
+        UnitError: it cannot be instantiated here.
     """
 
     def __init__(self, path: Path, name: str) -> None:
@@ -103,18 +101,8 @@ class Fmu(Closing):
             raise
 
     def _load(self) -> None:
-        if not self.path.is_file():
-            raise UnitError(f"{self.path}: no such FMU file")
-        try:
-            refuse_large(self.path)
-            self.description = described(self.path)
-            fmpy.extract(str(self.path), unzipdir=self._directory, include=_is_loaded)
-        except (zipfile.BadZipFile, OSError, KeyError) as error:
-            raise UnitError(f"{self.path}: not a readable FMU (zip archive): {error}") from error
-        except Exception as error:  # fmpy raises bare Exceptions for anything wrong in the XML
-            raise UnitError(f"{self.path}: its modelDescription.xml is wrong: {error}") from error
-        if self.description.coSimulation is None or self.description.fmiVersion != "2.0":
-            raise UnitError(f"{self.path}: must be an FMI 2.0 co-simulation FMU")
+        self.description = described(self.path)
+        fmpy.extract(str(self.path), unzipdir=self._directory, include=_is_loaded)
         self.variables = {v.name: v for v in self.description.modelVariables}
         self.measured_in = measured_in(self.description)
         callbacks = fmi2.fmi2CallbackFunctions()
@@ -126,10 +114,9 @@ class Fmu(Closing):
             self.fmu = Library(self._directory, self.description.coSimulation.modelIdentifier)
             self._callbacks = callbacks  # kept alive for the C side
             self.fmu.instantiate(self.name, self.description.guid, callbacks)
-        except (OSError, AttributeError) as error:
-            raise UnitError(
-                f"{self.path}: cannot be instantiated: {self._reason(error)}"
-            ) from error
+        except OSError as error:
+            reason = "; ".join([*self.messages[-3:], str(error)])
+            raise UnitError(f"{self.path}: cannot be instantiated: {reason}") from error
         self._alive = True
         dll = self.fmu.dll
         self._component = self.fmu.component
@@ -151,9 +138,6 @@ class Fmu(Closing):
         if status >= _WARNING:
             self.messages.append(text)
 
-    def _reason(self, error: object) -> str:
-        return "; ".join([*self.messages[-3:], str(error)]) if self.messages else str(error)
-
     def _check(self, status: int, action: str) -> None:
         if status > _WARNING:
             reason = "; ".join(self.messages[-3:]) or "no reason was logged"
@@ -169,17 +153,7 @@ class Fmu(Closing):
         Args:
             memory: array that serves as their buffer, contiguous and of as many reals, such as that
                 of another unit's variables: what was fetched there is sent here without a copy.
-
-        Raises:
-            UnitError: the FMU has no such variable (built for another scene or version).
         """
-        missing = [name for name in names if name not in self.variables]
-        if missing:
-            raise UnitError(
-                f"{self.path}: has no variable {missing[0]!r}, which {self.name!r} of this scene "
-                f"needs; the FMU is of a different build (model {self.description.modelName}, "
-                f"{self.description.generationDateAndTime}): build it for this scene"
-            )
         references = [self.variables[name].valueReference for name in names]
         return Variables(self._component, names, references, memory)
 
@@ -246,11 +220,7 @@ class Fmu(Closing):
             state.value = None
 
     def restart(self, parameters: dict[str, float | bool]) -> None:
-        """Reset, set parameters and start values, and enter initialisation mode.
-
-        Raises:
-            UnitError: the FMU lacks a parameter the scene needs.
-        """
+        """Reset, set parameters and start values, and enter initialisation mode."""
         self.time = 0.0
         self.calls["reset"] += 1
         dll, component = self.fmu.dll, self._component

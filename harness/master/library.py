@@ -18,11 +18,6 @@ from fmpy import fmi2
 
 _TURN = threading.RLock()
 _RESOURCES_OF_PYTHONFMU = "slavemodule.txt"  # it is pythonfmu's loader that reads this one
-_NEEDED = (
-    *("SetupExperiment", "EnterInitializationMode", "ExitInitializationMode", "Reset"),
-    *("GetReal", "SetReal", "SetBoolean", "DoStep"),
-    *("GetFMUstate", "SetFMUstate", "FreeFMUstate"),
-)
 
 
 class Library:
@@ -39,7 +34,6 @@ class Library:
 
     Raises:
         OSError: there is no library for this machine, or it cannot be loaded.
-        AttributeError: it lacks a function of the standard.
     """
 
     def __init__(self, directory: str, identifier: str) -> None:
@@ -54,12 +48,6 @@ class Library:
         load = ctypes.CDLL if self.runs_python else ctypes.PyDLL
         with _TURN:
             self.dll = load(str(path))
-            try:
-                for name in _NEEDED:
-                    getattr(self.dll, f"fmi2{name}")
-            except AttributeError:
-                fmpy.freeLibrary(self.dll._handle)
-                raise
 
     def instantiate(self, name: str, guid: str, callbacks: fmi2.fmi2CallbackFunctions) -> None:
         """Make the instance; `callbacks` must outlive it.

@@ -9,7 +9,6 @@ from functools import cache
 from ...fmus.rotor.variables import station
 
 ANGLE = "angle in the rotor"  # of a weight
-AXES = {"rotor": ("xi", "eta"), "fixed": ("x", "y")}  # of coupling signals, by the units' frame
 _AXIS = re.compile(r"(^v?|_)(x|y|xi|eta)$")  # x, vx, a_x, F_xi: one part of a vector
 _POWER = re.compile(r"(?<=[a-z])(\d+)")
 
@@ -40,17 +39,17 @@ def weight(number: int, what: str) -> str:
     return f"weight[{number}].{what}"
 
 
-def components(name: str, axes: Sequence[str]) -> list[str]:
+def components(name: str) -> list[str]:
     """The two variables of a coupling signal such as `plane[1].F`."""
-    return [f"{name}_{axis}" for axis in axes]
+    return [f"{name}_xi", f"{name}_eta"]
 
 
-def signals(names: Sequence[str], order: int, axes: Sequence[str] = AXES["rotor"]) -> list[str]:
+def signals(names: Sequence[str], order: int) -> list[str]:
     """Variables of coupling signals: all values, then all first derivatives, up to `order`.
 
     The units declare them in this order, so that they are exchanged as one slice.
     """
-    values = [component for name in names for component in components(name, axes)]
+    values = [component for name in names for component in components(name)]
     orders = zip(*(derivatives(name, order) for name in values), strict=True)
     return [name for group in orders for name in group]
 

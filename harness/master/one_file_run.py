@@ -1,12 +1,11 @@
 """A scene's units coupled in C, by its one file: stepped, recorded, restarted as `CoSimulation` is.
 
 The same steps at the same points as with separate units, so that the results agree to rounding; the
-library is called a slice of time at once, and releases the interpreter's lock meanwhile.
+library is called for some rows at once, and releases the interpreter's lock meanwhile.
 """
 
 from __future__ import annotations
 
-import time as clock
 from collections.abc import Iterator, Sequence
 from functools import lru_cache
 from itertools import pairwise
@@ -38,10 +37,9 @@ from .simulation import Repeated, refuse_loose_tolerance
 if TYPE_CHECKING:
     from ..output.workers import Progress
 
-SLICE = 0.1  # s of a call: interrupts and progress wait for its end
 # of the tolerance, what a step of a first run may err, by attempt; halved, it errs 1/16 or 1/64
 SHARES = (10.0, 1.0, 0.1)
-FIRST_ROWS, MORE = 16, 4  # of the first call, and times as many of the next while it is short
+ROWS = 256  # of a call: interrupts and progress wait for its end
 Group = tuple[NDArray[np.uintc], NDArray[np.float64]]
 
 
@@ -96,17 +94,15 @@ class OneFileRun(Closing):
     def record(self, recorder: Recorder, progress: Progress | None) -> None:
         """As `CoSimulation.record`."""
         outputs = np.concatenate([np.zeros(0, np.uintc), *(g[0] for _, g in recorder.groups)])
-        end, most = end_time(self.scene), FIRST_ROWS
+        end = end_time(self.scene)
         recorder.record(self.time)
         for stretch in self._stretches():
             over = False
             while not over:
-                start_time = clock.perf_counter()
-                rows = self._on(stretch, outputs, np.empty((most, 1 + len(outputs))))
-                over = len(rows) < most
+                rows = self._on(stretch, outputs, np.empty((ROWS, 1 + len(outputs))))
+                over = len(rows) < ROWS
                 recorder.extend(rows)
                 self.time = float(rows[-1, 0]) if len(rows) else self.time
-                most = _adapted(most, clock.perf_counter() - start_time)
                 if not over:
                     recorder.refuse_too_much(self.time / end)
                 if progress:
@@ -171,13 +167,6 @@ class UnitInside:
     def fetch(self, group: Group) -> None:
         """Read the group's variables."""
         self._run.read(*group)
-
-
-def _adapted(most: int, took: float) -> int:
-    """Rows of the next call, where this one with so many `took` so long [s]."""
-    if took < SLICE / MORE:
-        return most * MORE
-    return max(FIRST_ROWS, most // MORE) if took > SLICE else most
 
 
 def _divided(grid: Signal, parts: int) -> list[float]:

@@ -1,12 +1,11 @@
 """The plan of a scene: which units it needs, what they start from, and what is connected to what.
 
-Everything that couples or exports the units reads it: the master, the runs along fixed axes, other
-masters.
+Everything that couples or exports the units reads it.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any, Literal, NamedTuple
 
@@ -14,7 +13,7 @@ from ...fmus.catalogue import sized_unit
 from ..scene import Scene
 from ..scene.balancer import Balancer
 from ..scene.run import Motor
-from .names import AXES, components, plane, stations
+from .names import components, plane, readable, stations
 from .schedule import end_time, step_size
 
 ROTOR, MOTOR = "rotor", "motor"
@@ -77,23 +76,22 @@ class Plan:
 
     Attributes:
         planes: of the rotor's unit on which the balancers are, from 1, by their names.
-        axes: of the coupling signals.
     """
 
     units: tuple[UnitPlan, ...]
     connections: tuple[Connection, ...]
     planes: Mapping[str, int]
-    axes: tuple[str, str] = AXES["rotor"]
 
     @property
     def files(self) -> tuple[str, ...]:
         """Names of the FMU files, each once."""
         return tuple(dict.fromkeys(unit.file_name for unit in self.units))
 
-    def variables_by_unit(self) -> dict[str, list[str]]:
-        """Names of all variables of the units, as they are built."""
-        layouts = {unit.name: sized_unit(unit.model, **unit.sizes).layout for unit in self.units}
-        return {name: [v.name for v in layout.variables] for name, layout in layouts.items()}
+    def signal_units(self, names: Iterable[str]) -> dict[str, str]:
+        """What signals are measured in, as the units declare it."""
+        layouts = [(unit.name, sized_unit(unit.model, **unit.sizes).layout) for unit in self.units]
+        declared = {f"{n}.{v.name}": readable(v.unit) for n, each in layouts for v in each.reals}
+        return {name: declared[name] for name in names}
 
     def of_kind(self, kind: Kind) -> list[Connection]:
         """Connections of one kind."""
@@ -113,20 +111,15 @@ class Plan:
         """The single variables of a port: two of a signal."""
         names = [port.variable]
         if kind == "signal":
-            names = components(port.variable, self.axes)
+            names = components(port.variable)
         return [Port(port.unit, name) for name in names]
 
 
-def plan(scene: Scene, frame: str = "rotor") -> Plan:
-    """The units a scene needs and no others, and their connections.
-
-    Args:
-        frame: of the coupling signals, "rotor", or "fixed" as most tools have them.
-    """
+def plan(scene: Scene) -> Plan:
+    """The units a scene needs and no others, and their connections."""
     profile, motor = scene.profile(), scene.operation.motor
     speed = motor.start if motor else profile.speed(0.0)
     drive = {"speed": speed, "acceleration": profile.acceleration(0.0)}
-    built: dict[str, Any] = {} if frame == "rotor" else {"frame": frame}
     planes = scene.rotor.unit_planes([balancer.at for balancer in scene.balancer])
     start = {
         f"{'' if name == 'angle' else prefix}{name}0": value
@@ -138,7 +131,7 @@ def plan(scene: Scene, frame: str = "rotor") -> Plan:
     rotor = UnitPlan(
         ROTOR,
         scene.rotor.model,
-        {**scene.rotor.sizes(planes), **built},
+        scene.rotor.sizes(planes),
         {**scene.rotor.start(planes), **gravity, **start, **drive},
     )
     loaded = scene.assembly().loaded_rotor
@@ -146,7 +139,7 @@ def plan(scene: Scene, frame: str = "rotor") -> Plan:
         UnitPlan(
             balancer.label,
             balancer.model,
-            {**balancer.sizes(), **built},
+            balancer.sizes(),
             {**balancer.start(loaded), **(drive if balancer.driven else {})},
         )
         for balancer in scene.balancer
@@ -155,12 +148,12 @@ def plan(scene: Scene, frame: str = "rotor") -> Plan:
     connections = [
         connection
         for balancer in scene.balancer
-        for connection in _connections(balancer, number[balancer.label], frame)
+        for connection in _connections(balancer, number[balancer.label])
     ]
     units = [rotor, *balancers]
     if motor:
         units.append(_motor(motor, scene.run.initial.angle))
-    return Plan(tuple(units), tuple(connections), number, AXES[frame])
+    return Plan(tuple(units), tuple(connections), number)
 
 
 def about(unit: UnitPlan, scene: Scene) -> dict[str, Any]:
@@ -180,7 +173,7 @@ def _motor(motor: Motor, angle: float) -> UnitPlan:
     return UnitPlan(MOTOR, "Motor", {"points": len(motor.points)}, start)
 
 
-def _connections(balancer: Balancer, number: int, frame: str) -> Iterator[Connection]:
+def _connections(balancer: Balancer, number: int) -> Iterator[Connection]:
     """Of a balancer on plane `number` of the rotor's unit."""
     name = balancer.label
     if balancer.exchanges_force:
@@ -188,7 +181,5 @@ def _connections(balancer: Balancer, number: int, frame: str) -> Iterator[Connec
         yield Connection(Port(name, "F"), Port(ROTOR, plane(number, "F")), "signal")
     for variable in balancer.follows:
         yield Connection(Port(ROTOR, plane(number, variable)), Port(name, variable), "value")
-    if frame == "fixed" and balancer.driven:
-        yield Connection(Port(ROTOR, "angle"), Port(name, "angle"), "value")
     mass = "added_mass"
     yield Connection(Port(name, mass), Port(ROTOR, plane(number, mass)), "mass")

@@ -80,20 +80,20 @@ class System:
         # in the order in which the rotor declares them they are one slice
         planes = sorted(
             acceleration_of,
-            key=lambda name: self.rotor.group(components(name, plan.axes)).references[0],
+            key=lambda name: self.rotor.group(components(name)).references[0],
         )
-        self._forces = self.rotor.group(signals(planes, order, plan.axes))
+        self._forces = self.rotor.group(signals(planes, order))
         # the values of all planes, then the slopes of all planes: of each plane a column
         self._force_rows = self._forces.vectors.reshape(order + 1, len(planes)).T
         names = [acceleration_of[force] for force in planes]
-        self._accelerations = self.rotor.group(signals(names, slopes, plan.axes))
+        self._accelerations = self.rotor.group(signals(names, slopes))
         self.accelerations = Signals(len(planes))
         self.exchanges = [
             Exchange(
                 units[name],
                 planes.index(force),
-                units[name].group(signals(["a"], order, plan.axes)),
-                units[name].group(signals(["F"], slopes, plan.axes)),
+                units[name].group(signals(["a"], order)),
+                units[name].group(signals(["F"], slopes)),
             )
             for name, force in targets.items()
         ]

@@ -15,7 +15,7 @@ from fmpy.model_description import ModelDescription
 
 from ...fmus.build import build, is_present_build, options_of
 from ..errors import UnitError
-from .names import by_unit, readable
+from .names import readable
 from .plan import UnitPlan
 from .runtime import Backend, runtime
 
@@ -66,19 +66,6 @@ def _found(unit: UnitPlan, fmus: Path) -> Path:
         f"{fmus}: no FMU for {unit.name!r}: expected {candidates[1].name} or "
         f"{candidates[2].name}; `autobalancer build -o {fmus} SCENE` makes them"
     )
-
-
-def signal_units(units: Iterable[UnitPlan], names: Iterable[str]) -> dict[str, str]:
-    """What signals are measured in, as the units' FMUs declare it; nothing is loaded."""
-    units = list(units)
-    declared = {
-        unit.name: measured_in(described(path))
-        for unit, path in zip(
-            units, find_or_build(units, None, runtime("native").backend), strict=True
-        )
-    }
-    wanted = by_unit(names)
-    return {f"{name}.{v}": declared[name][v] for name in wanted for v in wanted[name]}
 
 
 def refuse_other_build(path: Path, unit: UnitPlan) -> None:

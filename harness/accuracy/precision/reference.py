@@ -14,7 +14,6 @@ from ....models.spacing import touching
 from ...errors import SimulationError
 from ...master.names import weight
 from ...master.plan import plan
-from ...master.unit_files import signal_units
 from ...scene import Scene
 from ...scene.balancer import WeightBalancer
 
@@ -95,7 +94,7 @@ def _refuse_contacts(scene: Scene, right: Trajectory) -> None:
 
 def signal_ranges(scene: Scene, right: Trajectory, names: Sequence[str]) -> dict[str, float]:
     """What each signal's error is measured by."""
-    units = signal_units(plan(scene).units, names)
+    units = plan(scene).signal_units(names)
     reach = {name: float(np.ptp(right.signal(name))) for name in names}
     scales = {}
     for name in names:

@@ -7,25 +7,6 @@ import pytest
 
 from autobalancer.harness import SceneError, SimulationError, UserError, cosimulate, load_scene
 from autobalancer.harness.master.run import refuse_separate
-from tests.truth.judge import deviations, motion
-
-TOLERANCES = [
-    ("run_up", {}),
-    ("two_balls", {"coupling.tolerance": 1e-6}),
-    ("two_balls", {"coupling.tolerance": 1e-4, "run.revolutions": 400}),  # comes to rest
-    ("two_plane_rodrigues", {"coupling.tolerance": 1e-5, "run.revolutions": 5}),
-]
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(("name", "changes"), TOLERANCES)
-def test_both_engines_keep_a_tolerance_of_the_whole_run(name, changes):
-    scene = load_scene(name).replace(changes)
-    for separate in (True, False):
-        result = cosimulate(scene, separate=separate)
-        error = max(deviations(result, motion(scene, result)).values())
-        assert error <= scene.coupling.tolerance
-        assert result.estimated_error <= scene.coupling.tolerance
 
 
 def test_what_separate_units_refuse_is_refused_in_the_same_words():

@@ -9,7 +9,6 @@ from autobalancer.harness.master.cosimulation import CoSimulation
 from autobalancer.harness.master.names import readable, signals, stations
 from autobalancer.harness.master.plan import Port, plan
 from autobalancer.harness.master.recorder import Recorder, recorded
-from autobalancer.harness.master.unit_files import signal_units
 
 
 def shaft(**changes):
@@ -36,11 +35,10 @@ def shaft(**changes):
 
 
 @pytest.mark.parametrize("name", bundled_scenes())
-@pytest.mark.parametrize("frame", ["rotor", "fixed"])
-def test_every_port_of_a_plan_is_a_variable_that_its_unit_has(name, frame):
+def test_every_port_of_a_plan_is_a_variable_that_its_unit_has(name):
     from autobalancer.fmus.catalogue import sized_unit
 
-    found = plan(load_scene(name), frame)
+    found = plan(load_scene(name))
     layouts = {u.name: sized_unit(u.model, **u.sizes).layout for u in found.units}
     names = {unit: {v.name: v for v in layout.variables} for unit, layout in layouts.items()}
     for unit in found.units:
@@ -143,7 +141,7 @@ def test_records_are_measured_in_what_the_fmus_declare():
     names = [name.replace("weights.", f"{scene.balancer[0].label}.") for name in names]
     with CoSimulation(scene) as cosim:
         found = Recorder(cosim.units, names).signal_units
-    assert found == signal_units(plan(scene).units, names)
+    assert found == plan(scene).signal_units(names)
     for name, unit in expected.items():
         name = name.replace("weights.", f"{scene.balancer[0].label}.")
         assert found[name] == unit

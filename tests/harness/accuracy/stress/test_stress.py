@@ -10,7 +10,6 @@ from autobalancer.harness.accuracy.stress.case import (
     Outcome,
     deviation,
     monolith,
-    planar_scene,
     refusal,
     stated_error,
 )
@@ -67,21 +66,6 @@ def test_heavy_weights_part_from_their_neighbours_in_the_fifth_revolution():
     assert parted.max() > 30.0
 
 
-def test_heavy_drag_is_right_with_the_default_coupling():
-    """The first step is divided: over a whole one the cubic would be wrong a thousandfold."""
-    build = load_scene("two_balls").replace(
-        {"weights.drag": 1e6 * 0.025 * 3.0, "run.revolutions": 2, "coupling.corrections": None}
-    )
-    run = cosimulate(build, record=["rotor.x", "rotor.y"])
-    names = ["rotor.x", "rotor.y"]
-    right, own = reference(
-        build.assembly(), build.profile(), run.time, rtol=1e-10, bound=1e-6, signals=names
-    )
-    for name in names:
-        gap = np.max(np.abs(run[name] - right.signal(name)))
-        assert gap < 1e-5 * np.ptp(right.signal(name)) + own
-
-
 def test_first_step_is_divided_only_where_forces_start_steeply():
     for factor, divided in ((1.0, False), (1e4, True)):
         build = load_scene("two_balls").replace({"weights.drag": factor * 0.0125})
@@ -90,17 +74,6 @@ def test_first_step_is_divided_only_where_forces_start_steeply():
             lengths = doubling_steps(cosim.system, 0.1)
             assert (len(lengths) > 1) is divided
             assert sum(lengths) == pytest.approx(0.1, rel=1e-14)
-
-
-def test_steps_too_long_for_the_signals_are_refused_or_said():
-    ringing = {"operation.speed": 0.03, "run.revolutions": 2}
-    build = load_scene("two_balls").replace(ringing)
-    assert any("too long for signals" in event for event in cosimulate(build).events)
-    for_ever = build.replace({"rotor.damping": 1e-4})
-    with pytest.raises(SimulationError, match=r"too long at t = .*rotor\.plane\[1\]\.a"):
-        cosimulate(for_ever)
-    fine = build.replace({"operation.speed": 3.0})
-    assert not cosimulate(fine).events
 
 
 @pytest.mark.parametrize(
@@ -117,7 +90,7 @@ def test_error_a_run_estimates_of_itself_is_the_real_one_within_a_factor(name, s
 def test_steps_that_err_by_as_much_as_the_motion_are_refused():
     """Separate units estimate no error, and say so."""
     name, spin, steps = "two_plane_rodrigues", 5, 12
-    with pytest.raises(SimulationError, match="times as far as they move at all"):
+    with pytest.raises(SimulationError, match=r"too long at t = .* as far as they move at all"):
         cosimulate(spinning(name, spin, steps))
     result, error = run_and_error(name, spin, steps, separate=True)
     assert error > REFUSED_ERROR
@@ -228,8 +201,3 @@ def test_command_exits_with_one_when_a_case_does_not_hold(invoke, monkeypatch):
 
     monkeypatch.setattr(case, "forced_motion", lambda *_a: np.zeros(2001, complex))
     assert invoke("stress", "damping ratio 0.1").exit_code == 1
-
-
-def test_zero_speed_is_no_scene():
-    with pytest.raises(Exception, match="speed"):
-        planar_scene({"mass": 1.0, "stiffness": 1.0}, speed=0.0)

@@ -57,27 +57,6 @@ def test_orders_of_a_known_vibration_are_found_whatever_the_speed_does():
         np.testing.assert_allclose(line, amplitude, atol=2e-4)
 
 
-def test_polar_curve_of_a_steady_run_ends_at_its_amplitude():
-    result = cosimulate(disc(40.0))
-    amplitude = lines(result.plot_polar())[0].points[1][-1]
-    late = result.time > 0.9 * result.time[-1]
-    exact = abs(linear_response(1.5))
-    assert np.abs(result["rotor.x"][late]).max() == pytest.approx(exact, rel=5e-3)
-    assert amplitude == pytest.approx(1e3 * exact, rel=1e-3)  # drawn in mm
-
-
-def test_waterfalls_ridge_at_order_one_is_the_linear_response(slow_run_up):
-    """A slow run-up follows the steady response; at its peak, in time too, within 2 %."""
-    result = slow_run_up
-    angle = np.array([result.scene.profile().angle(t) for t in result.time])
-    speed = np.array([result.scene.profile().speed(t) for t in result.time])
-    found = spectra(angle, result["rotor.x"])
-    at = np.interp(found.angle, angle, speed)
-    ridge = found.amplitude[:, found.orders == 1.0][:, 0]
-    np.testing.assert_allclose(ridge, np.abs(linear_response(at)), rtol=0.02)
-    assert (found.orders[found.amplitude.argmax(axis=1)] == 1.0).all()
-
-
 def test_waterfall_draws_frequency_speed_and_amplitude(slow_run_up):
     picture = slow_run_up.plot_waterfall()
     assert [axis.label for axis in picture.panels[0].axes] == [
