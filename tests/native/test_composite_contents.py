@@ -119,11 +119,13 @@ def test_a_terminal_a_plane_names_variables_that_there_are(tmp_path, name):
 
 @pytest.mark.parametrize("name", SCENES)
 def test_the_documentation_shows_this_machine(tmp_path, name):
-    """Values in the units of drawings, and lines that run as printed."""
+    """Sketch, values in the units of drawings, and lines that run as printed."""
     scene, path = load_scene(name), built(tmp_path, name)
     with zipfile.ZipFile(path) as archive:
         page = archive.read("documentation/index.html").decode()
+    etree.fromstring(page[page.index("<svg") : page.index("</svg>") + 6])
     assert scene.source.split()[0] in page
+    assert all(f">{balancer.label}</text>" in page for balancer in scene.balancer)
     assert " rpm</td>" in page
     lines = page[page.index("<pre>") + 5 : page.index("</pre>")].replace("&quot;", '"')
     kept = [line for line in lines.splitlines() if "plot" not in line]
