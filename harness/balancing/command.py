@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from ..errors import UserError
-from ..output import costs, options
+from ..output import options
 from ..output.files import write_json
 from ..output.terminal import progress_bar, say
 from ..scene.changes import changed_scene
@@ -33,7 +33,6 @@ def command(
     ] = None,
     json_file: Annotated[Path | None, options.json("the results")] = None,
     changes: Annotated[list[str] | None, options.changes("balancing.grade=G1")] = None,
-    at_most: Annotated[str, options.AT_MOST] = costs.DEFAULT,
     angles: Annotated[
         str | None,
         typer.Option(
@@ -108,10 +107,7 @@ def command(
         name = loaded.name
         page = Report(report, f"Balancing: {loaded.heading}", [loaded])
         page.cited = "Polushkin 2016; ISO 21940-11"
-        with (
-            costs.limited(at_most, "balancing.revolutions"),
-            progress_bar(f"balancing {name}") as progress,
-        ):
+        with progress_bar(f"balancing {name}") as progress:
             result = loaded.balance(progress=progress)
         with page.keeping():
             print_cycles(result)

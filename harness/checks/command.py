@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from ..errors import SimulationError
-from ..output import costs, options
+from ..output import options
 from ..output.files import write_json
 from ..output.terminal import directory_to_fill, progress_bars, say, say_facts, show
 
@@ -30,7 +30,6 @@ def command(
     json_file: Annotated[Path | None, options.json("the rows")] = None,
     report: Annotated[Path | None, options.REPORT] = None,
     changes: Annotated[list[str] | None, options.changes("coupling.steps_per_rev=80")] = None,
-    at_most: Annotated[str, options.AT_MOST] = costs.DEFAULT,
 ) -> None:
     """Check scenes against theory and measurement.
 
@@ -43,8 +42,7 @@ def command(
     loaded = [changed_scene(s, changes, quietly=True) for s in scenes or checked_scenes()]
     if report is not None:
         directory_to_fill(report)
-    named = ", ".join(scene.name for scene in loaded)
-    with costs.limited(at_most, f"checks of {named}"), progress_bars() as bars:
+    with progress_bars() as bars:
         tasks = {s.name: bars.add_task(f"checking {s.name}", total=1.0) for s in loaded}
         results = check_all(loaded, lambda name, done: bars.update(tasks[name], completed=done))
     rows = [row for result in results for row in result.rows]

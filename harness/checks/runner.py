@@ -16,7 +16,7 @@ from ..master.left_out import left_out
 from ..master.plan import plan
 from ..output.outcome import Outcome
 from ..output.table import Sheet
-from ..output.workers import Failed, ItemProgress, Kinds, Progress, Workers, as_they_come
+from ..output.workers import ItemProgress, Progress, Workers, as_they_come
 from ..scene import Scene, bundled_scenes, load_scene
 from .registry import CheckPart, parts_of
 from .report import as_json, table
@@ -59,7 +59,7 @@ def check(source: Scene | str | Path, progress: Progress | None = None) -> list[
     """
     scene = source if isinstance(source, Scene) else load_scene(source)
     moved = None if progress is None else (lambda _scene, done: progress(done))
-    (found,) = check_all([scene], moved, workers=1, isolate=())
+    (found,) = check_all([scene], moved, workers=1, isolate=False)
     return list(found.rows)
 
 
@@ -73,15 +73,15 @@ def check_all(
     scenes: Sequence[Scene],
     progress: ItemProgress | None = None,
     workers: Workers | None = None,
-    isolate: Kinds = (SimulationError,),
+    isolate: bool = True,
 ) -> list[SceneReport]:
     """Check many scenes, all their checks side by side; results in the scenes' order.
 
     Args:
         progress: called with a scene's name and its finished fraction.
         workers: processes, by default as many as there are cores, or an executor.
-        isolate: exceptions of a check that become a row that does not hold, so that the others are
-            seen.
+        isolate: a run that cannot be completed becomes a row that does not hold, so that the others
+            are seen.
 
     Raises:
         UserError: a scene or an FMU is wrong.
@@ -90,10 +90,10 @@ def check_all(
     parts, owners = list(chain(*split)), [i for i, some in enumerate(split) for _ in some]
     left = Counter(owners)
     found: dict[int, list[Row]] = {}
-    work = as_they_come(CheckPart.rows, parts, workers or os.cpu_count() or 1, isolate)
-    with closing(work) as ready:
-        for index, outcome in ready:
-            found[index] = _lost(outcome) if isinstance(outcome, Failed) else outcome
+    work = _rows_or_failure if isolate else CheckPart.rows
+    with closing(as_they_come(work, parts, workers or os.cpu_count() or 1)) as ready:
+        for index, rows in ready:
+            found[index] = rows
             number = owners[index]
             left[number] -= 1
             if progress:
@@ -101,15 +101,18 @@ def check_all(
     reports = []
     for number, (scene, name) in enumerate(zip(scenes, unique_names(scenes), strict=True)):
         mine = [found[index] for index, owner in enumerate(owners) if owner == number]
-        rows = tuple(replace(row, scene=name) for row in chain(*mine))
+        named = tuple(replace(row, scene=name) for row in chain(*mine))
         left_out_of = tuple(left_out(scene, ["all"]))
-        reports.append(SceneReport(name, scene.title, rows, plan(scene).files, left_out_of))
+        reports.append(SceneReport(name, scene.title, named, plan(scene).files, left_out_of))
     return reports
 
 
-def _lost(failed: Failed[CheckPart]) -> list[Row]:
-    rows = Rows(failed.item.scene.name, failed.item.kind)
-    return [rows.statement("run", "completed", str(failed.error), False, "")]
+def _rows_or_failure(part: CheckPart) -> list[Row]:
+    try:
+        return part.rows()
+    except SimulationError as error:
+        rows = Rows(part.scene.name, part.kind)
+        return [rows.statement("run", "completed", str(error), False, "")]
 
 
 def unique_names(scenes: Sequence[Scene]) -> list[str]:

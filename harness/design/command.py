@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from ..output import costs, options
+from ..output import options
 from ..output.table import Sheet
 from ..output.terminal import progress_bar, say, show
 from ..units import in_both, rounded, shown_in
@@ -53,7 +53,6 @@ def command(
         Path | None, options.picture("Picture (png, svg, pdf).", "--output", "-o")
     ] = None,
     changes: Annotated[list[str] | None, options.changes("balls.drag=0.1")] = None,
-    at_most: Annotated[str, options.AT_MOST] = costs.DEFAULT,
     report: Annotated[Path | None, options.REPORT] = None,
     details: Annotated[
         bool, typer.Option("--details", help="Also compare Goncharov's theory with the runs.")
@@ -66,9 +65,7 @@ def command(
 
     loaded = changed_scene(scene, changes)
     page = Report(report, f"Design: {loaded.heading}", [loaded])
-    key = f"--starts {starts} --most {most}, run.revolutions = {loaded.run.revolutions:g}"
-    limit = costs.limited(at_most, key)  # one batch of runs may be too long by itself
-    with limit, progress_bar(f"designing for {loaded.name}") as progress:
+    with progress_bar(f"designing for {loaded.name}") as progress:
         data = loaded.design(
             unbalance,
             race=race,
@@ -78,7 +75,7 @@ def command(
             starts=starts,
             most=most,
             workers=os.cpu_count() or 1,
-            progress=costs.within(at_most, key, progress),
+            progress=progress,
         )
     with page.keeping():
         show(table(data, starts))

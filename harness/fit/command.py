@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from ..output import costs, options
+from ..output import options
 from ..output.terminal import progress_bar, say, show
 
 _LIMITS = typer.Option(
@@ -68,7 +68,6 @@ def command(
     ] = None,
     picture: Annotated[Path | None, options.picture("Residual plot.", "--output", "-o")] = None,
     json: Annotated[Path | None, options.json("the results")] = None,
-    at_most: Annotated[str, options.AT_MOST] = costs.DEFAULT,
     report: Annotated[Path | None, options.REPORT] = None,
 ) -> None:
     """Fit values of a scene to measured amplitudes."""
@@ -83,7 +82,7 @@ def command(
     if predict is not None:
         read_measured(predict, loaded)  # what is wrong with it is said before the work
     page = Report(report, f"Fit: {loaded.heading}", [loaded])
-    with costs.limited(at_most, f"--free {','.join(free)}"), progress_bar("fitting") as progress:
+    with progress_bar("fitting") as progress:
         found = loaded.fit(
             measured,
             free,

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import UserError
-from ..output.costs import free_memory, refuse_beyond
+from ..output.memory import free_memory, refuse_beyond
 from ..scene import Scene
 from .alike import table_of, values_of
 from .merged import merged_runs, names_of_states

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import SceneError
-from ..output.costs import free_memory, refuse_beyond
+from ..output.memory import free_memory, refuse_beyond
 from ..scene import Scene
 from .names import by_unit, stations
 

@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from ..errors import UserError
-from ..output import costs, options
+from ..output import options
 from ..output.files import write_json
 from ..output.terminal import progress_bar, say, say_facts, show
 from ..scene.changes import changed_scene
@@ -35,7 +35,6 @@ def command(
     one_file: Annotated[
         bool, typer.Option("--one-file", hidden=True, help="Deprecated: the default now.")
     ] = False,
-    at_most: Annotated[str, options.AT_MOST] = costs.DEFAULT,
     report: Annotated[Path | None, options.REPORT] = None,
     verbose: Annotated[
         bool, typer.Option("--verbose", help="Also print which units ran, and what was left out.")
@@ -88,9 +87,7 @@ def command(
     if plot is not None and record == ():
         raise UserError("--plot: nothing to draw: run.record = []")
     with progress_bar(f"running {loaded.name}") as progress:
-        key = f"run.revolutions = {loaded.run.revolutions:g}"
-        limited = costs.within(at_most, key, progress)
-        result = loaded.run(record=record, fmus=fmus, progress=limited, separate=separate)
+        result = loaded.run(record=record, fmus=fmus, progress=progress, separate=separate)
     page = Report(report, loaded.heading, [loaded])
     with page.keeping():
         show(summary(result))
@@ -114,7 +111,7 @@ def command(
     if drawn := page.picture(loaded.name) if result.signals else None:
         result.plot(drawn)
     page.write()
-    drawings.draw(result, pictures, at_most)
+    drawings.draw(result, pictures)
     if movie is not None:
         with progress_bar(f"drawing {movie.name}") as progress:
             result.movie(movie, movie_seconds, progress)

@@ -7,7 +7,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ..errors import UserError
-from ..output import costs
 from ..output.terminal import progress_bars, ready_to_write, say
 
 if TYPE_CHECKING:
@@ -62,16 +61,15 @@ def record(scene: Scene) -> list[str]:
     return list(dict.fromkeys([*recorded(scene), *recorded(scene.replace({"run.record": None}))]))
 
 
-def draw(result: Result, pictures: Mapping[str, Path], at_most: str) -> None:
+def draw(result: Result, pictures: Mapping[str, Path]) -> None:
     """Pictures by kind, each to its place.
 
     Raises:
-        UserError: one cannot be drawn or written, or takes longer than `at_most`.
+        UserError: one cannot be drawn or written.
     """
     with progress_bars() as bars:
         for kind, path in pictures.items():
             task = bars.add_task(f"drawing {kind}", total=None)
-            with costs.limited(at_most, f"--{kind}"):
-                getattr(result, f"plot_{kind}")().save(path)
+            getattr(result, f"plot_{kind}")().save(path)
             bars.remove_task(task)
             say(f"Picture: {path}")

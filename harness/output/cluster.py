@@ -7,9 +7,9 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 
 from ..errors import UserError
-from .store import EXTRA
 from .workers import Workers
 
+EXTRA = 'pip install "autobalancer[large]"'
 _TIMEOUT = 10.0  # s for a scheduler to answer
 
 

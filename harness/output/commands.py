@@ -10,12 +10,12 @@ import errno
 import functools
 import inspect
 import os
+import re
 import subprocess
 import sys
 from collections.abc import Callable
 from contextlib import suppress
 from enum import Enum
-from pathlib import Path
 from typing import Annotated, Any
 
 import typer
@@ -24,9 +24,12 @@ from typer.core import TyperGroup
 from ..errors import SimulationError, UserError, is_own_file
 from ..units import engineering
 from . import options
-from .interrupts import temporary_files
+from .interrupts import ended_after, temporary_files
 from .machine import program_version
-from .terminal import is_quiet, say
+from .terminal import how_far, is_quiet, say
+
+_SECONDS = {"s": 1.0, "m": 60.0, "h": 3600.0, "d": 86400.0, "": 1.0}
+_TIME = re.compile(r"(?P<number>\d+(?:\.\d*)?|\.\d+)\s*(?P<unit>[smhd]?)")
 
 
 class Commands(TyperGroup):
@@ -93,53 +96,66 @@ class Units(str, Enum):
 def with_common_options(command: Callable[..., None]) -> Callable[..., None]:
     """The command with the options that all commands have."""
     own = inspect.signature(command, eval_str=True)
-    common = {
-        "units": Annotated[
-            Units | None,
-            typer.Option(
-                help="Show rpm, mm, g mm, deg and Hz; default: SI units, or as in config.toml."
-            ),
-        ],
-        "quiet": Annotated[
-            bool, typer.Option("--quiet", help="Print no summary of the scene and no warnings.")
-        ],
+    common: dict[str, tuple[Any, Any]] = {
+        "at_most": (
+            "1h",
+            Annotated[
+                float,
+                typer.Option(
+                    metavar="TIME", parser=seconds_of, help="Time after which to end: 30m, 2h, 1d."
+                ),
+            ],
+        ),
+        "units": (
+            Units.SI,
+            Annotated[
+                Units,
+                typer.Option(
+                    envvar="AUTOBALANCER_UNITS", help="Show rpm, mm, g mm, deg and Hz, or SI units."
+                ),
+            ],
+        ),
+        "quiet": (
+            False,
+            Annotated[
+                bool, typer.Option("--quiet", help="Print no summary of the scene and no warnings.")
+            ],
+        ),
     }
 
     @functools.wraps(command)
-    def run(*args: Any, units: Units | None = None, quiet: bool = False, **options: Any) -> None:
-        engineering.set((units or _preferred()) is Units.ENGINEERING)
+    def run(*args: Any, at_most: float, units: Units, quiet: bool, **options: Any) -> None:
+        engineering.set(units is Units.ENGINEERING)
         before = is_quiet.set(quiet)
         try:
-            command(*args, **options)
+            with ended_after(at_most, _out_of_time):
+                command(*args, **options)
         finally:
             is_quiet.reset(before)
 
     keyword = inspect.Parameter.KEYWORD_ONLY
     added = [
-        inspect.Parameter(
-            name, keyword, annotation=kind, default=None if name == "units" else False
-        )
-        for name, kind in common.items()
+        inspect.Parameter(name, keyword, annotation=kind, default=default)
+        for name, (default, kind) in common.items()
     ]
     run.__signature__ = own.replace(parameters=[*own.parameters.values(), *added])  # type: ignore[attr-defined]
     return run
 
 
-def _preferred() -> Units:
-    """Of the user's configuration file, config.toml in a folder of their own.
+def seconds_of(text: str) -> float:
+    """Seconds of a time such as 90s, 30m, 2h or 1d.
 
     Raises:
-        UserError: it has another key or value.
+        UserError: it is none.
     """
-    path = Path(typer.get_app_dir("autobalancer")) / "config.toml"
-    if not path.is_file():
-        return Units.SI
-    from ..scene.file import read
+    found = _TIME.fullmatch(text.strip())
+    if not found or float(found["number"]) <= 0.0:
+        raise UserError(f"--at-most {text!r}: must be a time such as 90s, 30m, 2h or 1d")
+    return float(found["number"]) * _SECONDS[found["unit"]]
 
-    kept = read(path)
-    if kept.keys() - {"units"} or kept.get("units", "si") not in list(Units):
-        raise UserError(f'{path}: may have one key, units = "engineering" or units = "si"')
-    return Units(kept.get("units", "si"))
+
+def _out_of_time() -> str:
+    return f"not done within --at-most{how_far()}; give more time (--at-most 4h), or ask for less"
 
 
 def execute(app: typer.Typer) -> None:

@@ -13,13 +13,16 @@ import signal
 import sys
 import threading
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from types import FrameType
 
 from ...fmus.whole_files import drafts
 
-_SAID = {signal.SIGINT: ("interrupted", 130), signal.SIGTERM: ("terminated", 143)}
+_SAID: dict[int, tuple[Callable[[], str], int]] = {
+    signal.SIGINT: (lambda: "interrupted", 130),
+    signal.SIGTERM: (lambda: "terminated", 143),
+}
 _TOO_LATE = 2  # exit code, that of wrong input
 _LONGEST = 1e8  # s: more does not fit the timer everywhere
 _GRACE = 1.0  # s for the main thread to come back from C code
@@ -48,8 +51,8 @@ def answer_signals() -> None:
 
 
 @contextmanager
-def ended_after(seconds: float, words: str) -> Iterator[None]:
-    """Within the block, of the main thread, the process ends with these words after a time.
+def ended_after(seconds: float, words: Callable[[], str]) -> Iterator[None]:
+    """Within the block, of the main thread, the process ends after a time with words for then.
 
     On systems that have no such timer nothing happens.
     """
@@ -128,7 +131,7 @@ def _end(number: int) -> None:
     for draft in tuple(drafts):
         with suppress(OSError):
             draft.unlink()
-    words, code = _SAID[signal.Signals(number)]
+    words, code = _SAID[number]
     with suppress(OSError):
-        os.write(2, (_CLEAR_LINE if os.isatty(2) else b"") + f"{words}\n".encode())
+        os.write(2, (_CLEAR_LINE if os.isatty(2) else b"") + f"{words()}\n".encode())
     os._exit(code)

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from contextvars import ContextVar
 from functools import partial
 from pathlib import Path
-from typing import Any, TypeGuard
+from typing import Any
 
 import typer
 
@@ -16,10 +16,9 @@ from .files import PICTURES, is_stream, picture_format
 from .terminal import ready_to_write
 
 typed: ContextVar[tuple[str, ...]] = ContextVar("typed", default=())  # after the program's name
-STORE, TABLE = ".zarr", ".csv"
+TABLE = ".csv"
 _PICTURES = [f".{kind}" for kind in PICTURES]
 SCENE = typer.Argument(metavar="SCENE", help="Scene file, or the name of a bundled scene.")
-AT_MOST = typer.Option("--at-most", metavar="TIME", help="Limit of the run time: 30m, 2h, 1d.")
 REPORT = typer.Option(
     "--report",
     metavar="DIR",
@@ -47,19 +46,8 @@ def speed_range(given: tuple[str, str]) -> tuple[float, float]:
     return low, high
 
 
-def is_store(path: Path | None) -> TypeGuard[Path]:
-    """Whether it is named as a store."""
-    return path is not None and path.suffix == STORE
-
-
 def _ready(path: Path, endings: Sequence[str]) -> None:
     """Refuse a place that has none of these endings, or cannot be written to."""
-    if is_store(path) and STORE in endings:
-        from .store import refuse_store
-
-        return refuse_store(path)
-    if is_store(path):
-        raise UserError(f"{path}: this command writes no store: name the file otherwise")
     ready_to_write(path)
     if endings and path.suffix.lower() not in endings and not is_stream(path):
         raise UserError(f"{path}: must end in {', '.join(endings)}")
@@ -88,34 +76,22 @@ def picture(help: str, *names: str) -> Any:
     return typer.Option(*names, metavar="FILE.png", help=help, callback=ready)
 
 
-def _places(help: str, endings: Sequence[str]) -> Any:
-    """`--output`, several times: what ends so, a store among it."""
+def pictures(help: str = "", *tables: str) -> Any:
+    """`--output`, several times: pictures, or tables with these endings."""
 
     def ready(paths: list[Path] | None) -> list[Path] | None:
         for path in paths or ():
-            _ready(path, endings)
+            _ready(path, [*_PICTURES, *tables])
         return paths
 
-    help = f"Picture (png, svg, pdf); {help} Can be given several times."
+    help = f"Picture (png, svg, pdf){help}. Can be given several times."
     return typer.Option("--output", "-o", metavar="FILE", help=help, callback=ready)
 
 
-def pictures_or_store() -> Any:
-    """Pictures to draw, and a store of everything they are drawn from."""
-    help = (
-        "or FILE.zarr, which stores every point when it is ready: the same command resumes an "
-        "interrupted one."
-    )
-    return _places(help, [*_PICTURES, STORE])
-
-
-def picture_table_or_store(of: str) -> Any:
-    """Pictures, tables, and a store of the same."""
-    help = (
-        f"FILE.csv with every {of}; or FILE.zarr, which stores them when they are ready: the same "
-        "command resumes an interrupted one."
-    )
-    return _places(help, [*_PICTURES, TABLE, STORE])
+def store() -> Any:
+    """`--store FILE`."""
+    help = "Keep finished parts in this file: the same command continues an interrupted one."
+    return output("", help, "--store")
 
 
 def json(what: str) -> Any:

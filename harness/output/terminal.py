@@ -23,6 +23,8 @@ if TYPE_CHECKING:
 
 _kept: ContextVar[list[str | Sheet] | None] = ContextVar("kept", default=None)
 is_quiet: ContextVar[bool] = ContextVar("is_quiet", default=False)  # nothing on the scene itself
+_bars: list[Progress] = []  # at present
+stores: list[Path] = []  # that keep what is done
 PIPED_WIDTH = 160  # columns of a table that no terminal limits
 
 
@@ -54,7 +56,19 @@ def progress_bars() -> Iterator[Progress]:
     with Progress(
         *columns, console=screen, transient=True, disable=not screen.is_terminal
     ) as progress:
-        yield progress
+        _bars.append(progress)
+        try:
+            yield progress
+        finally:
+            _bars.remove(progress)
+
+
+def how_far() -> str:
+    """Work that is not finished with what is done of it, and the stores that keep it."""
+    work = [task for bars in _bars for task in bars.tasks if not task.finished]
+    done = [f"{each.percentage:.0f} % of " * bool(each.total) + each.description for each in work]
+    kept = [f"{path} keeps what is done, the same command continues" for path in stores]
+    return "".join(f"; {each}" for each in [", ".join(done), *kept] if each)
 
 
 @contextmanager

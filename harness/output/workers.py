@@ -22,11 +22,9 @@ from concurrent.futures import (
     wait,
 )
 from contextlib import closing, contextmanager
-from dataclasses import dataclass
-from functools import partial
 from itertools import islice
 from multiprocessing import resource_tracker
-from typing import Any, Generic, Protocol, TypeVar
+from typing import Any, Protocol, TypeVar
 
 from ..errors import SimulationError
 from .terminal import is_quiet
@@ -38,15 +36,6 @@ ItemProgress = Callable[[str, float], None]  # told what was just done, and the 
 Workers = int | Executor  # so many processes, 1 being this one; or whoever does the work
 PREFIX = "autobalancer-workers-"  # of the folder that holds their temporary files
 AHEAD = 1000  # items given at a time to an executor of the caller's: enough for any cluster
-Kinds = tuple[type[Exception], ...]
-
-
-@dataclass(frozen=True)
-class Failed(Generic[Item]):
-    """In the place of an outcome: the item that has none, and why."""
-
-    item: Item
-    error: Exception
 
 
 class Kept(Protocol[Outcome]):
@@ -62,23 +51,21 @@ def as_they_come(
     work: Callable[[Item], Outcome],
     items: Sequence[Item],
     workers: Workers = 1,
-    isolate: Kinds = (),
-) -> Generator[tuple[int, Outcome | Failed[Item]], None, None]:
+) -> Generator[tuple[int, Outcome], None, None]:
     """Index and outcome of every item, whichever is ready first; to be closed (`closing`).
 
     Args:
         work: a function at the top of a module, so that other processes can import it.
-        isolate: exceptions of `work` that cost their item alone, which is then `Failed`.
 
     Raises:
-        Exception: any other one that `work` raises; what has not begun is dropped, as it is when
+        Exception: the first that `work` raises; what has not begun is dropped, as it is when
             the caller is interrupted or wants no more.
         SimulationError: a process was ended from outside.
     """
     with _executor(workers, len(items)) as executor:
         if executor is None:
             for index, item in enumerate(items):
-                yield index, _outcome(partial(work, item), item, isolate)
+                yield index, work(item)
             return
         futures: dict[Future[Outcome], int] = {}
         waiting = iter(range(len(items)))
@@ -93,7 +80,7 @@ def as_they_come(
                     done = futures.pop(future)
                     for index in islice(waiting, 1):
                         futures[executor.submit(work, items[index])] = index
-                    yield done, _outcome(future.result, items[done], isolate)
+                    yield done, future.result()
         except BrokenExecutor as error:
             raise SimulationError(f"a process that did the work was ended: {error}") from error
         finally:
@@ -123,13 +110,6 @@ def in_order(
             if progress:
                 progress(len(outcomes) / len(items))
     return [outcomes[index] for index in range(len(items))]
-
-
-def _outcome(ask: Callable[[], Outcome], item: Item, isolate: Kinds) -> Outcome | Failed[Item]:
-    try:
-        return ask()
-    except isolate as error:
-        return Failed(item, error)
 
 
 @contextmanager

@@ -6,7 +6,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-from ..output import costs, options
+from ..output import options
 from ..output.files import write_json
 from ..output.table import Sheet
 from ..output.terminal import progress_bars, say, show
@@ -32,7 +32,6 @@ def command(
     limits: Annotated[tuple[str, str] | None, options.RANGE] = None,
     changes: Annotated[list[str] | None, options.changes("rotor.mass=3.0")] = None,
     json_file: Annotated[Path | None, options.json("the modes")] = None,
-    at_most: Annotated[str, options.AT_MOST] = costs.DEFAULT,
 ) -> None:
     """Find modes and critical speeds of the rotor, draw its motion."""
     wanted = {"campbell": campbell, "response": response, "run-up": run_up, "modes": modes}
@@ -42,8 +41,7 @@ def command(
     say(f"Critical speeds, undamped: {_listed(found.critical)}")
     if loaded.balancer:
         say(f"with the balancers' masses fixed to it: {_listed(found.critical_loaded)}")
-    key = f"--range {found.low:g} {found.high:g}"
-    with costs.limited(at_most, key), progress_bars() as bars:
+    with progress_bars() as bars:
         for kind, path in wanted.items():
             if path is not None:
                 task = bars.add_task(f"drawing {kind}", total=None)

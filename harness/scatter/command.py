@@ -7,8 +7,7 @@ from typing import Annotated
 
 import typer
 
-from ..errors import UserError
-from ..output import costs, options
+from ..output import options
 from ..output.terminal import progress_bar, say, show
 
 VARY = "PATH=NAME(NUMBERS)"
@@ -27,11 +26,13 @@ def command(
     ],
     n: Annotated[int, typer.Option("-n", min=1, help="Number of machines.")] = 10_000,
     seed: Annotated[int, typer.Option(min=0, help="Seed of the random numbers.")] = 1,
-    output: Annotated[list[Path] | None, options.picture_table_or_store("machine")] = None,
+    output: Annotated[
+        list[Path] | None, options.pictures(" or FILE.csv with every machine", options.TABLE)
+    ] = None,
+    store: Annotated[Path | None, options.store()] = None,
     json: Annotated[Path | None, options.json("the results")] = None,
     cluster: Annotated[str | None, options.CLUSTER] = None,
     changes: Annotated[list[str] | None, options.changes("run.revolutions=200")] = None,
-    at_most: Annotated[str, options.AT_MOST] = costs.DEFAULT,
     report: Annotated[Path | None, options.REPORT] = None,
 ) -> None:
     """Simulate machines whose values scatter within tolerances."""
@@ -41,10 +42,6 @@ def command(
     from ..scene.changes import changed_scene
     from .report import grade_table, importance_table, lines
 
-    places = output or []
-    stores = [path for path in places if options.is_store(path)]
-    if len(stores) > 1:
-        raise UserError(f"{stores[1]}: one store is enough")
     loaded = changed_scene(scene, changes)
     page = Report(report, f"Tolerances: {loaded.heading}", [loaded])
     with progress_bar(f"machines of {loaded.name}") as progress, who_works(cluster) as workers:
@@ -53,8 +50,8 @@ def command(
             n,
             seed=seed,
             workers=workers,
-            progress=costs.within(at_most, f"-n {n}", progress),
-            store=stores[0] if stores else None,
+            progress=progress,
+            store=store,
         )
     said = study.as_json()
     with page.keeping():
@@ -66,10 +63,10 @@ def command(
             show(importance_table(said))
         together = ", ".join(u.label for u in loaded.balancer) or "the rotor"
         say(f"Run in C as one composite: {together}")
-    for path in filter(None, (*places, page.picture(f"{loaded.name}_scatter"))):
+    for path in filter(None, (*(output or ()), page.picture(f"{loaded.name}_scatter"))):
         if path.suffix == options.TABLE:
             study.to_csv(path)
-        elif path not in stores:
+        else:
             study.plot(path)
         say(f"Written: {path}")
     page.cited = "ISO 21940-11"

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import ClassVar
 
 import numpy as np
+import tomli_w
 from numpy.typing import NDArray
 
 from ..errors import SceneError, SimulationError
@@ -19,11 +20,11 @@ from ..master.merged import merged, names_of_states
 from ..master.one_file import composition
 from ..master.schedule import end_time
 from ..output.outcome import Outcome
+from ..output.store import open_store
 from ..output.table import Sheet
 from ..output.workers import Progress, Workers, in_order
 from ..scene import Scene
 from ..scene.grade import moments, residual_unbalance
-from .store import open_scatter
 from .vary import Variation, drawn, refuse_drawn, refuse_wrong
 
 CHUNK = 50  # machines worked on together: some seconds at most
@@ -101,12 +102,16 @@ def scatter(
     refuse_drawn(typical, variations, values)
     paths = [one.path for one in variations]
     jobs = [(scene, paths, values[i : i + CHUNK]) for i in range(0, count, CHUNK)]
-    kept = None if store is None else open_scatter(store, scene, variations, seed, values, CHUNK)
+    made_for = {
+        "content": "scatter",
+        "scene": tomli_w.dumps(scene.document),
+        "variations": "\n".join(one.text for one in variations),
+        "seed": str(seed),
+        "number of machines": str(count),
+    }
+    kept = None if store is None else open_store(store, made_for)
     parts = in_order(_machines, jobs, workers, progress, kept)
-    # what a store has of one machine is no array
-    residual, grade, settled, together, failure = (
-        np.concatenate(list(map(np.atleast_1d, column))) for column in zip(*parts, strict=True)
-    )
+    residual, grade, settled, together, failure = map(np.concatenate, zip(*parts, strict=True))
     left_out = "" if moments(scene) is not None else "the unbalance of a liquid is not known"
     study = Scatter(
         scene.heading,

@@ -93,7 +93,7 @@ class Methods:
             x, y: "PATH=LOW:HIGH:N" or "PATH=LOW:HIGH:N:log", or an `Axis`.
             method: floquet (growth rates [1/s]), cosim-run (vibration that a run leaves [m]), or
                 proved (of each of N x N cells from LOW to HIGH: stable, unstable or undecided).
-            store: a .zarr folder that keeps every point; an interrupted map continues from it.
+            store: a file that keeps every point; an interrupted map continues from it.
 
         Returns:
             Grids of shape (len(y), len(x)).

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Annotated
 
-from ..output import costs, options
+from ..output import options
 from ..output.terminal import progress_bars, say
 from ..scene.changes import changed_scene
 
@@ -14,11 +14,10 @@ def command(
     scene: Annotated[str, options.SCENE],
     output: Annotated[Path | None, options.output(".html", "The page.", "--output", "-o")] = None,
     changes: Annotated[list[str] | None, options.changes("rotor.mass=3.0")] = None,
-    at_most: Annotated[str, options.AT_MOST] = costs.DEFAULT,
 ) -> None:
     """Write a web page, one file, that runs a scene."""
     loaded = changed_scene(scene, changes)
-    with costs.limited(at_most, f"page of {loaded.name}"), progress_bars() as bars:
+    with progress_bars() as bars:
         bars.add_task(f"stability of {loaded.name} against speed", total=None)
         page = loaded.show(output)
     say(page.summary)

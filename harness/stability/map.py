@@ -25,11 +25,6 @@ from .map_store import open_map
 
 Vector = NDArray[np.float64]
 Reasons = NDArray[np.object_]  # why points have no growth rate; empty where they have
-_STRIPS = {
-    "growth": "largest growth rate [1/s]",
-    "criterion": "negative: balanced by the criterion",
-    "why_not": "why there is no growth rate",
-}
 _ROWS = 8  # values of the slow axis solved together; more would hide the progress
 
 
@@ -104,8 +99,7 @@ def stability_map(
     jobs = [(scene, slow.path, slow.values[i : i + rows].tolist(), fast) for i in starts]
     kept = None
     if store is not None:
-        along = "x" if transposed else "y"
-        kept = open_map(store, "stability map", scene, x, y, _STRIPS, along=along, rows=rows)
+        kept = open_map(store, "stability map", scene, x, y)
     strips = in_order(_strip, jobs, workers, progress, kept)
     grids = [np.concatenate(arrays) for arrays in zip(*strips, strict=True)]
     growth, criterion, why_not = (grid.T if transposed else grid for grid in grids)

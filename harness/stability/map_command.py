@@ -9,7 +9,7 @@ from typing import Annotated, Any
 import typer
 
 from ..errors import UserError
-from ..output import costs, options
+from ..output import options
 from ..output.terminal import progress_bar, ready_to_write, say
 
 AXIS = "PATH=LOW:HIGH:N[:log]"
@@ -27,7 +27,8 @@ def command(
     scene: Annotated[str, options.SCENE],
     x: Annotated[str, typer.Option(metavar=AXIS, help="Such as speed=0.5:12:100 (rad/s).")],
     y: Annotated[str, typer.Option(metavar=AXIS, help="Such as weights.drag=1e-4:1:100:log.")],
-    output: Annotated[list[Path] | None, options.pictures_or_store()] = None,
+    output: Annotated[list[Path] | None, options.pictures()] = None,
+    store: Annotated[Path | None, options.store()] = None,
     csv: Annotated[Path | None, options.output(".csv", "Write every point as CSV.")] = None,
     method: Annotated[
         MapMethod,
@@ -38,7 +39,6 @@ def command(
     ] = MapMethod.FLOQUET,
     cluster: Annotated[str | None, options.CLUSTER] = None,
     changes: Annotated[list[str] | None, options.changes("rotor.mass=3.0")] = None,
-    at_most: Annotated[str, options.AT_MOST] = costs.DEFAULT,
     report: Annotated[Path | None, options.REPORT] = None,
 ) -> None:
     """Draw over two parameters where balancing is stable."""
@@ -47,11 +47,8 @@ def command(
     from ..scene.changes import changed_scene
     from .axis import Axis
 
-    stores = [path for path in output or () if options.is_store(path)]
-    if len(stores) > 1:
-        raise UserError(f"{stores[1]}: one store is enough")
-    pictures = [path for path in output or () if path not in stores]
-    if not output and csv is None and report is None:
+    pictures = list(output or ())
+    if not (pictures or csv or store or report):
         pictures = [Path("map.png")]
         ready_to_write(pictures[0])
     loaded = changed_scene(scene, changes)
@@ -63,16 +60,14 @@ def command(
             raise UserError(f"{option} {error}") from error
     page = Report(report, f"Map: {loaded.heading}", [loaded])
     with progress_bar(f"mapping {loaded.name}") as progress, who_works(cluster) as workers:
-        moved = costs.within(at_most, f"--x {x} --y {y}", progress)
-        store = stores[0] if stores else None
-        form: dict[str, Any] = {"workers": workers, "progress": moved, "store": store}
+        form: dict[str, Any] = {"workers": workers, "progress": progress, "store": store}
         data = loaded.map(axes[0], axes[1], method.value, **form)
     with page.keeping():
         for line in data.lines():
             say(line)
     if csv is not None:
         say(f"Points: {data.to_csv(csv)}")
-    for store in stores:
+    if store is not None:
         say(f"Store: {store}")
     drawn = page.picture(f"{loaded.name}_map")
     if drawn is not None:

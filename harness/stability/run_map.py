@@ -21,11 +21,7 @@ from ..scene import Scene
 from .axis import Axis, Map, refuse_axes
 from .map_store import open_map
 
-_RESULTS = {
-    "residual": "amplitude in the last revolution [m]",
-    "settled": "1: the last two revolutions are alike",
-    "failure": "why the run failed",
-}
+_RESULTS = ("residual", "settled", "failure")
 Rows = NDArray[np.float64]
 
 
@@ -95,7 +91,7 @@ def run_map(
         at = {axis.path: axis.values[end] for axis, end in zip((x, y), ends, strict=True)}
         composition(scene.replace(at))
     jobs = [(scene, x, y.path, value) for value in y.values.tolist()]
-    kept = None if store is None else open_map(store, "map of runs", scene, x, y, _RESULTS)
+    kept = None if store is None else open_map(store, "map of runs", scene, x, y)
     rows = in_order(_row, jobs, workers, progress, kept)
     return RunMap(scene, x, y, *(np.concatenate(column) for column in zip(*rows, strict=True)))
 

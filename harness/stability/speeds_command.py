@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from ..errors import UserError
-from ..output import costs, options
+from ..output import options
 from ..output.files import write_json
 from ..output.table import GOOD, Sheet
 from ..output.terminal import progress_bar, say, show
@@ -45,7 +45,6 @@ def command(
         str, typer.Option(metavar="PATH=5%,...", help="Tolerances for --method proved.")
     ] = "",
     changes: Annotated[list[str] | None, options.changes("rotor.mass=3.0")] = None,
-    at_most: Annotated[str, options.AT_MOST] = costs.DEFAULT,
 ) -> None:
     """Find the speeds at which balancing begins or ends."""
     from ..scene.changes import changed_scene
@@ -58,16 +57,13 @@ def command(
         raise UserError(f"--method {method!r}: name at least one of {', '.join(METHODS)}")
     loaded = changed_scene(scene, changes)
     low, high = options.speed_range(range_)
-    key = f"--range {low:g} {high:g}"
-    with costs.limited(at_most, key), progress_bar(f"critical speeds of {loaded.name}") as progress:
-        # certificates crowd at boundaries: their rate does not tell how long a proof will take
-        estimated = progress if "proved" in names else costs.within(at_most, key, progress)
+    with progress_bar(f"critical speeds of {loaded.name}") as progress:
         result = loaded.speeds(
             low,
             high,
             names,
             narrowest=narrowest,
-            progress=estimated,
+            progress=progress,
             within=within,
         )
     if result.methods or result.proof is None:

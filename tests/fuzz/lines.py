@@ -34,12 +34,17 @@ ODD = [
 ENDINGS = {
     "FILE.csv": [".csv"],
     "FILE.png": [".png", ".svg", ".pdf"],
-    "FILE": [".png", ".png", ".svg", ".pdf", ".html", ".csv", ".zarr"],
+    "FILE": [".png", ".png", ".svg", ".pdf", ".html", ".csv"],
     "FILE.gif": [".gif", ".webp", ".mp4"],
     "FILE.html": [".html"],
     "FILE.toml": [".toml"],
 }
-NAMED_ENDINGS = {"json": ".json", "csv": ".csv", "markdown": ".md"}  # by an option's name
+NAMED_ENDINGS = {
+    "json": ".json",
+    "csv": ".csv",
+    "markdown": ".md",
+    "store": ".store",
+}  # by an option's name
 AXES = ["speed", "speed", "rotor.mass", "rotor.unbalance", "rotor.stiffness", "weights.drag"]
 AXES += ["operation.gravity", "run.revolutions", "coupling.order", "rotor.kind", "nothing"]
 DISTRIBUTIONS = [
@@ -79,7 +84,7 @@ def furnish(draw: random.Random, folder: Path) -> None:
         cells[draw.randrange(len(cells))] = draw.choice([*NUMBERS, *WORDS[:-3], "amplitude [km]"])
         mangled = ",".join(cells).replace(",\n,", "\n")
         (given / f"{name}_wrong.csv").write_text(mangled, "utf-8", "surrogateescape")
-    for ending in {each for endings in ENDINGS.values() for each in endings} - {".zarr"}:
+    for ending in {each for endings in ENDINGS.values() for each in endings}:
         (folder / f"kept{ending}").write_bytes(KEPT)
         (folder / f"protected{ending}").write_bytes(KEPT)
         (folder / f"protected{ending}").chmod(0o444)

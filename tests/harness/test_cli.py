@@ -196,7 +196,6 @@ def test_a_missing_file_of_the_program_is_an_internal_error_to_report(
         (["speeds", "two_balls", "--range", "1", "9", "--method", ""], "name at least one of"),
         (["speeds", "two_balls", "--range", "1", "9", "--narrowest", "1e-9"], "at most 100000"),
         (["check", "liquid_disc", "--json", "/"], "it is a directory"),
-        (["run", "two_balls", "-o", "x.zarr"], "x.zarr: this command writes no store"),
         (["run", "two_balls", "-o", "x.png"], "x.png: must end in .csv"),
         (["build", "--set", "rotor.mass=3"], "--set: give the scene"),
         (["map", "two_balls", "--x", "speed=1:x:3", "--y", "speed=1:2:2"], "speed=1:x:3: must be"),

@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from ...output import costs, options
+from ...output import options
 from ...output.files import write_json, write_whole
 from ...output.machine import machine
 from ...output.terminal import progress_bar, say, show
@@ -27,15 +27,13 @@ def command(
         float, typer.Option(min=1.0, help="Approximate duration of the measurement, s.")
     ] = 75.0,
     changes: Annotated[list[str] | None, options.changes("run.revolutions=20")] = None,
-    at_most: Annotated[str, options.AT_MOST] = costs.DEFAULT,
 ) -> None:
     """Measure error against run time of every scheme."""
     from ...scene.changes import changed_scene
     from . import report
 
     loaded = changed_scene(scene, changes)
-    limit = costs.limited(at_most, f"run.revolutions = {loaded.run.revolutions:g}")
-    with limit, progress_bar(f"measuring {loaded.name}") as move:
+    with progress_bar(f"measuring {loaded.name}") as move:
         study = loaded.precision(seconds, progress=lambda what, done: move(done, what))
     show(report.table(study))
     say(report.reference_words(study))

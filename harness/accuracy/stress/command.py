@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from ...errors import UserError
-from ...output import costs, options
+from ...output import options
 from ...output.files import write_whole
 from ...output.terminal import progress_bar, say, show
 
@@ -19,7 +19,6 @@ def command(
         typer.Argument(metavar="WORDS", help="Only cases whose name contains these words."),
     ] = None,
     markdown_file: Annotated[Path | None, options.markdown("the table")] = None,
-    at_most: Annotated[str, options.AT_MOST] = costs.DEFAULT,
 ) -> None:
     """Run stiff and extreme cases.
 
@@ -31,7 +30,7 @@ def command(
     if not names:
         listed = "; ".join(all_cases())
         raise UserError(f"{only!r}: no case has this in its name; there are: {listed}")
-    with costs.limited(at_most, f"{len(names)} cases"), progress_bar("stress") as move:
+    with progress_bar("stress") as move:
         rows = stress(names, move)
     sheet = table(rows)
     show(sheet)

@@ -15,7 +15,7 @@ import pytest
 
 from autobalancer.harness.errors import SimulationError
 from autobalancer.harness.output.terminal import is_quiet
-from autobalancer.harness.output.workers import PREFIX, Failed, as_they_come, in_order, processes
+from autobalancer.harness.output.workers import PREFIX, in_order, processes
 
 pytestmark = pytest.mark.slow
 
@@ -77,17 +77,7 @@ def test_processes_of_a_quiet_command_are_quiet(workers):
 
 
 @pytest.mark.parametrize("workers", [1, 2, AtOnce()])
-def test_an_item_that_fails_costs_itself_alone_when_asked_so(workers):
-    outcomes = dict(as_they_come(square, [2, 3, 4], workers, (SimulationError,)))
-    assert outcomes[0] == 4
-    assert outcomes[2] == 16
-    assert isinstance(outcomes[1], Failed)
-    assert outcomes[1].item == 3
-    assert str(outcomes[1].error) == "three"
-
-
-@pytest.mark.parametrize("workers", [1, 2, AtOnce()])
-def test_otherwise_the_first_failure_is_raised(workers):
+def test_the_first_failure_is_raised(workers):
     with pytest.raises(SimulationError, match="three"):
         in_order(square, [2, 3, 4], workers)
 

@@ -172,20 +172,14 @@ def test_axes_drawn_directly_are_relabelled_when_saved(engineers, tmp_path):
     assert all(label % 50 == 0 for label in labels)
 
 
-@pytest.mark.parametrize("kept", ['units = "engineering"', 'units = "feet"', None])
-def test_units_are_those_of_the_option_or_of_the_users_file(kept, invoke, tmp_path, monkeypatch):
-    monkeypatch.setattr("typer.get_app_dir", lambda name: str(tmp_path))
-    if kept:
-        (tmp_path / "config.toml").write_text(kept, encoding="utf-8")
-    outcome = invoke("rotor", "two_balls")
-    if kept and "feet" in kept:
-        assert outcome.exit_code == 2
-        assert "config.toml: may have one key" in outcome.stderr
-        return
-    assert ("rpm" in outcome.stdout.splitlines()[-1]) is (kept is not None)
+def test_units_are_those_of_the_option_or_of_the_environment(invoke, monkeypatch):
+    monkeypatch.setenv("AUTOBALANCER_UNITS", "engineering")
+    assert "9.5493, 66.8451 rpm" in invoke("rotor", "two_balls").stdout.splitlines()[-1]
     assert "rad/s" in invoke("rotor", "two_balls", "--units", "si").stdout.splitlines()[-1]
-    last = invoke("rotor", "two_balls", "--units", "engineering").stdout.splitlines()[-1]
-    assert "9.5493, 66.8451 rpm" in last
+    monkeypatch.setenv("AUTOBALANCER_UNITS", "feet")
+    outcome = invoke("rotor", "two_balls")
+    assert outcome.exit_code == 2
+    assert "AUTOBALANCER_UNITS" in outcome.stderr
 
 
 def test_titles_legends_and_marks_of_pictures_follow_the_units_that_are_shown(engineers):

@@ -271,7 +271,7 @@ def test_no_machine_of_a_map_contradicts_its_cell(name, x, y, share):
 
 
 def test_the_map_command_draws_cells_and_keeps_no_store(invoke, tmp_path):
-    files = tmp_path / "map.png", tmp_path / "map.csv", tmp_path / "map.zarr"
+    files = tmp_path / "map.png", tmp_path / "map.csv", tmp_path / "map.store"
     line = ("map", "liquid_disc", "--x", "speed=50:800:5", "--y", "rotor.mass=5:7:3")
     line += ("--method", "proved")
     outcome = invoke(*line, "-o", files[0], "--csv", files[1])
@@ -279,4 +279,4 @@ def test_the_map_command_draws_cells_and_keeps_no_store(invoke, tmp_path):
     assert "15 cells" in outcome.output
     assert files[0].stat().st_size > 1000
     assert len(files[1].read_text().splitlines()) >= 16
-    assert "keeps no store" in invoke(*line, "-o", files[2]).output
+    assert "keeps no store" in invoke(*line, "--store", files[2]).output

@@ -69,12 +69,11 @@ def test_a_run_that_fails_costs_its_point_alone(scene):
 
 
 def test_a_store_that_was_ended_is_gone_on_with_to_the_same_map(scene, interrupted_once, tmp_path):
-    pytest.importorskip("zarr")
     x, y = Axis.parse("speed=2.5:4:3"), Axis.parse("weights.drag=1e-3:1e-1:4:log")
     whole, done = run_map(scene, x, y), interrupted_once(module, "_row", 2)
     with pytest.raises(KeyboardInterrupt):
-        run_map(scene, x, y, store=tmp_path / "map.zarr")
-    resumed = run_map(scene, x, y, store=tmp_path / "map.zarr")
+        run_map(scene, x, y, store=tmp_path / "map.store")
+    resumed = run_map(scene, x, y, store=tmp_path / "map.store")
     assert len(done) == 4
     assert resumed.residual.tobytes() == whole.residual.tobytes()
     assert resumed.settled.tobytes() == whole.settled.tobytes()
