@@ -516,10 +516,7 @@ int composite_go_on(Unit *unit)
     course->clock.time += course->clock.length;
     verdict_follow(c, c->motor ? shaft_speed(c) : composite_speed(c, course->clock.time), course->clock.length);
     course->total.steps += crosses || strikes ? 0.0 : 1.0;
-    if (!adapts) {
-        startup_taken(unit, strikes);
-    }
-    return 0;
+    return adapts ? 0 : startup_taken(unit, strikes);
 }
 
 /* Move the units to a time within the last step, or to its end, under its signals. */

@@ -77,6 +77,7 @@ typedef struct {
     double negligible;                 /* and its length [s] */
     double whole, halvings, piece;     /* communication step, its division, pieces taken */
     double ends;                       /* when the communication step is over [s] */
+    double first_step;                 /* whether it is the one at the start */
     double no_past;                    /* no step has been taken since the start or a jump */
 } Division;
 
@@ -408,6 +409,6 @@ void verdict_unbalance(const Composite *c, double *left, double *used);
 /* Length of the step to come [s], of the communication step it is part of. */
 double startup_length(Unit *unit);
 /* What follows the step that was taken; `struck`: behind an event. */
-void startup_taken(Unit *unit, int struck);
+int startup_taken(Unit *unit, int struck);
 
 #endif

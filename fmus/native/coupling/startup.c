@@ -60,6 +60,7 @@ double startup_length(Unit *unit)
     if (course->division.whole == 0.0) {
         course->division.whole = communication(unit);
         course->division.ends = course->clock.time + course->division.whole;
+        course->division.first_step = course->division.no_past;
         divide(c, course);
     }
     parts = (int)course->division.halvings -
@@ -67,29 +68,34 @@ double startup_length(Unit *unit)
     return scaled_by_power(course->division.whole, -parts);
 }
 
-void startup_taken(Unit *unit, int struck)
+int startup_taken(Unit *unit, int struck)
 {
     Composite *c = unit->own;
     Course *course = c->course;
+    const double whole = course->division.whole;
     if (course->event.steps_left > 0.0) {
-        return;
+        return 0;
     }
     if (struck && course->adaptive.allowed == 0.0) { /* what is left of the communication step */
         const double left = course->division.ends - course->clock.time;
         course->division.whole = left > TIME_ROUNDING * communication_length(unit) ? left : 0.0;
+        course->division.first_step = 1.0;
         divide(c, course);
     }
     if (struck) {
-        return;
+        return 0;
     }
     if (course->division.crossing > 0.0) {
         course->division.crossing = 0.0;
         composite_drop_past(c);
-        course->division.piece = course->division.halvings = 0.0;
-        return;
+        course->division.piece = course->division.halvings = course->division.first_step = 0.0;
+        return 0;
     }
     course->division.piece += 1.0;
-    if (course->division.piece > course->division.halvings) {
-        course->division.whole = 0.0;
+    if (course->division.piece <= course->division.halvings) {
+        return 0;
     }
+    course->division.whole = 0.0;
+    return course->division.first_step > 0.0 && course->division.halvings > 0.0 &&
+           iterated_after_start(unit, whole);
 }
