@@ -33,7 +33,6 @@ SLOW_CONVERGENCE = 0.1  # reduction of a residual per pass above which the Jacob
 CONVERGED_FORCES = 1e-10  # residual of the forces relative to the largest force so far
 GAIN_ROUNDING = 1e-12  # per loop gain: what rounding leaves of a residual
 MAX_PASSES = 30  # quasi-Newton needs two to six; more means it does not converge
-JACOBIAN_CHANGE = 1e-3  # of the largest force: a disturbance that shows the loop's Jacobian
 LOOSE_RESIDUAL = 1e-3  # of the force: fixed passes that leave more than this are reported
 JUMP_PARTS = 8  # at a gain of 1/13, the largest of a stable cubic exchange, 1e-9 is left
 FORCE_ROUNDING = 1e-14  # of the largest force there can be: what sums leave of cancelling parts
@@ -54,14 +53,6 @@ RESIDUAL_SHARE = 0.2  # of what a step may err: it may stay in the loop
 # Whether steps resolve the motion
 STATED_ERROR = 0.01  # of the motion: a run states an estimated error from here on
 REFUSED_ERROR = 0.3  # of the motion: within the estimate's factor of three, all of it
-UNRESOLVED_ERROR = 0.05  # of a signal's largest value: error of a cubic that no longer follows it
-PERSISTENT_STEPS = 20  # such steps in all: a transient that dies sooner is left to the estimate
-SIGNAL_NOISE = 1e-9  # of what all weights can pull: below it a signal is cancellation
-LARGEST_FORCE_FACTOR = 10.0  # times the largest force: what a resonance makes in three revolutions
-UNFOLLOWED_TURN = 0.5  # rad per step of the slowest vibration: what cubics miss of it gathers
-RUNAWAY_GROWTH = 2.0  # in a step: no resolved motion grows so fast
-RUNAWAY_STEPS = 4  # such steps in a row
-MISS_PER_ERROR = 120.0  # of a prediction over a cubic's: (h + h)^2 h^2/24 over h^4/720
 
 # Model exchange
 FIRST_DERIVATIVE = 2_000_000  # value reference of the first state's: above all that a layout has

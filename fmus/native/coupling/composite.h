@@ -16,6 +16,7 @@ typedef enum { SCHEME_AUTO, SCHEME_ITERATED } Scheme;
 
 enum { UNTIL_CONVERGED = -1 }; /* corrections */
 enum { VIBRATION = 5, RESIDUAL = 6 }; /* of the outputs from `results` on; the capacity in use is behind */
+#define MISS_PER_ERROR 120.0 /* of a prediction over a cubic's: (h + h)^2 h^2/24 over h^4/720 */
 enum { UNKNOWN_REALS = 4 }; /* of an unknown in the loop's vectors: value, and slope times step */
 
 /* Value and slope of a signal at one point. */

@@ -7,6 +7,14 @@
 #include "coupling/composite.h"
 
 enum { TOO_LONG = 2 };
+static const double UNRESOLVED_ERROR = 0.05; /* of a signal's largest value: its cubic no longer follows it */
+static const double SIGNAL_NOISE = 1e-9; /* of what all weights can pull: below it a signal is cancellation */
+/* times the largest force: what a resonance makes in three revolutions */
+static const double LARGEST_FORCE_FACTOR = 10.0;
+static const double UNFOLLOWED_TURN = 0.5; /* rad per step of the slowest vibration: what cubics miss gathers */
+static const double RUNAWAY_GROWTH = 2.0; /* in a step: no resolved motion grows so fast */
+/* such steps in a row, and unresolved ones in all: a transient that dies sooner is left to the estimate */
+enum { RUNAWAY_STEPS = 4, PERSISTENT_STEPS = 20 };
 
 /* Lowest natural frequency along an axis [rad/s]. */
 static double slowest(Composite *c, const LinearRotor *rotor, const double *stiffness)
