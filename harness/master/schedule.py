@@ -27,7 +27,8 @@ def as_run(scene: Scene) -> Scene:
 
     Where the force jumps within a step no step is short enough for a tolerance: it is given steps.
     """
-    return scene if scene.asks_for_coupling or not force_jumps(scene) else at_fixed_steps(scene)
+    jumps = any(b.can_meet or b.can_stick for b in scene.balancer) and not meets_events(scene)
+    return at_fixed_steps(scene) if jumps and not scene.asks_for_coupling else scene
 
 
 def order_of_run(scene: Scene) -> int:
@@ -50,11 +51,6 @@ def _heavy_drag(scene: Scene) -> bool:
     """Whether drag holds a weight so much that second derivatives of its force are lost."""
     limit, weights = HEAVY_DRAG * scene.profile().end, scene.assembly().weights
     return any(weights_of(mounted).damping_rate > limit for mounted in weights)
-
-
-def force_jumps(scene: Scene) -> bool:
-    """Whether a force can jump within a step: weights collide or stick, and no step ends there."""
-    return any(b.can_meet or b.can_stick for b in scene.balancer) and not meets_events(scene)
 
 
 def meets_events(scene: Scene) -> bool:
