@@ -167,6 +167,8 @@ class CoSimulation(Closing):
             if number:
                 self._drive_jumps()
             self._advance_part(part)
+        if started and len(parts) > 1:
+            self.scheme.after_start(self.system, self.time, step)
         self.time = begin + step
 
     def _drive_jumps(self) -> bool:

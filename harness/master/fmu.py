@@ -125,11 +125,6 @@ class Fmu(Closing):
         self._save, self._restore = dll.fmi2GetFMUstate, dll.fmi2SetFMUstate
         self._free = dll.fmi2FreeFMUstate
 
-    @property
-    def runs_python(self) -> bool:
-        """Whether pythonfmu made the FMU."""
-        return self.fmu.runs_python
-
     def _log(self, _environment, _instance, status, _category, message) -> None:
         try:  # a Python unit logs with its exception pending, which `decode` would be blamed for
             raise LookupError
@@ -200,7 +195,7 @@ class Fmu(Closing):
     def save(self, state: c_void_p) -> None:
         """Copy the complete state into one that is null, or over an earlier copy of this unit."""
         self.calls["save"] += 1
-        if self.runs_python:  # pythonfmu makes a new copy and loses the one that is handed in
+        if self.fmu.runs_python:  # pythonfmu makes a new copy and loses the one that is handed in
             self.free(state)
         status = self._save(self._component, byref(state))
         if status > _WARNING:

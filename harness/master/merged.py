@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from ..scene import Scene
 from ..scene.balancer import WeightBalancer
 from .names import weight
+from .recorder import Recorder
 from .schedule import end_time
 
 _GROWS = 1e-6  # e-folds per radian of the rotor: slower growth is the rounding of a balanced one
@@ -90,12 +91,9 @@ def merged(scene: Scene, values: Mapping[str, float]) -> list[Merged]:
 
 def merged_now(scene: Scene, units: Mapping[str, Any]) -> list[str]:
     """Notes on the weights of units as they stand, see `merged`."""
-    values = {}
-    for name in names_of_states(scene):
-        owner, _, own = name.partition(".")
-        memory = np.zeros(1)
-        units[owner].fetch(units[owner].group([own], memory))
-        values[name] = float(memory[0])
+    recorder = Recorder(units, names_of_states(scene))
+    recorder.record(0.0)
+    values = {name: float(value[0]) for name, value in recorder.columns()[1].items()}
     return [one.note() for one in merged(scene, values)]
 
 

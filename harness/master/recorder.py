@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from array import array
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -30,19 +30,6 @@ def recorded(scene: Scene) -> list[str]:
     return names + [f"{b.label}.{variable}" for b in scene.balancer for variable in b.records]
 
 
-def refuse_unknown(names: Sequence[str], units: Mapping[str, Collection[str]]) -> None:
-    """Refuse names that are not `unit.variable` of these units with their variables.
-
-    Raises:
-        SceneError: of the first, with what there is.
-    """
-    for name in names:
-        unit, _, variable = name.partition(".")
-        if variable not in units.get(unit, ()):
-            known = ", ".join(units.get(unit, units))
-            raise SceneError(f"run.record: {name!r} is not recorded by any unit; known: {known}")
-
-
 class Recorder:
     """Rows of recorded signals, filled as the run goes.
 
@@ -63,8 +50,14 @@ class Recorder:
         self, units: Mapping[str, Any], names: Sequence[str], watched: Sequence[str] = ()
     ) -> None:
         every = list(dict.fromkeys([*names, *watched]))
-        refuse_unknown(every, {name: unit.variables for name, unit in units.items()})
         wanted = by_unit(every)
+        for name in every:
+            unit, _, variable = name.partition(".")
+            known = units[unit].variables if unit in units else units
+            if unit not in units or variable not in known:
+                raise SceneError(
+                    f"run.record: {name!r} is not recorded by any unit; known: {', '.join(known)}"
+                )
         self._row, end = np.zeros(1 + len(every)), 1  # time, then every unit's signals
         self._bytes = self._row.data.cast("B")
         self.groups = []

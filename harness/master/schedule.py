@@ -22,12 +22,8 @@ def as_run(scene: Scene) -> Scene:
 
     Where the force jumps within a step no step is short enough for a tolerance: it is given steps.
     """
-    return scene if scene.asks_for_coupling or not force_jumps(scene) else at_fixed_steps(scene)
-
-
-def force_jumps(scene: Scene) -> bool:
-    """Whether a force can jump within a step: weights collide or stick, and no step ends there."""
-    return any(b.can_meet or b.can_stick for b in scene.balancer) and not meets_events(scene)
+    jumps = any(b.can_meet or b.can_stick for b in scene.balancer) and not meets_events(scene)
+    return at_fixed_steps(scene) if jumps and not scene.asks_for_coupling else scene
 
 
 def meets_events(scene: Scene) -> bool:

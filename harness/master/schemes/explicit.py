@@ -48,6 +48,9 @@ class Scheme:
             self.step(system, time + number * part, part, jump=True)
             system.drop_past()
 
+    def after_start(self, system: System, time: float, step: float) -> None:
+        """Nothing: no Jacobian is used."""
+
     def check_agreement(self, system: System, time: float, residual: float) -> bool:
         """Always converged: there is nothing to iterate."""
         return True

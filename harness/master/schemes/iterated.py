@@ -13,12 +13,13 @@ import numpy as np
 from ....models.constants import (
     CONVERGED_FORCES,
     GAIN_ROUNDING,
+    JACOBIAN_CHANGE,
     LOOSE_RESIDUAL,
     MAX_PASSES,
     SLOW_CONVERGENCE,
 )
 from ...errors import LoopError
-from ..loop import QuasiNewton, Vector, of_values, pack, size, unpack
+from ..loop import QuasiNewton, Vector, jacobian, of_values, pack, size, unpack
 from ..signals import Cubics, Knots, end_of
 from ..system import System
 from .explicit import Scheme
@@ -97,6 +98,24 @@ class Iterated(Scheme):
     def cross_jump(self, system: System, time: float, step: float) -> None:
         """One step, where nothing of the past can be used."""
         self.step(system, time, step, jump=True)
+
+    def after_start(self, system: System, time: float, step: float) -> None:
+        """Take the loop's Jacobian from steps of this length, all of them taken back.
+
+        At the start the units answer without a step, which says little of what heavy drag lets
+        through within one.
+        """
+        u = self._used(end_of(system.forces.predicted(1), step), step)
+        system.save()
+
+        def respond(assumed: Vector) -> Vector:
+            answers = self._pass(system, assumed, time, step)[-1]
+            system.restore()
+            return self._used(answers, step)
+
+        g_u = respond(u)
+        change = JACOBIAN_CHANGE * max(size(g_u), size(u), self.largest)
+        self.newton = QuasiNewton(jacobian(respond, u, g_u, change), step)
 
     def check_agreement(self, system: System, time: float, residual: float) -> bool:
         """Whether the forces agree well enough.
