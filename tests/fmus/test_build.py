@@ -165,12 +165,11 @@ def test_sizes_are_data_beside_the_same_sources(unit, small, large):
     }  # fmt: skip
 
 
-def test_units_of_two_sizes_run_in_one_process_even_from_one_folder(fmu, host_of):
+def test_units_of_two_sizes_run_in_one_process_even_from_one_folder(host_of):
     """They share every module; what is in the folder when an instance is made is what counts."""
-    two, five = (host_of(fmu("BallBalancer", backend="python", weights=k)) for k in (2, 5))
+    two, five = (host_of("BallBalancer", "python", weights=k) for k in (2, 5))
     for host in (two, five):
-        host.start()
-        host.run(3)
+        host.begin().run(3)
     assert len(five.outputs()) - len(two.outputs()) == 2 * 3
     folder = Path(two.slave.unzipDirectory)
     shutil.copy(
@@ -178,10 +177,9 @@ def test_units_of_two_sizes_run_in_one_process_even_from_one_folder(fmu, host_of
     )
     two.slave.terminate()
     two.slave.fmi2FreeInstance(two.slave.component)
-    two.reference = five.reference
-    two.description = five.description
-    two.start()
-    two.run(3)
+    two.variables = five.variables
+    two.instantiate()
+    two.begin().run(3)
     assert two.outputs() == five.outputs()
     for host in (two, five):
         host.free()

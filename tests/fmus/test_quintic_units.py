@@ -74,14 +74,14 @@ def test_second_derivatives_are_those_of_the_slopes_along_the_motion(
 
 
 @pytest.mark.parametrize("given", [{"weight_radius": 0.01}, {"rolling_resistance": 0.01}])
-def test_weights_that_meet_or_stick_are_refused(fmu, host_of, given):
-    host = host_of(fmu("BallBalancer", order=5))
+def test_weights_that_meet_or_stick_are_refused(host_of, given):
+    host = host_of("BallBalancer", order=5)
     with pytest.raises(Exception, match="fmi2ExitInitializationMode"):
-        host.start(**given)
+        host.begin(given)
 
 
-def test_such_units_declare_no_directional_derivatives(fmu):
+def test_such_units_declare_no_directional_derivatives(fmus):
     for order, expected in ((3, True), (5, False)):
-        path = fmu("BallBalancer", order=order)
+        path = fmus.native("BallBalancer", order=order)
         described = fmpy.read_model_description(str(path)).coSimulation
         assert described.providesDirectionalDerivative is expected

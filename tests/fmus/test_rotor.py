@@ -374,22 +374,24 @@ def test_supports_without_stiffness_carry_no_weight(probe):
 
 
 @pytest.mark.parametrize("limit", [0.5, 50.0])
-def test_torque_of_an_unbalance_is_that_of_its_acceleration_with_friction_too(host_of, fmu, limit):
+def test_torque_of_an_unbalance_is_that_of_its_acceleration_with_friction_too(host_of, limit):
     """-Im(u* a) and its slope, a the disc's acceleration in the rotor frame; slipping and stuck."""
     u, angle = 3e-3, 0.7
-    host = host_of(fmu("RotorOnSupports", sliders=2)).start(
-        **{"unbalance": u, "unbalance_angle": angle, "speed": 200.0, "acceleration": 30.0,
-           "slider[1].limit_x": limit, "slider[1].limit_y": 0.3, "slider[2].limit_x": 0.2,
-           "slider[2].stiffness_x": 3e4, "vx0": 0.02}
+    host = host_of("RotorOnSupports", sliders=2).begin(
+        {"unbalance": u, "unbalance_angle": angle, "speed": 200.0, "acceleration": 30.0,
+         "slider[1].limit_x": limit, "slider[1].limit_y": 0.3, "slider[2].limit_x": 0.2,
+         "slider[2].stiffness_x": 3e4, "vx0": 0.02}
     )  # fmt: skip
     seen = []
     for k in range(40):
-        host["speed"], host["plane[1].F_xi"] = 200.0 + 0.03 * k, 0.2 * k
+        host.set({"speed": 200.0 + 0.03 * k, "plane[1].F_xi": 0.2 * k})
         for _ in range(2):  # before the step, of the inputs just set, and after it
             for torque, a in (("torque", "{}"), ("der(torque)", "der({})")):
-                vector = host[a.format("plane[1].a_xi")] + 1j * host[a.format("plane[1].a_eta")]
-                expected = -(u * np.exp(-1j * angle) * vector).imag
-                seen.append((host[torque], expected))
+                found, xi, eta = host.get(
+                    torque, a.format("plane[1].a_xi"), a.format("plane[1].a_eta")
+                )
+                expected = -(u * np.exp(-1j * angle) * complex(xi, eta)).imag
+                seen.append((found, expected))
             if len(seen) % 4:
                 host.slave.doStep(k * 1e-3, 1e-3)
     found, expected = np.array(seen).T.reshape(2, -1, 2)

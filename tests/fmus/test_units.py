@@ -179,8 +179,8 @@ def test_outputs_follow_inputs_set_during_initialisation(rotor_of):
 
 
 @pytest.mark.parametrize("unit", ["RotorOnSupports", "LiquidBalancer", "BallBalancer"])
-def test_unit_runs_alone_with_an_input_file(fmu, unit, backend):
-    path = str(fmu(unit, backend=backend))
+def test_unit_runs_alone_with_an_input_file(fmus, unit, backend):
+    path = str(getattr(fmus, backend)(unit))
     name = {"RotorOnSupports": "plane[1].F_xi", "BallBalancer": "a_eta"}.get(unit, "a_xi")
     samples = np.array([(0.0, 0.0), (0.05, 2.0), (0.1, -2.0)], dtype=[("time", "f8"), (name, "f8")])
     starts = {"inertia_as_force": True} if unit == "LiquidBalancer" else {}
@@ -212,18 +212,20 @@ PERTURBED = {
 
 
 @pytest.mark.parametrize("unit", PERTURBED)
-def test_restored_state_continues_bit_by_bit(fmu, unit, host_of, backend):
-    host = host_of(fmu(unit, backend=backend)).start(**PERTURBED[unit])
-    other = host_of(fmu(unit, backend=backend)).start()
+def test_restored_state_of_a_python_unit_continues_bit_by_bit(unit, host_of):
+    """Of native units: `tests/native/test_native_units_state.py`."""
+    host = host_of(unit, "python").begin(PERTURBED[unit])
+    other = host_of(unit, "python").begin()
     host.run(20)
-    state = host.slave.getFMUState()
+    state, other.time = host.slave.getFMUState(), host.time
     data = host.slave.serializeFMUState(state)
-    expected = host.run(20, start=0.02)
+    expected = host.run(20)
     host.slave.setFMUState(state)
-    assert host.run(20, start=0.02) == expected
+    host.time = other.time
+    assert host.run(20) == expected
     foreign = other.slave.deserializeFMUState(data)
     other.slave.setFMUState(foreign)
-    assert other.run(20, start=0.02) == expected
+    assert other.run(20) == expected
     for each, kept in ((host, state), (other, foreign)):
         each.slave.freeFMUState(kept)
         each.free()
@@ -246,32 +248,33 @@ def test_state_of_another_size_is_refused(balls_of):
 
 
 @pytest.mark.parametrize("unit", PERTURBED)
-def test_reset_and_instantiate_again_start_afresh(fmu, unit, host_of, backend):
-    host = host_of(fmu(unit, backend=backend)).start(**PERTURBED[unit])
+def test_reset_and_instantiate_again_start_afresh(unit, host_of, backend):
+    host = host_of(unit, backend).begin(PERTURBED[unit])
     expected = host.run(10)
     host.slave.terminate()
     host.slave.reset()
-    assert host.initialise(**PERTURBED[unit]).run(10) == expected
+    assert host.begin(PERTURBED[unit]).run(10) == expected
     host.slave.terminate()
     host.slave.fmi2FreeInstance(host.slave.component)
-    host.slave.instantiate()
-    assert host.initialise(**PERTURBED[unit]).run(10) == expected
+    host.instantiate()
+    assert host.begin(PERTURBED[unit]).run(10) == expected
     host.free()
 
 
-def test_after_a_failed_step_the_state_can_be_restored_and_stepped(fmu, host_of, backend):
-    host = host_of(fmu("BallBalancer", backend=backend)).start(a_xi=3.0)
+def test_after_a_failed_step_the_state_can_be_restored_and_stepped(host_of, backend):
+    host = host_of("BallBalancer", backend).begin({"a_xi": 3.0})
     host.run(3)
-    state = host.slave.getFMUState()
-    expected = host.run(3, start=3e-3)
-    host["a_xi"] = 1e300
+    state, time = host.slave.getFMUState(), host.time
+    expected = host.run(3)
+    host.set({"a_xi": 1e300})
     with pytest.raises(FMICallException) as failed:
-        host.slave.doStep(6e-3, 1.0)
+        host.step(1.0)
     # pythonfmu knows no status between discarded and fatal, after which no unit is left
     assert failed.value.status == (fmi2Error if backend == "native" else fmi2Discard)
     host.slave.setFMUState(state)
-    host["a_xi"] = 3.0
-    assert host.run(3, start=3e-3) == expected
+    host.set({"a_xi": 3.0})
+    host.time = time
+    assert host.run(3) == expected
     host.slave.freeFMUState(state)
     host.free()
 

@@ -97,7 +97,4 @@ def test_start_values_of_no_variable_are_refused(packaging, tmp_path, wrong, sai
     identities = identity_of(text).encode(), identity_of(changed).encode()
     files["modelDescription.xml"] = files["modelDescription.xml"].replace(*identities)
     path = written(files, tmp_path / "wrong.fmu", "wrong")
-    found: list[str] = []
-    with pytest.raises(Exception, match="instantiate"):
-        fmpy.simulate_fmu(str(path), logger=lambda *words: found.append(str(words)))
-    assert any(said in words for words in found)
+    assert said in packaging.refusal(path)
