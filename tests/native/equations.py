@@ -27,7 +27,6 @@ class Moved(NamedTuple):
         contacts: 1.0 where a weight lastingly touches the next one along increasing angle.
         impulse: of the collisions on the rotor, in the rotor frame at the step's end [N s].
         events: collisions, contacts that opened, weights that stuck or broke away.
-        reached: time since the start of the step [s].
     """
 
     angles: list[float]
@@ -35,7 +34,6 @@ class Moved(NamedTuple):
     contacts: list[float]
     impulse: complex
     events: int
-    reached: float
 
 
 class Track:
@@ -87,7 +85,6 @@ class Track:
         angular_acceleration: float,
         step: float,
         rates: Sequence[float] = STEADY,
-        stop: int = 0,
     ) -> Moved:
         """Motion over a step; `signal` (4,) of the plane's centre, `rates` (3,) of w'."""
         ends = [np.empty(self.weights.count) for _ in range(3)]
@@ -95,7 +92,7 @@ class Track:
         spin_up = np.array([angular_acceleration, *rates], float)
         centre = self.core.shifted(signal, self.offset, rotor_speed, spin_up)
         if not self.native.eventful:
-            ends[2][:], moved.reached = contacts, step
+            ends[2][:] = contacts
             self.core.demand(
                 "weights_advance", byref(self.native.weights), *_arrays(angles, speeds), centre, 4,
                 spin_up, float(step), *ends[:2], byref(self.core("quadrature_empty")), None,
@@ -103,10 +100,10 @@ class Track:
         else:
             self.core.demand(
                 "track_advance", byref(self.native), *_arrays(angles, speeds, contacts), centre,
-                float(rotor_speed), spin_up, float(step), stop, byref(moved), self._scratch,
+                float(rotor_speed), spin_up, float(step), 0, byref(moved), self._scratch,
             )  # fmt: skip
         impulse = complex(moved.impulse.re, moved.impulse.im)
-        return Moved(*(e.tolist() for e in ends), impulse, moved.events, moved.reached)
+        return Moved(*(e.tolist() for e in ends), impulse, moved.events)
 
     def reaction(
         self,
@@ -133,15 +130,6 @@ class Track:
             len(motion), found, None, self._scratch,
         )  # fmt: skip
         return found.tolist()
-
-    def first_contacts(self, angles: Sequence[float], speeds: Sequence[float]) -> list[float]:
-        """Contacts of weights that touch and move alike."""
-        contacts = np.empty(self.weights.count)
-        self.core.demand(
-            "track_first_contacts", byref(self.native), *_arrays(angles, speeds), contacts,
-            self._scratch,
-        )  # fmt: skip
-        return contacts.tolist()
 
     def static_moment(self, angles: Sequence[float]) -> complex:
         """Sum of m (e + R e^{i theta}) [kg m]."""

@@ -20,7 +20,7 @@ from autobalancer.fmus.catalogue import sized_unit
 from autobalancer.fmus.native.build.compile import SOURCE, SOURCES, libraries, one_source, stamp
 from autobalancer.fmus.native.build.layout import token
 from autobalancer.harness.master.unit_files import described
-from tests.native.compiler import shared_library
+from tests.native.core import shared_library
 
 STAMP = stamp()
 

@@ -128,12 +128,6 @@ def test_groups_accelerate_by_the_principle_of_least_constraint(core):
             assert found == pytest.approx(best.x[:6] - best.x[6:], abs=2e-5)
 
 
-def test_a_group_feels_the_mean_of_its_weights(core):
-    alpha, n, z = 0.07, 9, cmath.rect(2.0, 0.4)
-    drives = [(z * cmath.rect(1.0, -(2 * k - n + 1) * alpha)).imag for k in range(n)]
-    assert core("group_factor", n, alpha) * z.imag == pytest.approx(sum(drives) / n, rel=1e-13)
-
-
 @pytest.mark.parametrize(("resistance", "rate"), [(0.0, 0.0), (0.03, 0.8)])
 def test_a_plastic_pair_moves_as_one_until_it_is_pulled_apart(track_of, resistance, rate):
     """Driven by 0.5 e^{0.9 i t}: the pair opens where the pressure of its two weights ends."""
@@ -224,26 +218,6 @@ def test_a_full_track_turns_as_one_body_under_drag_alone(track_of):
     assert speeds == pytest.approx([0.5 * math.exp(-2.0)] * n, rel=1e-12)
     turned = 0.5 * (1.0 - math.exp(-2.0))
     assert angles == pytest.approx([x + turned for x in start], rel=1e-12)
-
-
-def test_force_of_a_group_is_that_of_its_weights_moved_by_hand(track_of):
-    """F = -(d/dt)^2 of the moment in fixed axes, by differences of a finely stepped motion."""
-    track = track_of(Weights(3, 0.1, 1.0, 0.3, 1.4), 0.25, 0.0)
-    start, w, h = [2.8, 2.8 + 2 * track.alpha, 2.8 + 4 * track.alpha], 3.0, 2e-3
-    signal = whirling(0.5, 0.9)
-    state, moments, forces = (start, [0.3] * 3, [1.0, 1.0, 0.0]), [], []
-    for k in range(7):
-        turn = cmath.exp(1j * w * k * h)
-        moments.append(sum(0.1 * cmath.exp(1j * x) for x in state[0]) * turn)
-        force = track.reaction(*state, *signal(k * h)[:2], w, 0.0)
-        forces.append((force[0] * turn, (force[1] + 1j * w * force[0]) * turn))
-        moved = track.advance(*state, signal(k * h), w, 0.0, h)
-        state = moved.angles, moved.speeds, moved.contacts
-        assert moved.contacts == [1.0, 1.0, 0.0]
-    second = (-moments[5] + 16 * moments[4] - 30 * moments[3] + 16 * moments[2] - moments[1]) / 12
-    assert forces[3][0] == pytest.approx(-second / h**2, rel=1e-7)
-    slope = (forces[1][0] - 8 * forces[2][0] + 8 * forces[4][0] - forces[5][0]) / (12 * h)
-    assert forces[3][1] == pytest.approx(slope, rel=1e-7)
 
 
 def test_impulse_and_force_together_account_for_the_momentum_of_the_weights(track_of):

@@ -56,7 +56,6 @@ class Impact(ctypes.Structure):
 def collided(core, angles, rates, pairs, mass, restitution, lasting=()):
     """Rates behind the impact of weights on one planar rotor, and its velocity in its axes."""
     n = len(angles)
-    core.library.impact_doubles.restype = ctypes.c_size_t
     core.library.impact_begin.restype = Impact
     memory = np.zeros(core.library.impact_doubles(n))
     mobility = np.array([1.0 / (CARRIER + n * mass)])
@@ -70,7 +69,6 @@ def collided(core, angles, rates, pairs, mass, restitution, lasting=()):
     for i, (a, b) in enumerate(pairs):
         impact.pairs[i] = ImpactPair(a, b, int(i in lasting), 0, restitution, 0.0)
     core.demand("impact_solve", byref(impact))
-    core.library.impact_on_plane.restype = core.structures.Complex
     push = core("impact_on_plane", byref(impact), 0)
     return np.array(impact.rate[:n]), mobility[0] * np.array([push.re, push.im])
 

@@ -133,3 +133,17 @@ def test_systems_of_equations_are_solved_with_any_pivots(core, parts):
             assert core("matrix_solve", parts, n, 3, a.copy(), found) == 0
             assert found == pytest.approx(expected, rel=1e-12)
     assert core("matrix_solve", parts, 2, 1, np.zeros(4 * parts), np.zeros(2 * parts)) == 1
+
+
+def test_response_to_rate_and_drive_is_exact_whatever_the_drag(core):
+    phi = np.empty(6)
+    for z in [0.0, -1e-12, -1e-3, -0.3, -0.999999, -1.0, -1.0000001, -1.5, -30.0, -1e3, -1e9]:
+        core("phi_functions", z, 5, phi)
+        with mpmath.workdps(80):
+            exact = [mpmath.hyp1f1(1, k + 1, mpmath.mpf(z)) / mpmath.factorial(k) for k in range(6)]
+            errors = [
+                abs(mpmath.mpf(a) - b) / (b + 1e-300)
+                for a, b in zip(phi.tolist(), exact, strict=True)
+            ]
+        # the upward recursion loses a factor of at most k!/|z|^k
+        assert max(errors) < 2e-14, (z, [float(e) for e in errors])

@@ -222,16 +222,20 @@ def test_slope_of_the_sliding_drive_is_its_derivative(core):
         assert slope == pytest.approx((ends[1] - ends[0]) / (2 * h), rel=1e-6)
 
 
-@pytest.mark.parametrize(("offset", "resistance", "rates"), [
-    (0.03 - 0.02j, 0.08, STEADY), (0.03 - 0.02j, 0.0, CHANGING), (0j, 0.0, CHANGING),
+@pytest.mark.parametrize(("offset", "resistance", "rates", "packed"), [
+    (0.03 - 0.02j, 0.08, STEADY, False), (0.03 - 0.02j, 0.0, CHANGING, False),
+    (0j, 0.0, CHANGING, False), (0.03 - 0.02j, 0.0, STEADY, True),
 ])  # fmt: skip
-def test_force_of_weights_is_that_of_their_moment(track_of, offset, resistance, rates):
-    """Sliding, resting, off centre, at changing acceleration: F = -(d/dt)^2 of the moment."""
-    weights = Weights(2, 0.1, 1.0, 0.02, 1.4)
-    track = track_of(weights, rolling_resistance=resistance, offset=offset)
+def test_force_of_weights_is_that_of_their_moment(track_of, offset, resistance, rates, packed):
+    """Sliding, resting, touching, off centre, as w' changes: F = -(d/dt)^2 of the moment."""
+    weights, radius = Weights(3 if packed else 2, 0.1, 1.0, 0.02, 1.4), 0.25 if packed else 0.0
+    track = track_of(weights, radius, rolling_resistance=resistance, offset=offset)
     w, spin, h, signal = 3.0, 0.2, 2e-3, whirling(0.3, 0.9)
     turning = Polynomial([w, spin, *np.array(rates) / [2, 6, 24]])  # the speed, by time
     state, moments, forces = ([0.1, 2.0], [0.0, 0.5], [0.0, 0.0]), [], []
+    if packed:
+        state = [2.8 + 2.0 * k * track.alpha for k in range(3)], [0.3] * 3, [1.0, 1.0, 0.0]
+    touching = list(state[2])
     for k in range(7):
         t = k * h
         speed, spin_up, change = (float(turning.deriv(j)(t)) for j in range(3))
@@ -241,6 +245,7 @@ def test_force_of_weights_is_that_of_their_moment(track_of, offset, resistance, 
         forces.append((force * turn, (slope + 1j * speed * force) * turn))
         now = [float(turning.deriv(j)(t)) for j in (2, 3, 4)]
         state = track.advance(*state, signal(t), speed, spin_up, h, now)[:3]
+    assert state[2] == touching
     if resistance:
         assert state[1][0] == 0.0
         assert state[1][1] > 0.1
