@@ -28,18 +28,18 @@ ALL = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted(MANUAL.rglob("*.md"
 PAGES = [ROOT / "README.md", *sorted(MANUAL.glob("tutorials/*.md")), *MANUAL.glob("how-to/*.md")]
 GALLERY = (MANUAL / "gallery.md").read_text(encoding="utf-8")
 NUMBER = re.compile(r"-?\d+(?:\.\d+)?(?:e[+-]?\d+)?")
-PYTEST = ("-m", "pytest", "-p", "no:cacheprovider")
-COMMANDS = """
-import shlex, sys
+STEPS = """
+import runpy, shlex, sys
 from autobalancer.harness.__main__ import main
-for line in sys.argv[1:]:
-    sys.argv = shlex.split(line)
+for step in sys.argv[1:]:
+    sys.argv = shlex.split(step)
     try:
-        main()
+        main() if sys.argv[0] == "autobalancer" else runpy.run_path(step, run_name="__main__")
     except SystemExit as end:
         if end.code:
-            sys.exit(f"{line}: exit code {end.code}")
-"""  # all in one process, which loads the libraries once
+            sys.exit(f"{step}: exit code {end.code}")
+    print(end=chr(30))
+"""  # commands and scripts, all in one process, which loads the libraries once
 
 
 def blocks(page: Path) -> list[tuple[str, str, str]]:
@@ -81,27 +81,34 @@ def test_page_does_what_it_shows(page, installed, tmp_path):
         for _, name, text in blocks(other):
             if name.endswith(".toml"):
                 (tmp_path / name).write_text(text, encoding="utf-8")
-    printed, relative = {}, {}
+    tests, steps = [], []
     commands = "".join(text for kind, _, text in blocks(page) if kind == "sh")
     for kind, name, text in blocks(page):
-        if kind == "text":
-            assert_printed(text, printed.pop(name), relative[name])
-        elif kind == "sh":
-            tests = [shlex.split(line)[1:] for line in text.splitlines() if line[:6] == "pytest"]
-            printed[name] = "".join(run(installed, tmp_path, *PYTEST, *words) for words in tests)
-            lines = [line for line in text.splitlines() if line[:6] != "pytest"]
-            printed[name] += run(installed, tmp_path, "-c", COMMANDS, *lines)
-            relative[name] = 0.05  # medians of few random starts, with weights that collide
-        else:
+        if kind == "sh":
+            for line in text.splitlines():
+                program_name, *words = shlex.split(line)
+                if program_name == "pytest":
+                    tests.append(words)
+                else:
+                    steps.append((name, line))
+        elif kind != "text":
             (tmp_path / name).write_text(text, encoding="utf-8")
             if name.endswith(".toml"):
                 assert load_scene(tmp_path / name).title
                 assert name.removesuffix(".toml") not in bundled_scenes()
-            elif name.startswith("test_"):
-                if name not in commands:  # else the page runs it by itself
-                    run(installed, tmp_path, *PYTEST, "-q", name)
-            elif name.endswith(".py"):
-                printed[name], relative[name] = run(installed, tmp_path, name), 1e-3
+            elif name.startswith("test_") and name not in commands:
+                tests.append(["-q", name])
+            elif name.endswith(".py") and not name.startswith("test_"):
+                steps.append((name, name))
+    said = run(installed, tmp_path, "-c", STEPS, *(step for _, step in steps)) if steps else ""
+    printed: dict[str, str] = {}
+    for (name, _), text in zip(steps, said.split(chr(30)), strict=False):
+        printed[name] = printed.get(name, "") + text
+    for words in tests:
+        run(installed, tmp_path, "-m", "pytest", "-p", "no:cacheprovider", *words)
+    for kind, name, text in blocks(page):
+        if kind == "text":  # of commands medians of few random starts, with weights that collide
+            assert_printed(text, printed.pop(name), 1e-3 if name.endswith(".py") else 0.05)
     assert not [name for name in printed if name.endswith(".py")], "a script without its output"
 
 
@@ -145,7 +152,7 @@ def test_commands_in_lines_of_text_and_all_others_run_as_installed(installed, tm
     for _, name, text in blocks(ROOT / "README.md"):
         if name.endswith(".toml"):
             (tmp_path / name).write_text(text, encoding="utf-8")
-    run(installed, tmp_path, "-c", COMMANDS, *in_lines())
+    run(installed, tmp_path, "-c", STEPS, *in_lines())
 
 
 def test_every_command_is_run():
