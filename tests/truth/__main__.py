@@ -1,7 +1,7 @@
 """Command: draw random scenes, run them as they are, and count how many are right.
 
 python -m tests.truth --family planar=3000 --family heavy=500 [--seed 2] [--verify] [--separate]
-    [--tolerance 1e-5] [--markdown FILE] [--save DIR]
+    [--tolerance 1e-5] [--markdown FILE]
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ import typer
 
 from autobalancer.harness.output.terminal import progress_bar, say
 from tests.truth.draw import FAMILIES
-from tests.truth.study import Study, line, misses, save, table, verdicts
+from tests.truth.study import Study, line, misses, table, verdicts
 
 EACH = 10  # scenes of every family, where none is named
 
@@ -33,9 +33,6 @@ def command(
     separate: Annotated[
         bool, typer.Option("--separate", help="Judge separate FMUs, not the coupling in C.")
     ] = False,
-    save_to: Annotated[
-        Path | None, typer.Option("--save", metavar="DIR", help="Keep the scenes that went wrong.")
-    ] = None,
     markdown: Annotated[
         Path | None, typer.Option(metavar="FILE", help="Also write the table to a file.")
     ] = None,
@@ -52,8 +49,6 @@ def command(
     say(f"\n{text}")
     if markdown is not None:
         markdown.write_text(f"{text}\n", encoding="utf-8")
-    if save_to is not None:
-        say(f"{len(save(study, found, save_to))} scenes written to {save_to}")
 
 
 def counts(families: list[str] | None) -> dict[str, int]:

@@ -1,4 +1,4 @@
-"""Many random scenes: counted by what came of them, the misses saved as scene files."""
+"""Many random scenes, counted by what came of them."""
 
 from __future__ import annotations
 
@@ -7,14 +7,10 @@ from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
-from pathlib import Path
 from typing import Any
-
-import tomli_w
 
 from autobalancer.harness.output.table import Sheet
 from autobalancer.harness.output.workers import Progress, Workers, in_order
-from tests.truth.draw import draw
 from tests.truth.judge import MISSES, OUTCOMES, SET_ASIDE, Verdict, judge
 
 
@@ -91,23 +87,3 @@ def line(verdict: Verdict) -> str:
         f"{verdict.family} {verdict.number}: {verdict.outcome}: errs by {verdict.error:.2g} in "
         f"{verdict.where}{stated} ({verdict.steps} steps)"
     )
-
-
-def save(study: Study, found: Iterable[Verdict], folder: Path) -> list[Path]:
-    """Scene files of the misses, with what came of each as a comment at the top.
-
-    Raises:
-        OSError: the folder cannot be written to.
-    """
-    folder.mkdir(parents=True, exist_ok=True)
-    paths = []
-    for verdict in misses(found):
-        document = {**draw(verdict.family, study.seed, verdict.number)}
-        for key, value in study.changes:
-            table_name, _, name = key.partition(".")
-            document[table_name] = {**document.get(table_name, {}), name: value}
-        path = folder / f"{verdict.outcome}-{verdict.family}-{study.seed}-{verdict.number}.toml"
-        comment = "\n".join(f"# {part}" for part in line(verdict).splitlines())
-        path.write_text(f"{comment}\n{tomli_w.dumps(document)}", encoding="utf-8")
-        paths.append(path)
-    return paths

@@ -288,7 +288,6 @@ def test_given_steps_say_how_an_error_gathers_of_a_vibration_that_they_do_not_fo
         pytest.param("motor", 20261201, 227, id="a motor that vibrates faster than its steps"),
         pytest.param("impacts", 20261125, 149, id="impacts amplify what is left in the loop"),
         pytest.param("profile", 20261127, 37, id="weights that slide from the third run on"),
-        pytest.param("friction", 20261127, 11, id="a support that slides from the third run on"),
         pytest.param("profile", 20261128, 115, id="three runs of a higher order than there is"),
     ],
 )
