@@ -112,6 +112,7 @@ def _objects(folder: Path, target: str, system: str) -> list[Path]:
     for name in ("runner", system):
         made.append(folder / f"{name}-{target}.o")
         options = ("-std=c99", "-O1", "-g0", "-fno-stack-protector", "-Wall", "-Wextra", "-Werror")
+        options += (f"-I{SOURCES}", "-fno-strict-aliasing")
         _zig(folder, "cc", "-target", target, *options, "-c", HOST / f"{name}.c", "-o", made[-1])
     return made
 
@@ -217,5 +218,4 @@ def composite(scene: str, changes: dict[str, float]) -> list[str]:
     reals = made.described("Composite").layout.reals
     outputs = [i for i, v in enumerate(reals) if v.causality == "output"]
     length = 2.0 * math.pi / (7.3 * max(loaded.profile().start, loaded.profile().end))
-    steps = [f"{bits(k * length)} {bits(length)}" for k in range(STEPS)]
-    return [made.token(stamp()), f"{outputs[0]} {len(outputs)}", *steps]
+    return [made.token(stamp()), f"{outputs[0]:x} {len(outputs):x} {STEPS:x} {bits(length)}"]
