@@ -1,9 +1,9 @@
-"""Contact, dry friction, motor and quintic weights as the units compute them: the C functions."""
+"""Contact, dry friction and quintic weights as the units compute them: the C functions."""
 
 from __future__ import annotations
 
+import cmath
 import ctypes
-import math
 from collections.abc import Sequence
 from ctypes import POINTER, byref, c_double, c_int
 from typing import Any, NamedTuple
@@ -11,7 +11,6 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from autobalancer.models.motor import Drive as Motor
 from autobalancer.models.rotor import LinearRotor
 from autobalancer.models.weights import Weights
 from tests.native.core import Complex, Core
@@ -137,6 +136,28 @@ class Track:
         return complex(found.re, found.im)
 
 
+def run(track, angles, speeds, signal, speed, seconds, steps, contacts=None):
+    """Angles, rates, contacts, sum of impulses in fixed axes, number of events."""
+    state = list(angles), list(speeds), list(contacts or [0.0] * len(angles))
+    h, events, impulse = seconds / steps, 0, 0j
+    for k in range(steps):
+        moved = track.advance(*state, signal(k * h), speed, 0.0, h)
+        state = moved.angles, moved.speeds, moved.contacts
+        events += moved.events
+        impulse += moved.impulse * cmath.exp(1j * speed * (k + 1) * h)
+    return (*state, impulse, events)
+
+
+def whirling(size: float, rate: float, more: float = 0.0):
+    """A signal: two turning vectors, with exact derivatives."""
+
+    def signal(t: float):
+        first, second = size * cmath.exp(1j * rate * t), more * cmath.exp(-2.3j * t)
+        return tuple((1j * rate) ** k * first + (-2.3j) ** k * second for k in range(4))
+
+    return signal
+
+
 def discharge(
     core: Core, owed: complex, pulse: complex, impulse: complex, turn: float, step: float
 ) -> tuple[complex, complex]:
@@ -221,35 +242,6 @@ class Friction:
             byref(reached),
         )  # fmt: skip
         return state, held
-
-
-class _Motor(ctypes.Structure):
-    _fields_ = (
-        ("inertia", c_double),
-        ("count", c_int),
-        ("points", POINTER(c_double)),
-        ("negligible", c_double),
-        ("reached", c_double),
-        ("quadrature", c_double * 16),
-    )
-
-
-def motor_advance(
-    core: Core, motor: Motor, speed: float, torque: Sequence[float], step: float
-) -> tuple[float, float]:
-    """Speed after a step, and the angle turned in it."""
-    points = np.array([motor.speeds, motor.torques]).T.copy()
-    native = _Motor(motor.inertia, len(points), _pointer(points), math.inf)
-    native.quadrature[:2] = [-1.0, -1.0]  # remembers nothing
-    ends = c_double(speed), c_double(0.0)
-    core.demand(
-        "motor_advance",
-        byref(native),
-        *map(byref, ends),
-        np.array(torque, float),
-        float(step),
-    )
-    return ends[0].value, ends[1].value
 
 
 def quintic_advance(

@@ -13,33 +13,9 @@ from scipy.optimize import minimize
 
 from autobalancer.models.papers.capacity import packed_angles
 from autobalancer.models.weights import Weights
-from tests.native.equations import discharge, pooled
+from tests.native.equations import discharge, pooled, run, whirling
 
 pytestmark = pytest.mark.slow
-
-STILL = (0j, 0j, 0j, 0j)
-
-
-def run(track, angles, speeds, signal, speed, seconds, steps, contacts=None):
-    """Angles, rates, contacts, sum of impulses in fixed axes, number of events."""
-    state = list(angles), list(speeds), list(contacts or [0.0] * len(angles))
-    h, events, impulse = seconds / steps, 0, 0j
-    for k in range(steps):
-        moved = track.advance(*state, signal(k * h), speed, 0.0, h)
-        state = moved.angles, moved.speeds, moved.contacts
-        events += moved.events
-        impulse += moved.impulse * cmath.exp(1j * speed * (k + 1) * h)
-    return (*state, impulse, events)
-
-
-def whirling(size: float, rate: float, more: float = 0.0):
-    """A signal: two turning vectors, with exact derivatives."""
-
-    def signal(t: float):
-        first, second = size * cmath.exp(1j * rate * t), more * cmath.exp(-2.3j * t)
-        return tuple((1j * rate) ** k * first + (-2.3j) ** k * second for k in range(4))
-
-    return signal
 
 
 def by_scipy(track, angles, speeds, signal, seconds):
