@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 import math
 import re
+from functools import cache
 from xml.etree import ElementTree
 
 import fmpy
@@ -25,9 +26,14 @@ def shape(request):
     return request.param
 
 
+@cache
+def described(unit, **options):
+    return ElementTree.fromstring(contents(unit, **options)["modelDescription.xml"])
+
+
 @pytest.fixture
 def description(unit, options):
-    return ElementTree.fromstring(contents(unit, **options)["modelDescription.xml"])
+    return described(unit, **options)
 
 
 def variables_of(description):

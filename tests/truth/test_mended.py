@@ -45,20 +45,6 @@ HEAVY_LIQUID = (
 RIGHT = {
     "a run-up on stiff supports": scene(*STIFF_RUN_UP),
     "a run-up with a tolerance": scene(*STIFF_RUN_UP, tolerance=1e-6),
-    "a run-up of an undamped rotor with liquid": scene(
-        planar(0.3218, [703100000.0, 123400000.0], [0.0, 0.0], 0.002894),
-        liquid(0.06319, 0.02479, 0.01309),
-        ramp(438.7, 576.8, 0.2013),
-        {"revolutions": 17.12},
-        steps_per_rev=20,
-    ),
-    "weights that heavy drag takes along in a run-up": scene(
-        planar(3.0, 9.0e4, 50.0, 0.001),
-        pendulums(2, 0.1, 0.5, drag=5.0e5, angles=[3.0, 4.0], speeds=[20.0, 20.0]),
-        ramp(0.0, 30.0, 6.0),
-        {"revolutions": 14.0},
-        tolerance=1e-4,
-    ),
     "a rotor that its motor's shaft hardly moves": scene(
         planar(27.91, [12.76, 6.757], [1.506, 0.3362], 0.0003092),
         pendulums(4, 1.402, 0.0215, drag=0.0, angles=[4.363, 3.121, 3.872, 1.648]),
