@@ -12,7 +12,6 @@ import numpy as np
 import pytest
 from fmpy.fmi1 import FMICallException
 from fmpy.fmi2 import fmi2Discard, fmi2Error
-from scipy.integrate import solve_ivp
 
 from autobalancer.fmus.rotor.angle import TURN, turned
 
@@ -75,62 +74,6 @@ def test_slope_outputs_are_the_outputs_derivatives(frame, spin_up, probe, rotor_
         liquid = probe("LiquidBalancer", {"inertia_as_force": True}, frame=frame)
         liquid.put(f"a_{xi}", *wavy)
         assert slope_error(liquid, [f"F_{xi}", f"F_{eta}"]) < 1e-9
-
-
-def test_weights_agree_with_scipy(balls_of):
-    """Filimonikhina 2017 (4), as corrected, in fixed axes and absolute angles, against the unit.
-
-    In axes that turn: the reference runs.
-    """
-    mass, radius, kappa, drag = 0.01, 0.05, 1.4, 0.05
-    speed, spin_up, angle, h = 30.0, 40.0, 0.3, 5e-3
-    starts = {
-        "mass": mass,
-        "track_radius": radius,
-        "kappa": kappa,
-        "drag": drag,
-        "speed": speed,
-        "acceleration": spin_up,
-        "angle": angle,
-        "weight[1].angle0": 0.5,
-        "weight[2].angle0": 2.0,
-        "weight[2].speed0": 3.0,
-        "inertia_as_force": True,
-    }
-    unit = balls_of(starts, frame="fixed")
-    orders = [20 + 5j, -300 + 200j, 4e3 - 9e3j, 1e5 + 2e5j]
-    unit.put("a_x", *np.array(orders).view(float))
-    assert unit.do_step(0.0, h)
-
-    def turned(t):
-        return angle + speed * t + spin_up * t * t / 2
-
-    def centre(t):
-        return sum(f * t**k / math.factorial(k) for k, f in enumerate(orders))
-
-    def rhs(t, y):
-        a, w = centre(t), speed + spin_up * t
-        bend = [
-            -(drag * radius**2 * (rate - w) + mass * radius * (a * np.exp(-1j * phi)).imag)
-            / (kappa * mass * radius**2)
-            + (kappa - 1.0) / kappa * spin_up
-            for phi, rate in (y[:2], y[2:])
-        ]
-        return [y[1], bend[0], y[3], bend[1]]
-
-    begin = [angle + 0.5, speed, angle + 2.0, speed + 3.0]
-    end = solve_ivp(rhs, (0, h), begin, "DOP853", rtol=1e-13, atol=1e-14).y[:, -1]
-    tolerance = 2e-5  # a collocation of order 4, after a cubic fit of the turning signal
-    beta = turned(h)
-    assert unit.look("weight[1].angle", "weight[2].angle") == pytest.approx(
-        [end[0] - beta, end[2] - beta], rel=tolerance
-    )
-    slopes = rhs(h, end)
-    force = -2 * mass * centre(h)
-    for phi, rate, bend in ((end[0], end[1], slopes[1]), (end[2], end[3], slopes[3])):
-        force += mass * radius * (rate**2 - 1j * bend) * np.exp(1j * phi)
-    got = complex(*unit.look("F_x", "F_y"))
-    assert got == pytest.approx(force, rel=30 * tolerance)
 
 
 def test_liquid_leaves_by_the_port_or_in_the_force_but_not_by_both(probe):

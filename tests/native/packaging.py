@@ -77,6 +77,8 @@ class Host:
 
     Args:
         messages: the list that becomes the attribute; for an instance that is refused.
+        kind: of FMI 2.0, for co-simulation or model exchange.
+        library: in place of the FMU's own.
         options: of the instantiation in FMI 3.0.
 
     Attributes:
@@ -88,6 +90,8 @@ class Host:
         path: Path | str,
         name: str = "unit",
         messages: list[tuple[int, str]] | None = None,
+        kind: type = fmi2.FMU2Slave,
+        library: Path | None = None,
         **options: bool,
     ) -> None:
         self.description = described(Path(path))
@@ -95,11 +99,13 @@ class Host:
         self.messages = [] if messages is None else messages
         self._unpacked = TemporaryDirectory()
         is_two = self.description.fmiVersion == "2.0"
-        self.slave = (fmi2.FMU2Slave if is_two else fmi3.FMU3Slave)(
+        interface = self.description.coSimulation or self.description.modelExchange
+        self.slave = (kind if is_two else fmi3.FMU3Slave)(
             guid=self.description.guid,
             unzipDirectory=fmpy.extract(str(path), self._unpacked.name, _is_needed),
-            modelIdentifier=self.description.coSimulation.modelIdentifier,
+            modelIdentifier=interface.modelIdentifier,
             instanceName=name,
+            libraryPath=library and str(library),
         )
         self._get = self.slave.getReal if is_two else self.slave.getFloat64
         self._set = self.slave.setReal if is_two else self.slave.setFloat64
