@@ -35,10 +35,10 @@ UNITS = [
 COMPOSITES = ["two_balls", "balls_and_liquid", "goncharov_balls", "finite_weights"]
 
 
-def compiled(folder: Path, *flags: str, counting: str = "counting.c") -> Path:
+def compiled(folder: Path, *flags: str) -> Path:
     """The host, by the compiler of this machine."""
     host = folder / "host"
-    sources = [str(HOST / "host.c"), str(HOST / counting)]
+    sources = [str(HOST / "host.c"), str(HOST / "counting.c")]
     base = ["-D_GNU_SOURCE", "-std=c99", "-O1", "-g", "-Wall", "-Wextra", "-Wno-unused-parameter"]
     libraries = ["-o", str(host), "-ldl", "-lpthread", "-lm"]
     command = ["cc", *base, f"-I{SOURCES}", "-rdynamic", *flags, *sources, *libraries]

@@ -25,8 +25,7 @@ def test_a_plain_host_finds_nothing_wrong(fmus, tmp_path):
 def test_sanitizers_find_nothing_either(packaging, tmp_path):
     flags = ["-fsanitize=address,undefined", "-fno-sanitize-recover=all", "-g1"]
     library = packaging.compile_units(tmp_path / "sanitized", *flags, "-O0")
-    host = compiled(tmp_path, *flags, counting="not_counting.c")
-    done = run(host, library, 30, 4, ASAN_OPTIONS="detect_leaks=1")
+    done = run(compiled(tmp_path, *flags), library, 30, 4, ASAN_OPTIONS="detect_leaks=1")
     assert (done.returncode, done.stderr, done.stdout) == (0, "", NOTHING_WRONG)
 
 
