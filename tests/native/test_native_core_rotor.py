@@ -9,73 +9,49 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from autobalancer.harness import Scene
 from autobalancer.models.rotor import LinearRotor
 from autobalancer.models.steps.propagator import exponential, generator, step_matrix
+from tests.truth.draw import draw
 
 KINDS = ("planar", "two_support", "flexible")
-STIFFEST = 1e14  # N/m
+STIFFER = 1e4  # at most, than the rotors that are drawn: up to 1e14 N/m
 
 
-def _log(random, low, high, size=None):
-    return 10.0 ** random.uniform(math.log10(low), math.log10(high), size)
+def _log(random, low, high):
+    return 10.0 ** random.uniform(math.log10(low), math.log10(high))
 
 
 class Draw:
-    """A random rotor of a kind, with masses at its planes.
+    """A random rotor of a kind as of `tests.truth`, with masses at its planes.
 
     Attributes:
         python: the description; `native`, the same matrices in C.
     """
 
     def __init__(self, core, kind, seed, stations=None, planes=None):
-        self.core, self.random = core, np.random.default_rng(seed)
-        self.isotropic, self.zero_damping = bool(seed % 2), seed % 5 == 0
-        self.planes = planes or int(self.random.integers(1, 4))
-        bare = getattr(self, kind)(stations)
-        added = self.random.uniform(0.0, 2.0, self.planes) * (self.random.random() < 0.7)
+        self.random = random = np.random.default_rng(seed)
+        document = draw(kind, 1, seed)
+        table = document["rotor"]
+        if kind == "planar":
+            table["internal_damping"] = 7.0 * (seed % 3 == 0)
+        if stations:
+            table["stations"] = np.linspace(0.0, table["stations"][-1], stations).tolist()
+            table |= {"masses": table["masses"][:1] * stations, "supports": [1, stations]}
+            table["unbalances"][0]["position"] = 0.0
+        rotor = Scene.from_document({**document, "balancer": []}).rotor.build()
+        planes = planes or int(random.integers(1, 4))
+        bare = replace(rotor, planes=rotor.planes[random.integers(0, rotor.plane_count, planes)])
+        stiffer = _log(random, 1.0, STIFFER)
+        both = {f"stiffness_{axis}": stiffer * getattr(bare, f"stiffness_{axis}") for axis in "xy"}
+        bare = replace(bare, **both)
+        if seed % 2:  # isotropic: a complex system of half the size
+            bare = replace(bare, stiffness_y=bare.stiffness_x, damping_y=bare.damping_x)
+        added = random.uniform(0.0, 2.0, planes) * (random.random() < 0.7)
         self.python = bare.with_added_mass(added)
         native, mass = core.rotor_of(bare), np.zeros(bare.stations**2)
         self.native = core("linear_rotor_with_added_mass", byref(native), added, mass)
         self.native.memory = native.memory, mass
-
-    def _supports(self, softest):
-        """Stiffness and damping per support and axis, (2, 2) each."""
-        values = (
-            _log(self.random, softest, STIFFEST, (2, 2)),
-            _log(self.random, 0.1, 1e3, (2, 2)),
-        )
-        if self.isotropic:
-            values = tuple(np.repeat(value[:, :1], 2, axis=1) for value in values)
-        return values[0], values[1] * (not self.zero_damping)
-
-    def planar(self, _stations):
-        r, (k, c) = self.random, self._supports(1.0)
-        unbalance = {"unbalance": _log(r, 1e-6, 1.0), "unbalance_angle": r.uniform(-9.0, 9.0)}
-        inner = float(r.choice([0.0, 7.0]))
-        rotor = LinearRotor.planar(_log(r, 0.1, 1e3), k[0], c[0], inner, **unbalance)
-        return replace(rotor, planes=np.ones((self.planes, 1)))
-
-    def two_support(self, _stations):
-        r, (k, c) = self.random, self._supports(1e3)
-        span, inertia = r.uniform(0.1, 2.0), _log(r, 0.01, 10.0)
-        return LinearRotor.two_support(
-            mass=_log(r, 1.0, 100.0), inertia=inertia, polar_inertia=r.uniform(0.0, 2.0) * inertia,
-            span=span, com=r.uniform(-0.2, 1.2) * span, stiffness=k, damping=c,
-            planes=r.uniform(-0.2, 1.2, self.planes) * span, unbalances=[(0.3 * span, 1e-3, 2.0)],
-        )  # fmt: skip
-
-    def flexible(self, stations):
-        r, (k, c) = self.random, self._supports(1e3)
-        n = stations or int(r.integers(2, 8))
-        z = np.cumsum(r.uniform(0.05, 0.3, n))
-        rotor = LinearRotor.flexible(
-            stations=z, masses=_log(r, 0.1, 50.0, n), support_stiffness=k, support_damping=c,
-            supports=(r.choice(n, 2, replace=False) + 1).tolist(),
-            internal_damping=float(r.choice([0.0, 3.0])) if n > 2 else 0.0,
-            unbalances=[(z[0], 1e-3, 0.5), (z[-1], 1e-4, -3.0)],
-            bending_stiffness=_log(r, 1e2, STIFFEST**0.5),
-        )  # fmt: skip
-        return replace(rotor, planes=rotor.planes[r.integers(0, n, self.planes)])
 
 
 def _scaled_difference(found, expected):
@@ -113,11 +89,11 @@ def test_step_matrices_are_exponentials_of_the_generator(core, kind, sizes, orde
     compute = step_matrix if order == 3 else _under_quintic_forces
     worst = 0.0
     for seed in seeds:
-        draw = Draw(core, kind, seed, **sizes)
-        speed = float(draw.random.choice([0.0, draw.random.uniform(-900.0, 900.0)]))
-        step = float(draw.random.choice([0.0, _log(draw.random, 1e-8, 1e-2)]))
-        expected = compute(draw.python, speed, step, turning)
-        found = core.step_matrix(draw.native, speed, step, turning, order)
+        one = Draw(core, kind, seed, **sizes)
+        speed = float(one.random.choice([0.0, one.random.uniform(-900.0, 900.0)]))
+        step = float(one.random.choice([0.0, _log(one.random, 1e-8, 1e-2)]))
+        expected = compute(one.python, speed, step, turning)
+        found = core.step_matrix(one.native, speed, step, turning, order)
         assert (found.shape, found.dtype) == (expected.shape, expected.dtype)
         worst = max(worst, _scaled_difference(found, expected))
     assert worst < 1e-11, worst
