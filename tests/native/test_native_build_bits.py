@@ -14,6 +14,7 @@ import struct
 import subprocess
 import sys
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -53,12 +54,8 @@ class Machine:
     needs: dict[str, str]
 
     def missing(self) -> str:
-        absent = [p for file, p in self.needs.items() if not (shutil.which(file) or _there(file))]
-        return ", ".join(absent)
-
-
-def _there(file: str) -> bool:
-    return Path(file).exists()
+        there = {file for file in self.needs if shutil.which(file) or Path(file).exists()}
+        return ", ".join(package for file, package in self.needs.items() if file not in there)
 
 
 _MUSL = f"/lib/ld-musl-{platform.machine()}.so.1"
@@ -89,14 +86,9 @@ pytestmark = [
 def hosts(tmp_path_factory):
     """Compile the host for a platform, once."""
     folder = tmp_path_factory.mktemp("hosts")
-    made: dict[str, Path] = {}
-
-    def host(name: str) -> Path:
-        if name not in made:
-            made[name] = _windows_host(folder) if "windows" in name else _linux_host(folder, name)
-        return made[name]
-
-    return host
+    return cache(
+        lambda name: _windows_host(folder) if "windows" in name else _linux_host(folder, name)
+    )
 
 
 def _zig(folder: Path, *arguments: object) -> None:

@@ -6,14 +6,15 @@ python -m tests.truth --family planar=3000 --family heavy=500 [--seed 2] [--veri
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
 from autobalancer.harness.output.terminal import progress_bar, say
 from tests.truth.draw import FAMILIES
-from tests.truth.study import Study, line, misses, table, verdicts
+from tests.truth.study import line, misses, table, verdicts
 
 EACH = 10  # scenes of every family, where none is named
 
@@ -36,13 +37,13 @@ def command(
     markdown: Annotated[
         Path | None, typer.Option(metavar="FILE", help="Also write the table to a file.")
     ] = None,
-    workers: Annotated[int | None, typer.Option(min=1, help="Processes.")] = None,
+    workers: Annotated[int, typer.Option(min=1, help="Processes.")] = os.cpu_count() or 1,
 ) -> None:
     """Random scenes against an independent integration."""
-    changes = () if tolerance is None else (("coupling.tolerance", tolerance),)
-    study = Study(counts(family), seed, changes, verify, separate)
+    changes = {} if tolerance is None else {"coupling.tolerance": tolerance}
+    options: dict[str, Any] = {"changes": changes, "verify": verify, "separate": separate}
     with progress_bar("random scenes") as progress:
-        found = verdicts(study, workers, progress)
+        found = verdicts(counts(family), seed, workers, progress, **options)
     for verdict in misses(found):
         say(line(verdict))
     text = table(found).markdown()

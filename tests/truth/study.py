@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
 from functools import partial
 from typing import Any
 
@@ -14,31 +13,27 @@ from autobalancer.harness.output.workers import Progress, Workers, in_order
 from tests.truth.judge import MISSES, OUTCOMES, SET_ASIDE, Verdict, judge
 
 
-@dataclass(frozen=True)
-class Study:
-    """How many scenes of each family, drawn with which seed, with which keys replaced.
+def verdicts(
+    counts: Mapping[str, int],
+    seed: int = 1,
+    workers: Workers = 1,
+    progress: Progress | None = None,
+    **options: Any,
+) -> list[Verdict]:
+    """Verdicts of all scenes, by family and number.
 
-    With `verify` every run also measures its own errors; with `separate` the scenes
-    run on separate FMUs.
+    Args:
+        counts: how many scenes of each family.
+        seed: they are drawn with.
+        options: of `judge`.
     """
-
-    counts: Mapping[str, int]
-    seed: int = 1
-    changes: tuple[tuple[str, Any], ...] = ()
-    verify: bool = False
-    separate: bool = False
+    items = [(family, n) for family, count in counts.items() for n in range(count)]
+    return in_order(partial(_judged, seed, options), items, workers, progress)
 
 
-def verdicts(study: Study, workers: Workers = 1, progress: Progress | None = None) -> list[Verdict]:
-    """Verdicts of all scenes, by family and number."""
-    items = [(family, n) for family, count in study.counts.items() for n in range(count)]
-    return in_order(partial(_judged, study), items, workers, progress)
-
-
-def _judged(study: Study, item: tuple[str, int]) -> Verdict:
+def _judged(seed: int, options: Mapping[str, Any], item: tuple[str, int]) -> Verdict:
     family, number = item
-    changes = dict(study.changes)
-    return judge(family, study.seed, number, changes, study.verify, study.separate)
+    return judge(family, seed, number, **options)
 
 
 def table(found: Sequence[Verdict]) -> Sheet:

@@ -18,7 +18,7 @@ from tests.truth.judge import (
     growth,
     judge,
 )
-from tests.truth.study import Study, misses, table, verdicts
+from tests.truth.study import misses, table, verdicts
 
 pytestmark = pytest.mark.slow
 
@@ -141,12 +141,12 @@ def test_errors_measured_wrongly_are_found_out(monkeypatch):
 
 def test_a_sample_is_right_or_says_so():
     families = FAMILIES.keys() - {"flexible", "finite", "impacts", "sticking"}  # take longest
-    found = verdicts(Study({**dict.fromkeys(sorted(families), 1), "planar": 2}, seed=14))
+    found = verdicts({**dict.fromkeys(sorted(families), 1), "planar": 2}, seed=14)
     assert not misses(found)
     assert "| all | " in table(found).markdown()
 
 
 def test_the_command_writes_the_table(tmp_path):
     made = tmp_path / "table.md"
-    command(["planar=1"], seed=14, workers=1, markdown=made)
+    command(["planar=1"], seed=14, markdown=made)
     assert "| planar | 1 | 100.0 |" in made.read_text()
