@@ -55,26 +55,14 @@ def _struct(name: str, doubles: str = "", **fields: Any) -> type[ctypes.Structur
 
 
 _D = POINTER(c_double)
+_MATRICES = ["mass", "damping_x", "damping_y", "stiffness_x", "stiffness_y", "internal_damping"]
+_MATRICES += ["gyroscopic", "planes", "unbalance", "deflection"]
 LinearRotor = _struct(
     "LinearRotor",
     stations=c_int,
     plane_count=c_int,
     deflections=c_int,
-    **dict.fromkeys(
-        [
-            "mass",
-            "damping_x",
-            "damping_y",
-            "stiffness_x",
-            "stiffness_y",
-            "internal_damping",
-            "gyroscopic",
-            "planes",
-            "unbalance",
-            "deflection",
-        ],
-        _D,
-    ),
+    **dict.fromkeys(_MATRICES, _D),
     gravity=c_double * 2,
     sliders=c_int,
 )

@@ -145,13 +145,6 @@ def _run(path: Path) -> np.ndarray:
     )
 
 
-def test_fmpy_simulates_a_native_unit_of_either_version_alike(tmp_path):
-    one, other = (_run(native("BallBalancer", tmp_path / str(v), fmi=v)) for v in (2, 3))
-    assert one["weight[1].angle"][0] == 0.2
-    assert np.ptp(one["weight[1].angle"]) > 1e-4
-    assert one.tobytes() == other.tobytes()
-
-
 @pytest.mark.skipif(shutil.which("cmake") is None, reason="no cmake: fmpy compiles with it")
 @pytest.mark.parametrize(("fmi", "optimised"), [(2, "Debug"), (3, "Debug")])
 def test_a_unit_that_a_tool_compiles_from_its_sources_gives_the_same_bits(fmi, optimised, tmp_path):
@@ -160,6 +153,7 @@ def test_a_unit_that_a_tool_compiles_from_its_sources_gives_the_same_bits(fmi, o
     assert len(list((folder / "binaries").iterdir())) == 1
     build_platform_binary(folder, configuration=optimised)
     ours = _run(native("BallBalancer", tmp_path / "ours"))
+    assert np.ptp(ours["weight[1].angle"]) > 1e-4
     assert _run(folder).tobytes() == ours.tobytes()
 
 

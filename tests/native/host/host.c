@@ -105,20 +105,14 @@ static void listen3(fmi3InstanceEnvironment environment, fmi3Status status, fmi3
 static const fmi2CallbackFunctions LISTENING = {listen2, calloc, free, NULL, NULL};
 static const fmi2CallbackFunctions QUIET = {NULL, NULL, NULL, NULL, NULL};
 
-static void *needed(void *library, const char *name)
+/* A function pointer from a symbol, without a cast that ISO C does not know. */
+static void bind(void *library, const char *name, void *pointer)
 {
     void *symbol = dlsym(library, name);
     if (!symbol) {
         fprintf(stderr, "%s is missing\n", name);
         exit(2);
     }
-    return symbol;
-}
-
-/* A function pointer from a symbol, without a cast that ISO C does not know. */
-static void bind(void *library, const char *name, void *pointer)
-{
-    void *symbol = needed(library, name);
     memcpy(pointer, &symbol, sizeof symbol);
 }
 
