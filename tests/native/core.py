@@ -121,8 +121,7 @@ class Refused(Exception):
 
     def __init__(self, failure: Any) -> None:
         super().__init__(failure.code, list(failure.value))
-        self.code, self.where = failure.code, failure.where
-        self.value = tuple(failure.value)
+        self.code = failure.code
 
 
 class Core:
@@ -130,16 +129,13 @@ class Core:
 
     Attributes:
         structures: the C structures, by name.
-        codes: numbers of the failures, by name, from failure.h.
+        codes: names of the failures, by number, from failure.h.
     """
-
-    Refused = Refused
 
     def __init__(self, path: Path) -> None:
         self.structures = SimpleNamespace(**{t.__name__: t for t in STRUCTURES})
         listed = re.search(r"enum \{(.*?)\};", (SOURCES / "base" / "failure.h").read_text(), re.S)
-        names = re.findall(r"^\s*([A-Z_]+)\b", listed[1], re.M)  # type: ignore[index]
-        self.codes = {name: number for number, name in enumerate(names)}
+        self.codes = re.findall(r"^\s*([A-Z_]+)\b", listed[1], re.M)  # type: ignore[index]
         self.library = ctypes.CDLL(str(path))
         self._kept: list[Any] = []
         for type_, names in _RETURNS.items():
@@ -160,7 +156,7 @@ class Core:
         """Name of the failure of a call that must fail, and the failure."""
         with pytest.raises(Refused) as refused:
             call(*arguments)
-        return list(self.codes)[refused.value.code], refused.value
+        return self.codes[refused.value.code], refused.value
 
     def real(self, name: str, x: NDArray, *others: NDArray) -> NDArray:
         """A function of numbers for each of the arrays' elements."""

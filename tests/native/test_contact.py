@@ -78,14 +78,6 @@ def test_motion_between_collisions_keeps_order_four(track_of):
     assert errors[1] / errors[2] > 10.0
 
 
-def test_without_a_meeting_contact_changes_nothing(track_of):
-    weights, signal = Weights(3, 0.1, 1.0, 0.02, 1.4), whirling(0.05, 1.0)
-    start = [0.0, 2.0, 4.0], [0.1, 0.05, 0.1]
-    assert run(track_of(weights, 0.1), *start, signal, 3.0, 2.0, 40)[0] == pytest.approx(
-        run(track_of(weights), *start, signal, 3.0, 2.0, 40)[0], abs=1e-13
-    )
-
-
 def test_groups_accelerate_by_the_principle_of_least_constraint(core):
     rng = np.random.default_rng(2)
     for with_grip in (False, True):

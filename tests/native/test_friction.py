@@ -185,11 +185,6 @@ def test_the_step_does_not_depend_on_how_it_is_divided(friction_of, spin_up, rat
     np.testing.assert_allclose(once[1], often[1], atol=1e-9)
 
 
-def test_two_rigid_sliders_at_one_place_are_refused(core, planar):
-    code, _ = core.refusal(planar, Slider(0, 0, 1.0), Slider(0, 0, 2.0))
-    assert code == "FAILURE_RIGID_SLIDERS"
-
-
 @pytest.mark.parametrize(
     ("coefficients", "expected"),
     [

@@ -49,13 +49,6 @@ def test_sine_and_cosine_beyond_stay_on_the_unit_circle_and_infinite_angles_have
     assert np.isnan(core.real("sine", np.array([np.inf, -np.inf, np.nan]))).all()
 
 
-def test_rect_is_size_times_cosine_and_sine(core):
-    for size, angle in RANDOM.uniform(-9.0, 9.0, (300, 2)).tolist():
-        z = core("rect", size, angle)
-        expected = (size * core("cosine", angle), size * core("sine", angle))
-        assert (z.re, z.im) == expected
-
-
 def test_exponential_is_within_an_ulp_down_to_the_smallest_number(core):
     x = np.concatenate(
         [

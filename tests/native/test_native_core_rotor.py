@@ -105,10 +105,3 @@ def test_exponential_keeps_a_soft_axis_beside_one_of_1e14(core):
     frequency = math.sqrt(0.5)
     assert found[1, 1] == pytest.approx(math.cos(frequency * 1e-3), rel=1e-15)
     assert found[1, 3] == pytest.approx(math.sin(frequency * 1e-3) / frequency, rel=1e-14)
-
-
-def test_a_matrix_that_is_not_finite_is_refused(core):
-    rotor = LinearRotor.planar(1.0, 1e300, 1.0)
-    with pytest.raises(core.Refused) as refused:
-        core.step_matrix(core.rotor_of(rotor), 1.0, 1e300, True)
-    assert refused.value.code == core.codes["FAILURE_MATRICES"]
