@@ -32,6 +32,7 @@ SHAPES = [
     ("BallBalancer", {"weights": 1}),
     ("BallBalancer", {"weights": 5, "frame": "fixed"}),
 ]
+ELSEWHERE = [SHAPES[k] for k in (2, 4, 8)]  # of each unit one
 NATIVE_SHAPES = [  # of native units alone
     ("RotorOnSupports", {"planes": 2, "order": 5}),
     ("LiquidBalancer", {"order": 5}),
@@ -139,15 +140,15 @@ def host_of(fmus: Units) -> Callable[..., Host]:
 
 @pytest.fixture(scope="session")
 def elsewhere(tmp_path_factory: pytest.TempPathFactory) -> Callable[..., Path]:
-    """The FMU of one of `SHAPES`, built in another folder by another process."""
+    """The FMU of one of `ELSEWHERE`, built in another folder by another process."""
     script = (
         "from autobalancer.fmus.build import build\n"
-        f"for k, (unit, options) in enumerate({SHAPES!r}): build(unit, str(k), **options)"
+        f"for k, (unit, options) in enumerate({ELSEWHERE!r}): build(unit, str(k), **options)"
     )
     folder = tmp_path_factory.mktemp("elsewhere")
     environment = {**os.environ, "PYTHONHASHSEED": "7", "TZ": "Asia/Tokyo"}
     subprocess.run([sys.executable, "-c", script], cwd=folder, env=environment, check=True)
-    return lambda shape: folder / str(SHAPES.index(shape)) / f"{shape[0]}.fmu"
+    return lambda shape: folder / str(ELSEWHERE.index(shape)) / f"{shape[0]}.fmu"
 
 
 @pytest.fixture

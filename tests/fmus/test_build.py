@@ -19,14 +19,20 @@ from fmpy.validation import validate_fmu
 from autobalancer.fmus.build import build, contents, is_present_build, options_of
 from autobalancer.fmus.catalogue import CATALOGUE
 from autobalancer.fmus.python.package import imports
+from tests.fmus.conftest import ELSEWHERE, SHAPES
 
 pytestmark = pytest.mark.slow
 
 
+@pytest.mark.parametrize(
+    ("shape", "backend"),
+    [*((one, "native") for one in SHAPES), *((one, "python") for one in ELSEWHERE)],
+)
 def test_fmpy_finds_nothing(unit, options, tmp_path, backend):
     assert validate_fmu(str(build(unit, tmp_path, backend=backend, **options))) == []
 
 
+@pytest.mark.parametrize("shape", ELSEWHERE)
 def test_two_builds_are_the_same_bytes_from_another_folder_and_process(shape, elsewhere, tmp_path):
     unit, options = shape
     here = build(unit, tmp_path, **options).read_bytes()

@@ -27,11 +27,7 @@ def instance(packaging: Any, tmp_path: Path) -> Any:
 @pytest.fixture
 def hosted(instance: Any) -> Any:
     """Begins the composite of a scene in a host."""
-
-    def begun(scene: Scene, values: dict[str, float] | None = None) -> Any:
-        return instance(scene).begin(values)
-
-    return begun
+    return lambda scene, values=None: instance(scene).begin(values)
 
 
 @pytest.fixture
