@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 import os
 import tempfile
 import zipfile
@@ -9,6 +10,7 @@ from collections.abc import Callable, Iterator, Sequence
 from contextvars import copy_context
 from functools import cache, partial
 from pathlib import Path
+from types import ModuleType
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -22,6 +24,7 @@ if TYPE_CHECKING:  # loaded where it is used: tests of the models alone need no 
     from autobalancer.harness.master.result import Result
     from tests.native.core import Core
     from tests.native.equations import Friction, Track
+    from tests.native.packaging import Units
 
 settings.register_profile("untimed", deadline=None)  # a busy machine is no failure
 settings.load_profile("untimed")
@@ -205,6 +208,18 @@ def rewritten() -> Callable[..., Path]:
         return target
 
     return rewrite
+
+
+@pytest.fixture(scope="session")
+def packaging() -> ModuleType:
+    """`tests.native.packaging`, which compiles: units as FMUs, and their host."""
+    return importlib.import_module("tests.native.packaging")
+
+
+@pytest.fixture(scope="session")
+def fmus(packaging: ModuleType, tmp_path_factory: pytest.TempPathFactory) -> Units:
+    """Builds units, each once."""
+    return packaging.Units(tmp_path_factory.mktemp("units"))
 
 
 @pytest.fixture(scope="session")

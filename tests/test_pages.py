@@ -2,7 +2,7 @@
 
 In a page a fenced block with a file name (```python settle.py) is that file; a script runs, a test
 passes.  A ```sh block with a name is run, and a ```text block of a script's or command's name is
-what it prints; `...` stands for lines left out.  Commands in a line of text run after the blocks.
+what it prints; `...` stands for lines left out.  Commands in a line of text run by themselves.
 All run from a wheel of this checkout in an environment of its own (`tests.wheel`).
 """
 
@@ -28,10 +28,18 @@ ALL = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted(MANUAL.rglob("*.md"
 PAGES = [ROOT / "README.md", *sorted(MANUAL.glob("tutorials/*.md")), *MANUAL.glob("how-to/*.md")]
 GALLERY = (MANUAL / "gallery.md").read_text(encoding="utf-8")
 NUMBER = re.compile(r"-?\d+(?:\.\d+)?(?:e[+-]?\d+)?")
-COMMANDS = {
-    "autobalancer": ["-m", "autobalancer.harness"],
-    "pytest": ["-m", "pytest", "-p", "no:cacheprovider"],
-}
+STEPS = """
+import runpy, shlex, sys
+from autobalancer.harness.__main__ import main
+for step in sys.argv[1:]:
+    sys.argv = shlex.split(step)
+    try:
+        main() if sys.argv[0] == "autobalancer" else runpy.run_path(step, run_name="__main__")
+    except SystemExit as end:
+        if end.code:
+            sys.exit(f"{step}: exit code {end.code}")
+    print(end=chr(30))
+"""  # commands and scripts, all in one process, which loads the libraries once
 
 
 def blocks(page: Path) -> list[tuple[str, str, str]]:
@@ -73,31 +81,35 @@ def test_page_does_what_it_shows(page, installed, tmp_path):
         for _, name, text in blocks(other):
             if name.endswith(".toml"):
                 (tmp_path / name).write_text(text, encoding="utf-8")
-    printed, relative = {}, {}
+    tests, steps = [], []
     commands = "".join(text for kind, _, text in blocks(page) if kind == "sh")
     for kind, name, text in blocks(page):
-        if kind == "text":
-            assert_printed(text, printed.pop(name), relative[name])
-        elif kind == "sh":
-            calls = [shlex.split(line) for line in text.splitlines()]
-            printed[name] = "".join(
-                run(installed, tmp_path, *COMMANDS[c[0]], *c[1:]) for c in calls
-            )
-            relative[name] = 0.05  # medians of few random starts, with weights that collide
-        else:
+        if kind == "sh":
+            for line in text.splitlines():
+                program_name, *words = shlex.split(line)
+                if program_name == "pytest":
+                    tests.append(words)
+                else:
+                    steps.append((name, line))
+        elif kind != "text":
             (tmp_path / name).write_text(text, encoding="utf-8")
             if name.endswith(".toml"):
                 assert load_scene(tmp_path / name).title
                 assert name.removesuffix(".toml") not in bundled_scenes()
-            elif name.startswith("test_"):
-                if name not in commands:  # else the page runs it by itself
-                    run(installed, tmp_path, *COMMANDS["pytest"], "-q", name)
-            elif name.endswith(".py"):
-                printed[name], relative[name] = run(installed, tmp_path, name), 1e-3
+            elif name.startswith("test_") and name not in commands:
+                tests.append(["-q", name])
+            elif name.endswith(".py") and not name.startswith("test_"):
+                steps.append((name, name))
+    said = run(installed, tmp_path, "-c", STEPS, *(step for _, step in steps)) if steps else ""
+    printed: dict[str, str] = {}
+    for (name, _), text in zip(steps, said.split(chr(30)), strict=False):
+        printed[name] = printed.get(name, "") + text
+    for words in tests:
+        run(installed, tmp_path, "-m", "pytest", "-p", "no:cacheprovider", *words)
+    for kind, name, text in blocks(page):
+        if kind == "text":  # of commands medians of few random starts, with weights that collide
+            assert_printed(text, printed.pop(name), 1e-3 if name.endswith(".py") else 0.05)
     assert not [name for name in printed if name.endswith(".py")], "a script without its output"
-    for line in commands_in(page):
-        if line not in commands and "manual" not in line:  # which requires a checkout
-            run(installed, tmp_path, *COMMANDS["autobalancer"], *shlex.split(line)[1:])
 
 
 def test_pages_run_on_the_wheel_and_on_what_it_requires_alone(installed, tmp_path):
@@ -108,58 +120,46 @@ def test_pages_run_on_the_wheel_and_on_what_it_requires_alone(installed, tmp_pat
     assert besides == "[]"
 
 
-RUNS = """run,speed_rpm,sensor,amplitude_um,phase_lead_deg,mass_g[a],angle_deg[a],radius_mm[a]
-found,1200,A,10,0,,,200
-trial,1200,A,8,60,5,90,200
-"""
 AMPLITUDES = "speed [rad/s],amplitude [mm]\n10,40\n12,35\n14,32\n"
-COMMAND_LINES = {
-    "check": ["liquid_touch --json rows.json --report checked"],
-    "build": [
-        "-o units --fmi 3 --platform x86_64-linux",
-        "two_balls -o units --python",
-        "two_balls --one-file -o units --fmi 3 --platform x86_64-linux",
-        "two_balls --ssp --one-file -o one.ssp --platform x86_64-linux",
-        "two_balls --ssp -o two.ssp --python",
-    ],
-    "run": [
-        "two_balls -o run.csv --plot run.png --movie run.gif --movie-seconds 1",
-        "two_balls --separate",
-    ],
-    "new": ["fan -o fan.toml"],
-    "cite": ["drum"],
-    "show": ["two_balls -o page.html --set weights.drag=0.1"],
-    "speeds": ["two_balls --range 1 4 --method criterion,floquet,cosim"],
-    "map": ["two_balls --x speed=1:4:3 --y weights.drag=0.01:0.1:3:log -o map.png"],
-    "rotor": ["drum --campbell campbell.png --response response.png"],
-    "balance": [
-        "balancing_machine -o corrections.png",
-        "runs.csv --angles 12 --min-max --largest-mass 5 --grade G2.5 --mass 8 -o corrections.png",
-    ],
-    "design": [
-        "finite_weights --starts 6 --most 3 --track 250mm --width 50mm --material steel "
-        "--unbalance '0..90 g m' --reserve 1.3 -o design.png"
-    ],
-    "scatter": ["two_balls --vary weights.drag=normal(0.2,10%) -n 10 -o scatter.csv"],
-    "fit": ["two_balls --without-balancers --measured fit.csv --free rotor.unbalance -o fit.png"],
-    "drag": ["--ball 10mm --decay 30deg 10deg 1.2s"],
-    "precision": ["two_balls --seconds 1 --set run.revolutions=1 -o precision.png"],
-    "stress": ["'rotor at rest'"],
-}
+OTHERS = [  # that no page shows whole
+    "build two_balls --ssp -o two.ssp --python",
+    "run two_balls -o run.csv --movie run.gif --movie-seconds 1",
+    "run two_balls --separate",
+    "check liquid_disc --report checked",
+    "balance balancing_machine -o corrections.png",
+    "fit two_balls --without-balancers --measured fit.csv --free rotor.unbalance -o fit.png",
+    "precision two_balls --seconds 1 --set run.revolutions=1 -o precision.png",
+    "stress 'rotor at rest'",
+]
 
 
-@pytest.mark.parametrize(
-    "line", [f"{name} {line}" for name, lines in COMMAND_LINES.items() for line in lines]
-)
-def test_every_command_runs_as_installed(line, installed, tmp_path):
-    (tmp_path / "runs.csv").write_text(RUNS)
+def in_blocks(page: Path) -> list[str]:
+    """Commands of a page's blocks, which run with it."""
+    text = "".join(text for kind, _, text in blocks(page) if kind == "sh")
+    return [line for line in text.splitlines() if line.startswith("autobalancer ")]
+
+
+def in_lines() -> list[str]:
+    """Commands in lines of text of all pages, each once, and `OTHERS`."""
+    shown = {line for page in PAGES for line in commands_in(page) if line not in in_blocks(page)}
+    # `manual` requires a checkout: tests/harness/test_manual.py
+    return [*sorted(line for line in shown if "manual" not in line),
+            *(f"autobalancer {line}" for line in OTHERS)]  # fmt: skip
+
+
+def test_commands_in_lines_of_text_and_all_others_run_as_installed(installed, tmp_path):
     (tmp_path / "fit.csv").write_text(AMPLITUDES)
-    run(installed, tmp_path, *COMMANDS["autobalancer"], *shlex.split(line))
+    for _, name, text in blocks(ROOT / "README.md"):
+        if name.endswith(".toml"):
+            (tmp_path / name).write_text(text, encoding="utf-8")
+    run(installed, tmp_path, "-c", STEPS, *in_lines())
 
 
 def test_every_command_is_run():
-    others = {"manual"}  # tests/harness/test_manual.py
-    assert set(COMMAND_LINES) | others == set(get_command(program()).commands)
+    lines = [*in_lines(), *(line for page in PAGES for line in in_blocks(page))]
+    assert {shlex.split(line)[1] for line in lines} | {"manual"} == set(
+        get_command(program()).commands
+    )
 
 
 def test_gallery_shows_every_bundled_scene_by_its_title():

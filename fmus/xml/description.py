@@ -31,13 +31,13 @@ class Capabilities:
     """What an implementation of a unit offers beyond stepping, saving and restoring its state.
 
     Attributes:
-        output_derivatives: highest order of those that it gives FMI's own way.
+        time_derivatives: whether it takes those of inputs, by FMI 2.0, and gives those of outputs.
         directional_derivatives: whether it gives them.
         early_return: whether a step may end early (FMI 3.0).
         sources: names of the C files in `sources/` that make the library (FMI 2.0).
     """
 
-    output_derivatives: int = 0
+    time_derivatives: bool = False
     directional_derivatives: bool = False
     early_return: bool = False
     sources: tuple[str, ...] = ()
@@ -71,8 +71,10 @@ def interfaces(
     }
     steps = {
         "canHandleVariableCommunicationStepSize": "true",
-        "maxOutputDerivativeOrder": str(can.output_derivatives),
+        "maxOutputDerivativeOrder": str(int(can.time_derivatives)),
     }
+    if fmi == 2:
+        steps["canInterpolateInputs"] = flag(can.time_derivatives)
     kinds = {"ModelExchange": shared, "CoSimulation": shared | steps}
     return [
         SubElement(root, kind, about)

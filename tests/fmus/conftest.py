@@ -1,8 +1,7 @@
-"""What the tests of the units share: a unit in plain Python, and one under fmpy."""
+"""What the tests of the units share: a unit in plain Python, and a native one like it."""
 
 from __future__ import annotations
 
-import itertools
 import os
 import shutil
 import subprocess
@@ -10,24 +9,15 @@ import sys
 from collections.abc import Callable
 from importlib import import_module
 from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import Any
 
-import fmpy
 import pytest
 from fmpy.fmi1 import FMICallException
-from fmpy.fmi2 import (
-    FMU2Slave,
-    defaultCallbacks,
-    fmi2CallbackFunctions,
-    fmi2CallbackLoggerTYPE,
-    printLogMessage,
-)
 
 import autobalancer.fmus
-from autobalancer.fmus.build import build
-from autobalancer.fmus.catalogue import CATALOGUE, sized_unit
+from autobalancer.fmus.catalogue import CATALOGUE
 from autobalancer.fmus.variables import Layout
+from tests.native.packaging import Host, Units
 
 BACKENDS = ["python", "native"]
 
@@ -42,6 +32,7 @@ SHAPES = [
     ("BallBalancer", {"weights": 1}),
     ("BallBalancer", {"weights": 5, "frame": "fixed"}),
 ]
+ELSEWHERE = [SHAPES[k] for k in (2, 4, 8)]  # of each unit one
 
 
 class Probe:
@@ -81,105 +72,36 @@ class Probe:
         self.slave._set_fmu_state(state)
 
 
-class NativeProbe:
-    """A native unit in its initialisation, with its variables by name."""
+class NativeProbe(Host):
+    """A native unit in its initialisation, with the calls of a unit in plain Python."""
+
+    look = Host.get
 
     def __init__(self, path: Path, layout: Layout) -> None:
-        from tests.native.packaging import Host as Listening
-
-        self.host, self.layout = Listening(path), layout
-        self.host.slave.setupExperiment()
-        self.host.slave.enterInitializationMode()
-        self.saved, self.restore = self.host.slave.getFMUState, self.host.slave.setFMUState
+        super().__init__(path)
+        self.layout = layout
+        self.slave.setupExperiment()
+        self.slave.enterInitializationMode()
+        self.saved, self.restore = self.slave.getFMUState, self.slave.setFMUState
+        self.get_real = self.slave.getReal
 
     def put(self, name: str, *values: float) -> None:
         """Set a variable, and those that follow it."""
-        if name in self.layout.boolean_index:
-            reference = self.host.variables[name].valueReference
-            self.host.slave.setBoolean([reference], list(values))
-            return
-        first = self.layout.index[name]
-        names = [v.name for v in self.layout.reals[first : first + len(values)]]
-        self.host.set(dict(zip(names, map(float, values), strict=True)))
-
-    def look(self, *names: str) -> list[float]:
-        """Values of variables."""
-        return self.host.get(*names)
-
-    def get_real(self, vrs: list[int]) -> list[float]:
-        """Values by reference."""
-        return self.host.slave.getReal(vrs)
+        names = [v.name for v in self.layout.reals[self.layout.index.get(name, 0) :]]
+        names[0] = name
+        self.set(dict(zip(names, values, strict=False)))
 
     def exit_initialization_mode(self) -> None:
         """Begin; RuntimeError with the reason that is logged."""
         try:
-            self.host.slave.exitInitializationMode()
+            self.slave.exitInitializationMode()
         except FMICallException:
-            raise RuntimeError(self.host.messages[-1][1]) from None
+            raise RuntimeError(self.messages[-1][1]) from None
 
     def do_step(self, time: float, step: float) -> bool:
         """One step."""
-        self.host.slave.doStep(time, step)
+        self.slave.doStep(time, step)
         return True
-
-
-def _is_no_source(name: str) -> bool:
-    return not name.startswith("sources/")
-
-
-class Host:
-    """An FMU under fmpy, with access by name."""
-
-    def __init__(self, path: Path) -> None:
-        self.description = fmpy.read_model_description(str(path))
-        self.reference = {v.name: v.valueReference for v in self.description.modelVariables}
-        self._unpacked = TemporaryDirectory()
-        self.slave = FMU2Slave(
-            guid=self.description.guid,
-            unzipDirectory=fmpy.extract(str(path), self._unpacked.name, _is_no_source),
-            modelIdentifier=self.description.coSimulation.modelIdentifier,
-            instanceName="unit",
-        )
-        # fmpy's own logger passes on to that of the last `simulate_fmu`, which is gone
-        self._callbacks = fmi2CallbackFunctions()
-        self._callbacks.logger = fmi2CallbackLoggerTYPE(printLogMessage)
-        self._callbacks.allocateMemory = defaultCallbacks.allocateMemory
-        self._callbacks.freeMemory = defaultCallbacks.freeMemory
-
-    def instantiate(self) -> None:
-        self.slave.instantiate(callbacks=self._callbacks)
-
-    def start(self, **values: float) -> Host:
-        self.instantiate()
-        return self.initialise(**values)
-
-    def initialise(self, **values: float) -> Host:
-        self.slave.setupExperiment()
-        self.slave.enterInitializationMode()
-        for name, value in values.items():
-            self[name] = value
-        self.slave.exitInitializationMode()
-        return self
-
-    def __getitem__(self, name: str) -> float:
-        return self.slave.getReal([self.reference[name]])[0]
-
-    def __setitem__(self, name: str, value: float) -> None:
-        self.slave.setReal([self.reference[name]], [value])
-
-    def outputs(self) -> list[float]:
-        return self.slave.getReal(
-            [v.valueReference for v in self.description.modelVariables if v.causality == "output"]
-        )
-
-    def run(self, steps: int, step: float = 1e-3, start: float = 0.0) -> list[float]:
-        for k in range(steps):
-            self.slave.doStep(start + k * step, step)
-        return self.outputs()
-
-    def free(self) -> None:
-        self.slave.terminate()
-        self.slave.freeInstance()
 
 
 @pytest.fixture(scope="session")
@@ -198,50 +120,30 @@ def probe() -> Callable[..., Probe]:
 
 
 @pytest.fixture(scope="session")
-def native_probe(tmp_path_factory: pytest.TempPathFactory) -> Callable[..., NativeProbe]:
+def native_probe(fmus: Units) -> Callable[..., NativeProbe]:
     """A native unit in its initialisation: its name, options."""
-    folder, numbers, built = tmp_path_factory.mktemp("probes"), itertools.count(), {}
-
-    def make(unit: str, **options: Any) -> NativeProbe:
-        key = (unit, *sorted(options.items()))
-        if key not in built:
-            built[key] = build(
-                unit, folder / str(next(numbers)), platforms=[fmpy.platform_tuple], **options
-            )
-        return NativeProbe(built[key], sized_unit(unit, **options).layout)
-
-    return make
+    return lambda unit, **options: NativeProbe(
+        fmus.native(unit, **options), fmus.layout(unit, **options)
+    )
 
 
-@pytest.fixture(scope="module")
-def fmu(tmp_path_factory: pytest.TempPathFactory) -> Callable[..., Path]:
-    """Builds an FMU into a folder of its own."""
-    folder = tmp_path_factory.mktemp("fmus")
-    numbers = itertools.count()
-
-    def make(unit: str, **options: Any) -> Path:
-        return build(unit, folder / str(next(numbers)), **options)
-
-    return make
-
-
-@pytest.fixture(scope="session")
-def host_of() -> type[Host]:
-    """An FMU under fmpy."""
-    return Host
+@pytest.fixture
+def host_of(fmus: Units) -> Callable[..., Host]:
+    """A unit under fmpy: its name, backend, options."""
+    return lambda unit, backend="native", **options: Host(getattr(fmus, backend)(unit, **options))
 
 
 @pytest.fixture(scope="session")
 def elsewhere(tmp_path_factory: pytest.TempPathFactory) -> Callable[..., Path]:
-    """The FMU of one of `SHAPES`, built in another folder by another process."""
+    """The FMU of one of `ELSEWHERE`, built in another folder by another process."""
     script = (
         "from autobalancer.fmus.build import build\n"
-        f"for k, (unit, options) in enumerate({SHAPES!r}): build(unit, str(k), **options)"
+        f"for k, (unit, options) in enumerate({ELSEWHERE!r}): build(unit, str(k), **options)"
     )
     folder = tmp_path_factory.mktemp("elsewhere")
     environment = {**os.environ, "PYTHONHASHSEED": "7", "TZ": "Asia/Tokyo"}
     subprocess.run([sys.executable, "-c", script], cwd=folder, env=environment, check=True)
-    return lambda shape: folder / str(SHAPES.index(shape)) / f"{shape[0]}.fmu"
+    return lambda shape: folder / str(ELSEWHERE.index(shape)) / f"{shape[0]}.fmu"
 
 
 @pytest.fixture

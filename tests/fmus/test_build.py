@@ -19,14 +19,20 @@ from fmpy.validation import validate_fmu
 from autobalancer.fmus.build import build, contents, is_present_build, options_of
 from autobalancer.fmus.catalogue import CATALOGUE
 from autobalancer.fmus.python.package import imports
+from tests.fmus.conftest import ELSEWHERE, SHAPES
 
 pytestmark = pytest.mark.slow
 
 
+@pytest.mark.parametrize(
+    ("shape", "backend"),
+    [*((one, "native") for one in SHAPES), *((one, "python") for one in ELSEWHERE)],
+)
 def test_fmpy_finds_nothing(unit, options, tmp_path, backend):
     assert validate_fmu(str(build(unit, tmp_path, backend=backend, **options))) == []
 
 
+@pytest.mark.parametrize("shape", ELSEWHERE)
 def test_two_builds_are_the_same_bytes_from_another_folder_and_process(shape, elsewhere, tmp_path):
     unit, options = shape
     here = build(unit, tmp_path, **options).read_bytes()
@@ -165,12 +171,11 @@ def test_sizes_are_data_beside_the_same_sources(unit, small, large):
     }  # fmt: skip
 
 
-def test_units_of_two_sizes_run_in_one_process_even_from_one_folder(fmu, host_of):
+def test_units_of_two_sizes_run_in_one_process_even_from_one_folder(host_of):
     """They share every module; what is in the folder when an instance is made is what counts."""
-    two, five = (host_of(fmu("BallBalancer", backend="python", weights=k)) for k in (2, 5))
+    two, five = (host_of("BallBalancer", "python", weights=k) for k in (2, 5))
     for host in (two, five):
-        host.start()
-        host.run(3)
+        host.begin().run(3)
     assert len(five.outputs()) - len(two.outputs()) == 2 * 3
     folder = Path(two.slave.unzipDirectory)
     shutil.copy(
@@ -178,10 +183,9 @@ def test_units_of_two_sizes_run_in_one_process_even_from_one_folder(fmu, host_of
     )
     two.slave.terminate()
     two.slave.fmi2FreeInstance(two.slave.component)
-    two.reference = five.reference
-    two.description = five.description
-    two.start()
-    two.run(3)
+    two.variables = five.variables
+    two.instantiate()
+    two.begin().run(3)
     assert two.outputs() == five.outputs()
     for host in (two, five):
         host.free()

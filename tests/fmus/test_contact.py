@@ -116,21 +116,28 @@ def test_contact_in_fixed_axes_is_that_in_the_rotors_to_the_order_of_the_signals
     assert coarse / fine > 6.0
 
 
-def test_weights_that_touch_at_the_start_press_on_each_other_in_the_first_force(track_of, unit_of):
+@pytest.mark.parametrize(
+    ("gap", "rate", "together"), [(0, 0, True), (1e-9, 0, False), (0, -0.5, False)]
+)
+def test_weights_that_touch_and_move_alike_press_on_each_other_in_the_first_force(
+    track_of, unit_of, gap, rate, together
+):
     alpha = math.asin(0.12)
     middle, a = math.pi - 0.4, 20.0 + 5.0j
-    angles = [middle - 2 * alpha, middle, middle + 2 * alpha]
+    angles = [middle - 2 * alpha - gap, middle, middle + 2 * alpha + gap]
+    speeds = [rate, 0.0, -rate]
     unit = unit_of(**{**COMMON, "rolling_resistance": 0.0})
     for k, angle in enumerate(angles, start=1):
         unit.put(f"weight[{k}].angle0", angle)
+        unit.put(f"weight[{k}].speed0", speeds[k - 1])
     unit.put("a_xi", a.real, a.imag)
     unit.exit_initialization_mode()
     found = complex(*unit.look("F_xi", "F_eta"))
     track = track_of(Weights(3, 0.02, 0.1, 0.01, 1.4), 0.012, 0.6, 0.0, 1e-3 - 2e-3j)
-    state = angles, [0.0] * 3
+    state = angles, speeds
     pressed = track.reaction(*state, [1.0, 1.0, 0.0], a, 0j, SPEED, 0.0)[0]
     free = track.reaction(*state, [0.0] * 3, a, 0j, SPEED, 0.0)[0]
-    assert found == pytest.approx(pressed, rel=1e-12)
+    assert found == pytest.approx(pressed if together else free, rel=1e-12)
     assert abs(pressed - free) > 1e-3 * abs(pressed)
 
 

@@ -21,8 +21,12 @@ from fmpy.fmi2 import FMU2Slave
 
 path, count = sys.argv[1], int(sys.argv[2])
 description = fmpy.read_model_description(path)
-slave = FMU2Slave(guid=description.guid, unzipDirectory=fmpy.extract(path),
-                  modelIdentifier=description.coSimulation.modelIdentifier, instanceName="unit")
+
+def unpacked():  # in a folder of its own
+    return FMU2Slave(guid=description.guid, unzipDirectory=fmpy.extract(path),
+                     modelIdentifier=description.coSimulation.modelIdentifier, instanceName="unit")
+
+slave = unpacked()
 entries = list(sys.path)
 
 def start():
@@ -45,9 +49,7 @@ CYCLES = (
 counts = []
 for k in range(count):
     if k == count // 2:
-        slave = FMU2Slave(guid=description.guid, unzipDirectory=fmpy.extract(path),
-                          modelIdentifier=description.coSimulation.modelIdentifier,
-                          instanceName="unpacked elsewhere")
+        slave = unpacked()
     slave.instantiate()
     start()
     slave.terminate()
@@ -126,14 +128,11 @@ start()
 state = slave.getFMUState()
 slave.deserializeFMUState(slave.serializeFMUState(state))
 slave.setFMUState(state)
-again = FMU2Slave(guid=description.guid, unzipDirectory=fmpy.extract(path),
-                  modelIdentifier=description.coSimulation.modelIdentifier, instanceName="again")
-again.instantiate()
-again.setupExperiment()
-again.enterInitializationMode()
-again.exitInitializationMode()
-again.doStep(0.0, 1e-3)
-again.freeInstance()
+first, slave = slave, unpacked()
+slave.instantiate()
+start()
+slave.freeInstance()
+slave = first
 free()
 print("alive")
 """

@@ -336,13 +336,13 @@ def read(path: Path) -> dict[str, np.ndarray]:
 
 
 @pytest.mark.parametrize("name", CASES)
-def test_unit_follows_its_reference(name, fmu, host_of, backend):
+def test_unit_follows_its_reference(name, host_of, backend):
     unit, folder, options, _, steady, whole = CASES[name]
     if backend == "python" and CATALOGUE[unit].native:
         pytest.skip("exists as a native unit only")
     given = read(FMUS / folder / f"{name}_in.csv")
     expected = read(FMUS / folder / f"{name}_ref.csv")
-    host = host_of(fmu(unit, backend=backend, **options))
+    host = host_of(unit, backend, **options)
     outputs = [v.name for v in host.description.modelVariables if v.causality == "output"]
     inputs = [v.name for v in host.description.modelVariables if v.causality == "input"]
     declared = {v.name: v for v in sized_unit(unit, **options).layout.variables}
@@ -350,12 +350,11 @@ def test_unit_follows_its_reference(name, fmu, host_of, backend):
     assert set(outputs) == expected.keys() - {"time"} - left
     assert set(inputs) == given.keys() - {"time"}
     assert len(given["time"]) == COUNT
-    host.start(**{name: given[name][0] for name in inputs})
+    host.begin({name: given[name][0] for name in inputs})
     found = [host.outputs()]
-    for k, time in enumerate(given["time"]):
-        for each in inputs:
-            host[each] = given[each][k]
-        found.append(host.run(1, step=STEP, start=time))
+    for k, host.time in enumerate(given["time"]):
+        host.set({each: given[each][k] for each in inputs})
+        found.append(host.run(1, STEP))
     host.free()
     for each, column in zip(outputs, np.array(found).T, strict=True):
         size = np.ptp(expected[each]) or np.abs(expected[each]).max()

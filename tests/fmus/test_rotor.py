@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 import pytest
+from numpy.polynomial import Polynomial
 from scipy.integrate import solve_ivp
 
 from autobalancer.fmus.variables import derivative
@@ -17,6 +18,7 @@ from autobalancer.models.linear.boundaries import balancing_boundaries
 from autobalancer.models.linear.modes import critical_speeds as rotor_critical_speeds
 from autobalancer.models.monolith import reference
 from autobalancer.models.stability import growth_rates
+from tests.fmus.conftest import BACKENDS
 
 pytestmark = pytest.mark.slow
 
@@ -80,15 +82,18 @@ def unit_of(probe, native_probe, backend):
 FORCES = np.array([[30.0 - 12.0j, 8.0 + 5.0j], [900.0j, -400.0], [3e4, 2e4j], [-4e6, 1e6j]])
 
 
-def integrated(rotor, rows, speed, spin_up, added, frame, duration, state):
-    """Displacements and velocities (4 n,) by DOP853 in real x and y, from the matrices alone."""
+def integrated(rotor, rows, spin, gravity, added, frame, duration, state):
+    """Displacements and velocities (4 n,) by DOP853 in real x and y, from the matrices alone.
+
+    Also the planes' acceleration and its derivative.
+    """
     mass = rotor.mass + rows.T @ np.diag(added) @ rows
     inverse, n = np.linalg.inv(mass), rotor.stations
 
     def rhs(t, s):
         x, y, vx, vy = s.reshape(4, n)
-        w = speed + spin_up * t
-        turn = np.exp(1j * (0.3 + speed * t + spin_up * t * t / 2))
+        w, spin_up = spin(t), spin.deriv()(t)
+        turn = np.exp(1j * (0.3 + spin.integ()(t)))
         force = FORCES[0] + t * (FORCES[1] + t * (FORCES[2] / 2 + t * FORCES[3] / 6))
         pull = rows.T @ (force * (turn if frame == "rotor" else 1.0))
         pull = pull + rotor.unbalance * (w * w - 1j * spin_up) * turn
@@ -97,55 +102,79 @@ def integrated(rotor, rows, speed, spin_up, added, frame, duration, state):
         ay = pull.imag - rotor.stiffness_y @ y - (rotor.damping_y + inner) @ vy
         ax = ax - w * (inner @ y) - w * (gyro @ vy)
         ay = ay + w * (inner @ x) + w * (gyro @ vx)
-        return np.concatenate([vx, vy, inverse @ ax, inverse @ ay])
+        # gravity acts on every mass alike
+        return np.concatenate([vx, vy, inverse @ ax + gravity.real, inverse @ ay + gravity.imag])
 
-    solved = solve_ivp(rhs, (0.0, duration), state, "DOP853", rtol=1e-12, atol=1e-15)
-    end = solved.y[:, -1]
-    slopes = rhs(duration, end)[2 * n :].reshape(2, n)
-    return end, rows @ (slopes[0] + 1j * slopes[1])
+    def planes_at(t, s):
+        slopes = rhs(t, s)[2 * n :].reshape(2, n)
+        return rows @ (slopes[0] + 1j * slopes[1])
+
+    times = duration + np.array([-1e-7, 0.0, 1e-7])
+    solved = solve_ivp(rhs, (0.0, times[-1]), state, "DOP853", times, rtol=1e-12, atol=1e-15)
+    before, a, after = map(planes_at, times, solved.y.T)
+    return solved.y[:, 1], a, (after - before) / 2e-7
 
 
 @pytest.mark.parametrize("frame", ["rotor", "fixed"])
-@pytest.mark.parametrize(("spin_up", "tolerance"), [(0.0, 1e-9), (400.0, 1e-7)])
+@pytest.mark.parametrize(
+    ("backend", "rates", "tolerance"),
+    [
+        *((backend, *case) for backend in BACKENDS for case in (((0.0,), 1e-9), ((400.0,), 1e-7))),
+        ("native", (400.0, 1e4, -1e6, 1e8), 1e-9),
+    ],
+    indirect=["backend"],
+)
 @pytest.mark.parametrize("kind", ROTORS)
-def test_a_step_is_the_solution_of_the_equations(kind, spin_up, tolerance, frame, unit_of):
-    """A cubic force on two planes, added mass, unbalances, every kind of damping."""
+def test_a_step_is_the_solution_of_the_equations(kind, rates, tolerance, frame, unit_of):
+    """A cubic force on two planes, added mass, unbalances, every kind of damping.
+
+    With a cubic acceleration of the speed, which Python units do not have, gravity, too.
+    """
     sizes, values, rotor, rows = case(ROTORS[kind])
     n, step, speed, added = rotor.stations, 2e-3, 260.0, (0.3, 0.5)
+    spin = Polynomial([x / math.factorial(k) for k, x in enumerate((speed, *rates))])
+    gravity = 2.0 - 9.0j if len(rates) > 1 else 0j
     stations = [f"station[{j}]." for j in range(1, n + 1)] if n > 1 else [""]
     rng = np.random.default_rng(3)
     start = np.concatenate([rng.normal(0, 1e-4, 2 * n), rng.normal(0, 1e-2, 2 * n)])
-    unit = unit_of(sizes, {**values, "angle0": 0.3, "speed": speed, "acceleration": spin_up}, frame)
+    own = {"angle0": 0.3, "speed": speed, "gravity_x": gravity.real, "gravity_y": gravity.imag}
+    own |= {derivative("acceleration", k): rate for k, rate in enumerate(rates)}
+    unit = unit_of(sizes, {**values, **own}, frame)
     for name, row in zip(("x", "y", "vx", "vy"), start.reshape(4, n), strict=True):
         for station, value in zip(stations, row, strict=True):
             unit.put(f"{station}{name}0", value)
+    axes = ("xi", "eta") if frame == "rotor" else ("x", "y")
     for i, mass in enumerate(added, 1):
         unit.put(f"plane[{i}].added_mass", mass)
-        for k, axis in enumerate(("xi", "eta") if frame == "rotor" else "xy"):
+        for k, axis in enumerate(axes):
             for order, value in enumerate(FORCES[:, i - 1]):
                 name = derivative(f"plane[{i}].F_{axis}", order)
                 unit.put(name, (value.real, value.imag)[k])
     unit.exit_initialization_mode()
-    h = step / 64 if spin_up else step  # Radau IIA has an error, the exact step has none
+    h = step / 64 if rates == (400.0,) else step  # Radau IIA has an error, the others have none
     assert unit.do_step(0.0, h)
-    end, acceleration = integrated(rotor, rows, speed, spin_up, added, frame, h, start)
-    found = np.concatenate(
+    end, acceleration, jerk = integrated(rotor, rows, spin, gravity, added, frame, h, start)
+
+    acceleration = acceleration - gravity  # what weights on the plane feel
+
+    def demand(found, expected, tolerance):
+        allowed = tolerance * np.abs(expected).max()
+        np.testing.assert_allclose(found, expected, rtol=0.0, atol=allowed)
+
+    found = np.array(
         [unit.look(*(f"{place}{name}" for place in stations)) for name in ("x", "y", "vx", "vy")]
-    )  # fmt: skip
-    np.testing.assert_allclose(
-        found[: 2 * n], end[: 2 * n], rtol=0.0, atol=tolerance * abs(end[: 2 * n]).max()
     )
-    np.testing.assert_allclose(
-        found[2 * n :], end[2 * n :], rtol=0.0, atol=tolerance * abs(end[2 * n :]).max()
-    )
-    axes = ("xi", "eta") if frame == "rotor" else ("x", "y")
-    a = [complex(*unit.look(*(f"plane[{i}].a_{axis}" for axis in axes))) for i in (1, 2)]
-    turn = np.exp(-1j * unit.look("angle")[0]) if frame == "rotor" else 1.0
-    np.testing.assert_allclose(
-        a, acceleration * turn, rtol=0.0, atol=1e-6 * abs(acceleration).max()
-    )
-    x = [unit.look(f"plane[{i}].x")[0] for i in (1, 2)]
-    np.testing.assert_allclose(x, rows @ end[:n], rtol=0.0, atol=tolerance * abs(end[:n]).max())
+    demand(found[:2].ravel(), end[: 2 * n], tolerance)
+    demand(found[2:].ravel(), end[2 * n :], tolerance)
+    if frame == "rotor":
+        turn = np.exp(-1j * unit.look("angle")[0])
+        jerk = (jerk - 1j * spin(h) * acceleration) * turn
+        acceleration = acceleration * turn
+    signals = [[f"plane[{i}].a_{axis}" for axis in axes] for i in (1, 2)]
+    demand([complex(*unit.look(*pair)) for pair in signals], acceleration, 1e-6)
+    slopes = [complex(*unit.look(*(derivative(name, 1) for name in pair))) for pair in signals]
+    demand(slopes, jerk, 1e-4)
+    demand([unit.look(f"plane[{i}].x")[0] for i in (1, 2)], rows @ end[:n], tolerance)
 
 
 @pytest.mark.parametrize(
@@ -352,22 +381,24 @@ def test_supports_without_stiffness_carry_no_weight(probe):
 
 
 @pytest.mark.parametrize("limit", [0.5, 50.0])
-def test_torque_of_an_unbalance_is_that_of_its_acceleration_with_friction_too(host_of, fmu, limit):
+def test_torque_of_an_unbalance_is_that_of_its_acceleration_with_friction_too(host_of, limit):
     """-Im(u* a) and its slope, a the disc's acceleration in the rotor frame; slipping and stuck."""
     u, angle = 3e-3, 0.7
-    host = host_of(fmu("RotorOnSupports", sliders=2)).start(
-        **{"unbalance": u, "unbalance_angle": angle, "speed": 200.0, "acceleration": 30.0,
-           "slider[1].limit_x": limit, "slider[1].limit_y": 0.3, "slider[2].limit_x": 0.2,
-           "slider[2].stiffness_x": 3e4, "vx0": 0.02}
+    host = host_of("RotorOnSupports", sliders=2).begin(
+        {"unbalance": u, "unbalance_angle": angle, "speed": 200.0, "acceleration": 30.0,
+         "slider[1].limit_x": limit, "slider[1].limit_y": 0.3, "slider[2].limit_x": 0.2,
+         "slider[2].stiffness_x": 3e4, "vx0": 0.02}
     )  # fmt: skip
     seen = []
     for k in range(40):
-        host["speed"], host["plane[1].F_xi"] = 200.0 + 0.03 * k, 0.2 * k
+        host.set({"speed": 200.0 + 0.03 * k, "plane[1].F_xi": 0.2 * k})
         for _ in range(2):  # before the step, of the inputs just set, and after it
             for torque, a in (("torque", "{}"), ("der(torque)", "der({})")):
-                vector = host[a.format("plane[1].a_xi")] + 1j * host[a.format("plane[1].a_eta")]
-                expected = -(u * np.exp(-1j * angle) * vector).imag
-                seen.append((host[torque], expected))
+                found, xi, eta = host.get(
+                    torque, a.format("plane[1].a_xi"), a.format("plane[1].a_eta")
+                )
+                expected = -(u * np.exp(-1j * angle) * complex(xi, eta)).imag
+                seen.append((found, expected))
             if len(seen) % 4:
                 host.slave.doStep(k * 1e-3, 1e-3)
     found, expected = np.array(seen).T.reshape(2, -1, 2)

@@ -12,7 +12,6 @@ import numpy as np
 import pytest
 from fmpy.fmi1 import FMICallException
 from fmpy.fmi2 import fmi2Discard, fmi2Error
-from scipy.integrate import solve_ivp
 
 from autobalancer.fmus.rotor.angle import TURN, turned
 
@@ -77,62 +76,6 @@ def test_slope_outputs_are_the_outputs_derivatives(frame, spin_up, probe, rotor_
         assert slope_error(liquid, [f"F_{xi}", f"F_{eta}"]) < 1e-9
 
 
-def test_weights_agree_with_scipy(balls_of):
-    """Filimonikhina 2017 (4), as corrected, in fixed axes and absolute angles, against the unit.
-
-    In axes that turn: the reference runs.
-    """
-    mass, radius, kappa, drag = 0.01, 0.05, 1.4, 0.05
-    speed, spin_up, angle, h = 30.0, 40.0, 0.3, 5e-3
-    starts = {
-        "mass": mass,
-        "track_radius": radius,
-        "kappa": kappa,
-        "drag": drag,
-        "speed": speed,
-        "acceleration": spin_up,
-        "angle": angle,
-        "weight[1].angle0": 0.5,
-        "weight[2].angle0": 2.0,
-        "weight[2].speed0": 3.0,
-        "inertia_as_force": True,
-    }
-    unit = balls_of(starts, frame="fixed")
-    orders = [20 + 5j, -300 + 200j, 4e3 - 9e3j, 1e5 + 2e5j]
-    unit.put("a_x", *np.array(orders).view(float))
-    assert unit.do_step(0.0, h)
-
-    def turned(t):
-        return angle + speed * t + spin_up * t * t / 2
-
-    def centre(t):
-        return sum(f * t**k / math.factorial(k) for k, f in enumerate(orders))
-
-    def rhs(t, y):
-        a, w = centre(t), speed + spin_up * t
-        bend = [
-            -(drag * radius**2 * (rate - w) + mass * radius * (a * np.exp(-1j * phi)).imag)
-            / (kappa * mass * radius**2)
-            + (kappa - 1.0) / kappa * spin_up
-            for phi, rate in (y[:2], y[2:])
-        ]
-        return [y[1], bend[0], y[3], bend[1]]
-
-    begin = [angle + 0.5, speed, angle + 2.0, speed + 3.0]
-    end = solve_ivp(rhs, (0, h), begin, "DOP853", rtol=1e-13, atol=1e-14).y[:, -1]
-    tolerance = 2e-5  # a collocation of order 4, after a cubic fit of the turning signal
-    beta = turned(h)
-    assert unit.look("weight[1].angle", "weight[2].angle") == pytest.approx(
-        [end[0] - beta, end[2] - beta], rel=tolerance
-    )
-    slopes = rhs(h, end)
-    force = -2 * mass * centre(h)
-    for phi, rate, bend in ((end[0], end[1], slopes[1]), (end[2], end[3], slopes[3])):
-        force += mass * radius * (rate**2 - 1j * bend) * np.exp(1j * phi)
-    got = complex(*unit.look("F_x", "F_y"))
-    assert got == pytest.approx(force, rel=30 * tolerance)
-
-
 def test_liquid_leaves_by_the_port_or_in_the_force_but_not_by_both(probe):
     added = 1000.0 * math.pi * 0.05**2 * 0.02
     for as_force in (False, True):
@@ -179,8 +122,8 @@ def test_outputs_follow_inputs_set_during_initialisation(rotor_of):
 
 
 @pytest.mark.parametrize("unit", ["RotorOnSupports", "LiquidBalancer", "BallBalancer"])
-def test_unit_runs_alone_with_an_input_file(fmu, unit, backend):
-    path = str(fmu(unit, backend=backend))
+def test_unit_runs_alone_with_an_input_file(fmus, unit, backend):
+    path = str(getattr(fmus, backend)(unit))
     name = {"RotorOnSupports": "plane[1].F_xi", "BallBalancer": "a_eta"}.get(unit, "a_xi")
     samples = np.array([(0.0, 0.0), (0.05, 2.0), (0.1, -2.0)], dtype=[("time", "f8"), (name, "f8")])
     starts = {"inertia_as_force": True} if unit == "LiquidBalancer" else {}
@@ -212,18 +155,20 @@ PERTURBED = {
 
 
 @pytest.mark.parametrize("unit", PERTURBED)
-def test_restored_state_continues_bit_by_bit(fmu, unit, host_of, backend):
-    host = host_of(fmu(unit, backend=backend)).start(**PERTURBED[unit])
-    other = host_of(fmu(unit, backend=backend)).start()
+def test_restored_state_of_a_python_unit_continues_bit_by_bit(unit, host_of):
+    """Of native units: `tests/native/test_native_units_state.py`."""
+    host = host_of(unit, "python").begin(PERTURBED[unit])
+    other = host_of(unit, "python").begin()
     host.run(20)
-    state = host.slave.getFMUState()
+    state, other.time = host.slave.getFMUState(), host.time
     data = host.slave.serializeFMUState(state)
-    expected = host.run(20, start=0.02)
+    expected = host.run(20)
     host.slave.setFMUState(state)
-    assert host.run(20, start=0.02) == expected
+    host.time = other.time
+    assert host.run(20) == expected
     foreign = other.slave.deserializeFMUState(data)
     other.slave.setFMUState(foreign)
-    assert other.run(20, start=0.02) == expected
+    assert other.run(20) == expected
     for each, kept in ((host, state), (other, foreign)):
         each.slave.freeFMUState(kept)
         each.free()
@@ -246,32 +191,33 @@ def test_state_of_another_size_is_refused(balls_of):
 
 
 @pytest.mark.parametrize("unit", PERTURBED)
-def test_reset_and_instantiate_again_start_afresh(fmu, unit, host_of, backend):
-    host = host_of(fmu(unit, backend=backend)).start(**PERTURBED[unit])
+def test_reset_and_instantiate_again_start_afresh(unit, host_of, backend):
+    host = host_of(unit, backend).begin(PERTURBED[unit])
     expected = host.run(10)
     host.slave.terminate()
     host.slave.reset()
-    assert host.initialise(**PERTURBED[unit]).run(10) == expected
+    assert host.begin(PERTURBED[unit]).run(10) == expected
     host.slave.terminate()
     host.slave.fmi2FreeInstance(host.slave.component)
     host.instantiate()
-    assert host.initialise(**PERTURBED[unit]).run(10) == expected
+    assert host.begin(PERTURBED[unit]).run(10) == expected
     host.free()
 
 
-def test_after_a_failed_step_the_state_can_be_restored_and_stepped(fmu, host_of, backend):
-    host = host_of(fmu("BallBalancer", backend=backend)).start(a_xi=3.0)
+def test_after_a_failed_step_the_state_can_be_restored_and_stepped(host_of, backend):
+    host = host_of("BallBalancer", backend).begin({"a_xi": 3.0})
     host.run(3)
-    state = host.slave.getFMUState()
-    expected = host.run(3, start=3e-3)
-    host["a_xi"] = 1e300
+    state, time = host.slave.getFMUState(), host.time
+    expected = host.run(3)
+    host.set({"a_xi": 1e300})
     with pytest.raises(FMICallException) as failed:
-        host.slave.doStep(6e-3, 1.0)
+        host.step(1.0)
     # pythonfmu knows no status between discarded and fatal, after which no unit is left
     assert failed.value.status == (fmi2Error if backend == "native" else fmi2Discard)
     host.slave.setFMUState(state)
-    host["a_xi"] = 3.0
-    assert host.run(3, start=3e-3) == expected
+    host.set({"a_xi": 3.0})
+    host.time = time
+    assert host.run(3) == expected
     host.slave.freeFMUState(state)
     host.free()
 

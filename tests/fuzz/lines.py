@@ -48,15 +48,42 @@ NAMED_ENDINGS = {
 AXES = ["speed", "speed", "rotor.mass", "rotor.unbalance", "rotor.stiffness", "weights.drag"]
 AXES += ["operation.gravity", "run.revolutions", "coupling.order", "rotor.kind", "nothing"]
 DISTRIBUTIONS = [
-    *["normal(1,0.1)", "normal(1,0.1,0.9,1.1)", "uniform(0.5,1)"],
-    *["lognormal(1,0.1)", "normal(mean=1,deviation=5%)", "normal(1,-1)", "cauchy(1)", "norm()"],
-    *[
-        "uniform(2,1)",
-        "normal(nan,1)",
-        "normal(1",
-        "f(x)",
-    ],
+    *["normal(1,0.1)", "normal(1,0.1,0.9,1.1)", "uniform(0.5,1)", "lognormal(1,0.1)"],
+    *["normal(mean=1,deviation=5%)", "normal(1,-1)", "cauchy(1)", "norm()", "uniform(2,1)"],
+    *["normal(nan,1)", "normal(1", "f(x)"],
 ]
+VALUES = {  # of options by what the help calls them, with places that are filled in
+    "KEY=VALUE": ["{change}", "rotor.mass=1.5", "operation.gravity=9.81", "coupling.order=5"],
+    "PATH=LOW:HIGH:N[:log]": [
+        *["speed=0.5:5:3", "rotor.mass=0.5:5:2", "rotor.unbalance=0.5:5:4:log"],
+        *["{path}=0.5:150:3", "{path}={low}:{high}:3:log"],
+    ],
+    "PATH=NAME(NUMBERS)": [
+        "rotor.mass=normal(1,0.1)",
+        "{path}=uniform(0.5,1)",
+        "{path}={distribution}",
+    ],
+    "PATH,...": [
+        "rotor.stiffness",
+        "rotor.mass,rotor.damping",
+        "rotor.mass=weights.mass",
+        "{path}",
+    ],
+    "DIR": ["report", "given", "folder", "nowhere/deep", "given/scene.toml", "/proc/x"],
+    "TIME": ["1s", "0.1s", "5s", "0", "-1", "soon", "1e9d", "9999999999d"],
+    "NAME": ["x86_64-linux", "x86_64-windows", "vax"],
+    "ADDRESS": ["", "tcp://127.0.0.1:9", "127.0.0.1:99999", "nowhere"],
+    "2|3": ["2", "3", "4"],
+    "LOW HIGH": ["0.5", "3", "12", "150", *NUMBERS],
+}
+NAMED = {  # of options by their own names
+    "measured": ["given/fitted.csv", "given/fitted.csv", "given/fitted_wrong.csv"],
+    "predict": ["given/fitted.csv", "given/fitted_wrong.csv"],
+    "method": ["floquet", "criterion", "criterion,floquet", "cosim", ",", ""],
+    "angles": ["12", "0,120,240", "12/24", "0", "-3", "x", "1e9", ""],
+    "grade": ["G2.5", "G0", "G-1", "X", "G1e300"],
+    "words": ["stiff", "loop", "nothing"],
+}
 FITTED = (
     "speed [rpm],rotor.unbalance,amplitude [mm]\n1100,0.02,0.0455\n1900,0.01,0.09\n700,0.02,0.03\n"
 )
@@ -124,88 +151,30 @@ def _option(draw: random.Random, parameter: Any) -> list[str]:
 
 
 def _value(draw: random.Random, parameter: Any) -> str:
-    kind = parameter.metavar or ""
+    kind, name = parameter.metavar or "", parameter.name
     if draw.random() < 0.04:
         return draw.choice(WORDS + ODD)
-    if parameter.name == "measured":
-        return draw.choice(["given/fitted.csv", "given/fitted.csv", "given/fitted_wrong.csv"])
-    if parameter.name == "predict":
-        return draw.choice(["given/fitted.csv", "given/fitted_wrong.csv"])
-    if kind.startswith("FILE"):
+    if kind.startswith("FILE") and name not in NAMED:
         if draw.random() < 0.1:
             return draw.choice(ODD)
-        named = [end for word, end in NAMED_ENDINGS.items() if word in parameter.name]
-        endings = named or ENDINGS[kind]
-        return draw.choice(PLACES) + draw.choice(endings)
-    return draw.choice(_VALUES.get(kind, _numbers_or_words)(draw, parameter))
-
-
-def _numbers_or_words(draw: random.Random, parameter: Any) -> list[str]:
-    choices = getattr(parameter.type_descriptor.annotation, "__members__", None)
-    if choices:
-        return [each.value for each in choices.values()]
-    return _NAMED.get(parameter.name, ["1", "2", "3", *NUMBERS])
-
-
-def _path(draw: random.Random) -> str:
-    return draw.choice(["speed", "rotor.mass", "rotor.unbalance", draw.choice(AXES)])
-
-
-def _axis(draw: random.Random, _parameter: Any) -> list[str]:
-    right = f"{_path(draw)}=0.5:{draw.choice(['5', '150'])}:{draw.choice('234')}"
-    wrong = f"{_path(draw)}={draw.choice(NUMBERS)}:{draw.choice(NUMBERS)}:3:log"
-    return [right, right, f"{right}:log", wrong]
-
-
-def _variation(draw: random.Random, _parameter: Any) -> list[str]:
-    right = [f"{_path(draw)}={each}" for each in DISTRIBUTIONS[:6]]
-    return [*right, *right, f"{draw.choice(AXES)}={draw.choice(DISTRIBUTIONS)}"]
-
-
-def _change(draw: random.Random, _parameter: Any) -> list[str]:
-    return [scenes.assignment(draw), "rotor.mass=1.5", "operation.gravity=9.81", "coupling.order=1"]
-
-
-_VALUES: dict[str, Any] = {
-    "KEY=VALUE": _change,
-    "PATH=LOW:HIGH:N[:log]": _axis,
-    "PATH=NAME(NUMBERS)": _variation,
-    "PATH,...": lambda draw, _: [
-        *["rotor.stiffness", "rotor.mass,rotor.damping", "rotor.mass=weights.mass"],
-        draw.choice(AXES),
-    ],
-    "DIR": lambda _draw, _: [
-        "report",
-        "given",
-        "folder",
-        "nowhere/deep",
-        "given/scene.toml",
-        "/proc/x",
-    ],
-    "TIME": lambda _draw, _: ["1s", "0.1s", "5s", "0", "-1", "soon", "1e9d", "9999999999d"],
-    "NAME": lambda _draw, _: ["x86_64-linux", "x86_64-windows", "vax"],
-    "ADDRESS": lambda _draw, _: ["", "tcp://127.0.0.1:9", "127.0.0.1:99999", "nowhere"],
-    "2|3": lambda _draw, _: ["2", "3", "4"],
-    "LOW HIGH": lambda _draw, _: ["0.5", "3", "12", "150", *NUMBERS],
-}
-_NAMED = {
-    "method": ["floquet", "criterion", "criterion,floquet", "cosim", ",", ""],
-    "angles": ["12", "0,120,240", "12/24", "0", "-3", "x", "1e9", ""],
-    "grade": ["G2.5", "G0", "G-1", "X", "G1e300"],
-    "words": ["stiff", "loop", "nothing"],
-}
+        named = [ending for word, ending in NAMED_ENDINGS.items() if word in name]
+        return draw.choice(PLACES) + draw.choice(named or ENDINGS[kind])
+    members = getattr(parameter.type_descriptor.annotation, "__members__", {}).values()
+    words = [each.value for each in members] or NAMED.get(name) or VALUES.get(kind, NUMBERS)
+    return draw.choice(words).format(
+        path=draw.choice(AXES),
+        change=scenes.assignment(draw),
+        distribution=draw.choice(DISTRIBUTIONS),
+        low=draw.choice(NUMBERS),
+        high=draw.choice(NUMBERS),
+    )
 
 
 def _brief(draw: random.Random, name: str, words: list[str]) -> list[str]:
     """Options that keep most lines short."""
     known = {option for each in commands()[name].params for option in each.opts}
-    brief = {"--set": "run.revolutions=0.3", "-n": "4", "--movie-seconds": "0.2"}
-    brief |= {
-        "--starts": "6",
-        "--most": "2",
-        "--seconds": "1",
-        "--at-most": "1s" if name in LONG else "5s",
-    }
+    brief = {"--set": "run.revolutions=0.3", "-n": "4", "--movie-seconds": "0.2", "--starts": "6"}
+    brief |= {"--most": "2", "--seconds": "1", "--at-most": "1s" if name in LONG else "5s"}
     return [
         part
         for option, what in brief.items()

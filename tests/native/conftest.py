@@ -1,8 +1,7 @@
-"""Native FMUs for the tests, and their hosts."""
+"""Composites in a host."""
 
 from __future__ import annotations
 
-import importlib
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -12,18 +11,6 @@ from fmpy import platform_tuple
 
 from autobalancer.harness import Scene
 from autobalancer.harness.master.one_file import build_one_file
-
-
-@pytest.fixture(scope="session")
-def packaging() -> Any:
-    """The module beside this one, which compiles: native FMUs and their host."""
-    return importlib.import_module("tests.native.packaging")
-
-
-@pytest.fixture(scope="session")
-def fmus(packaging: Any, tmp_path_factory: pytest.TempPathFactory) -> Any:
-    """Builds native and Python FMUs."""
-    return packaging.Packager(tmp_path_factory.mktemp("units"))
 
 
 @pytest.fixture
@@ -40,11 +27,7 @@ def instance(packaging: Any, tmp_path: Path) -> Any:
 @pytest.fixture
 def hosted(instance: Any) -> Any:
     """Begins the composite of a scene in a host."""
-
-    def begun(scene: Scene, values: dict[str, float] | None = None) -> Any:
-        return instance(scene).begin(values)
-
-    return begun
+    return lambda scene, values=None: instance(scene).begin(values)
 
 
 @pytest.fixture

@@ -1,9 +1,9 @@
-"""Contact, dry friction and motor as the units compute them: the C functions."""
+"""Contact and dry friction as the units compute them: the C functions."""
 
 from __future__ import annotations
 
+import cmath
 import ctypes
-import math
 from collections.abc import Sequence
 from ctypes import POINTER, byref, c_double, c_int
 from typing import Any, NamedTuple
@@ -11,7 +11,6 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from autobalancer.models.motor import Drive as Motor
 from autobalancer.models.rotor import LinearRotor
 from autobalancer.models.weights import Weights
 from tests.native.core import Complex, Core
@@ -27,7 +26,6 @@ class Moved(NamedTuple):
         contacts: 1.0 where a weight lastingly touches the next one along increasing angle.
         impulse: of the collisions on the rotor, in the rotor frame at the step's end [N s].
         events: collisions, contacts that opened, weights that stuck or broke away.
-        reached: time since the start of the step [s].
     """
 
     angles: list[float]
@@ -35,7 +33,6 @@ class Moved(NamedTuple):
     contacts: list[float]
     impulse: complex
     events: int
-    reached: float
 
 
 class Track:
@@ -87,7 +84,6 @@ class Track:
         angular_acceleration: float,
         step: float,
         rates: Sequence[float] = STEADY,
-        stop: int = 0,
     ) -> Moved:
         """Motion over a step; `signal` (4,) of the plane's centre, `rates` (3,) of w'."""
         ends = [np.empty(self.weights.count) for _ in range(3)]
@@ -96,7 +92,7 @@ class Track:
         shifted = self.core.shifted(signal, self.offset, rotor_speed, spin_up)
         centre = self.core.centre_motion(shifted, rotor_speed, spin_up)
         if not self.native.eventful:
-            ends[2][:], moved.reached = contacts, step
+            ends[2][:] = contacts
             self.core.demand(
                 "weights_advance", byref(self.native.weights), *_arrays(angles, speeds), centre,
                 float(step), *ends[:2], byref(self.core("quadrature_empty")), None,
@@ -104,10 +100,10 @@ class Track:
         else:
             self.core.demand(
                 "track_advance", byref(self.native), *_arrays(angles, speeds, contacts), centre,
-                float(step), stop, byref(moved), self._scratch,
+                float(step), 0, byref(moved), self._scratch,
             )  # fmt: skip
         impulse = complex(moved.impulse.re, moved.impulse.im)
-        return Moved(*(e.tolist() for e in ends), impulse, moved.events, moved.reached)
+        return Moved(*(e.tolist() for e in ends), impulse, moved.events)
 
     def reaction(
         self,
@@ -128,19 +124,32 @@ class Track:
         )  # fmt: skip
         return found.tolist()
 
-    def first_contacts(self, angles: Sequence[float], speeds: Sequence[float]) -> list[float]:
-        """Contacts of weights that touch and move alike."""
-        contacts = np.empty(self.weights.count)
-        self.core.demand(
-            "track_first_contacts", byref(self.native), *_arrays(angles, speeds), contacts,
-            self._scratch,
-        )  # fmt: skip
-        return contacts.tolist()
-
     def static_moment(self, angles: Sequence[float]) -> complex:
         """Sum of m (e + R e^{i theta}) [kg m]."""
         found = self.core("track_static_moment", byref(self.native), *_arrays(angles), None)
         return complex(found.re, found.im)
+
+
+def run(track, angles, speeds, signal, speed, seconds, steps, contacts=None):
+    """Angles, rates, contacts, sum of impulses in fixed axes, number of events."""
+    state = list(angles), list(speeds), list(contacts or [0.0] * len(angles))
+    h, events, impulse = seconds / steps, 0, 0j
+    for k in range(steps):
+        moved = track.advance(*state, signal(k * h), speed, 0.0, h)
+        state = moved.angles, moved.speeds, moved.contacts
+        events += moved.events
+        impulse += moved.impulse * cmath.exp(1j * speed * (k + 1) * h)
+    return (*state, impulse, events)
+
+
+def whirling(size: float, rate: float, more: float = 0.0):
+    """A signal: two turning vectors, with exact derivatives."""
+
+    def signal(t: float):
+        first, second = size * cmath.exp(1j * rate * t), more * cmath.exp(-2.3j * t)
+        return tuple((1j * rate) ** k * first + (-2.3j) ** k * second for k in range(4))
+
+    return signal
 
 
 def discharge(
@@ -227,35 +236,6 @@ class Friction:
             byref(reached),
         )  # fmt: skip
         return state, held
-
-
-class _Motor(ctypes.Structure):
-    _fields_ = (
-        ("inertia", c_double),
-        ("count", c_int),
-        ("points", POINTER(c_double)),
-        ("negligible", c_double),
-        ("reached", c_double),
-        ("quadrature", c_double * 12),
-    )
-
-
-def motor_advance(
-    core: Core, motor: Motor, speed: float, torque: Sequence[float], step: float
-) -> tuple[float, float]:
-    """Speed after a step, and the angle turned in it."""
-    points = np.array([motor.speeds, motor.torques]).T.copy()
-    native = _Motor(motor.inertia, len(points), _pointer(points), math.inf)
-    native.quadrature[:2] = [-1.0, -1.0]  # remembers nothing
-    ends = c_double(speed), c_double(0.0)
-    core.demand(
-        "motor_advance",
-        byref(native),
-        *map(byref, ends),
-        np.array(torque, float),
-        float(step),
-    )
-    return ends[0].value, ends[1].value
 
 
 def _arrays(*values: Sequence[float]) -> list[NDArray]:

@@ -1,28 +1,27 @@
-"""Native FMUs for the tests: the library that is shipped, with the Python units' description."""
+"""Units for the tests as `build` writes them, and a host of any of them."""
 
 from __future__ import annotations
 
 import itertools
-import shutil
-import zipfile
 from collections.abc import Callable, Sequence
-from functools import partial
+from functools import cache, partial
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
 import fmpy
 import numpy as np
-from fmpy import fmi2, platform_tuple
+import pytest
+from fmpy import fmi2, fmi3, platform_tuple
 from fmpy.fmi1 import FMICallException
 from numpy.typing import NDArray
 
-from autobalancer.fmus.build import build, contents
+from autobalancer.fmus.build import build
 from autobalancer.fmus.catalogue import sized_unit
 from autobalancer.fmus.native.build.compile import SOURCE, SOURCES, libraries, one_source, stamp
 from autobalancer.fmus.native.build.layout import token
-from tests.native.compiler import shared_library
+from autobalancer.harness.master.unit_files import described
+from tests.native.core import shared_library
 
-LIBRARY = libraries([platform_tuple])[platform_tuple]  # what `build` packs
 STAMP = stamp()
 
 
@@ -36,81 +35,94 @@ def compile_units(folder: Path, *flags: str | Path) -> Path:
     return shared_library([str(source)], folder / "autobalancer.so", *options)
 
 
-class Packager:
-    """FMUs of both kinds, each built once for the same options."""
+class Units:
+    """FMUs in a folder, each built once for the same options; native ones for this machine."""
 
     def __init__(self, folder: Path) -> None:
-        self.folder = folder
-        self.library = LIBRARY
-        # as an unpacked FMU of FMI 3.0 has it
-        self.unpacked = folder / "unpacked"
-        platform = self.unpacked / "binaries" / "x86_64-linux"
-        platform.mkdir(parents=True)
-        shutil.copy(self.library, platform)
-        self._numbers = itertools.count()
-        self._built: dict[tuple, Path] = {}
+        self._folder, self._numbers = folder, itertools.count()
+        self._built = cache(self._build)
+
+    @property
+    def library(self) -> Path:
+        """What `build` packs."""
+        return libraries([platform_tuple])[platform_tuple]
+
+    def native(self, unit: str, **options: object) -> Path:
+        """A native unit, of FMI 2.0 by default."""
+        return self._built(unit, platforms=(platform_tuple,), **options)
+
+    def python(self, unit: str, **options: object) -> Path:
+        """The same unit in Python."""
+        return self._built(unit, backend="python", **options)
+
+    def _build(self, unit: str, **options: object) -> Path:
+        return build(unit, self._folder / str(next(self._numbers)), **options)
 
     def token(self, unit: str, **options: object) -> str:
         """GUID or instantiation token of a native unit."""
         return token(sized_unit(unit, **options), STAMP)
 
-    def native(self, unit: str, **options: object) -> Path:
-        """A native FMU for FMI 2.0."""
-        return self._once("native", unit, options)
-
-    def python(self, unit: str, **options: object) -> Path:
-        """The same unit in Python."""
-        return self._once("python", unit, options)
-
     def layout(self, unit: str, **options: object):
         return sized_unit(unit, **options).layout
 
-    def _once(self, runtime: str, unit: str, options: dict) -> Path:
-        key = (runtime, unit, *sorted(options.items()))
-        if key not in self._built:
-            folder = self.folder / f"{runtime}-{next(self._numbers)}"
-            made = self._native if runtime == "native" else partial(build, backend="python")
-            self._built[key] = made(unit, folder, **options)
-        return self._built[key]
 
-    def _native(self, unit: str, folder: Path, **options) -> Path:
-        description = contents(unit, **options)["modelDescription.xml"].decode()
-        start = description.index('guid="') + len('guid="')
-        end = description.index('"', start)
-        description = description[:start] + self.token(unit, **options) + description[end:]
-        folder.mkdir()
-        path = folder / f"{unit}.fmu"
-        with zipfile.ZipFile(path, "w") as archive:
-            archive.writestr("modelDescription.xml", description)
-            archive.write(self.library, f"binaries/linux64/{unit}.so")
-        return path
+def _is_needed(name: str) -> bool:
+    return not name.startswith(("sources/", "documentation/"))
 
 
 class Host:
-    """An FMI 2.0 FMU under fmpy, with access by name.
+    """An FMU of either version under fmpy, with access by name.
+
+    It listens by itself: fmpy's proxy of a logger goes on calling one of an instance that is gone.
+
+    Args:
+        messages: the list that becomes the attribute; for an instance that is refused.
+        kind: of FMI 2.0, for co-simulation or model exchange.
+        library: in place of the FMU's own.
+        options: of the instantiation in FMI 3.0.
 
     Attributes:
         messages: texts the unit has logged, with their status.
     """
 
-    def __init__(self, path: Path, name: str = "unit") -> None:
-        self.description = fmpy.read_model_description(str(path))
+    def __init__(
+        self,
+        path: Path | str,
+        name: str = "unit",
+        messages: list[tuple[int, str]] | None = None,
+        kind: type = fmi2.FMU2Slave,
+        library: Path | None = None,
+        **options: bool,
+    ) -> None:
+        self.description = described(Path(path))
         self.variables = {v.name: v for v in self.description.modelVariables}
-        self.messages: list[tuple[int, str]] = []
-        self.callbacks = fmi2.fmi2CallbackFunctions()
-        self._logger = fmi2.fmi2CallbackLoggerTYPE(self._log)  # kept alive for the C side
-        self.callbacks.logger = self._logger
-        self.callbacks.allocateMemory = fmi2.defaultCallbacks.allocateMemory
-        self.callbacks.freeMemory = fmi2.defaultCallbacks.freeMemory
+        self.messages = [] if messages is None else messages
         self._unpacked = TemporaryDirectory()
-        self.slave = fmi2.FMU2Slave(
+        is_two = self.description.fmiVersion == "2.0"
+        interface = self.description.coSimulation or self.description.modelExchange
+        self.slave = (kind if is_two else fmi3.FMU3Slave)(
             guid=self.description.guid,
-            unzipDirectory=fmpy.extract(str(path), self._unpacked.name),
-            modelIdentifier=self.description.coSimulation.modelIdentifier,
+            unzipDirectory=fmpy.extract(str(path), self._unpacked.name, _is_needed),
+            modelIdentifier=interface.modelIdentifier,
             instanceName=name,
+            libraryPath=library and str(library),
         )
-        self.slave.instantiate(callbacks=self.callbacks, loggingOn=True)
-        self.time = 0.0
+        self._get = self.slave.getReal if is_two else self.slave.getFloat64
+        self._set = self.slave.setReal if is_two else self.slave.setFloat64
+        if is_two:
+            self.callbacks = fmi2.fmi2CallbackFunctions()
+            self._logger = fmi2.fmi2CallbackLoggerTYPE(self._log)  # kept alive for the C side
+            self.callbacks.logger = self._logger
+            self.callbacks.allocateMemory = fmi2.defaultCallbacks.allocateMemory
+            self.callbacks.freeMemory = fmi2.defaultCallbacks.freeMemory
+            self._options = {"callbacks": self.callbacks}
+        else:
+            self._options = {"logMessage": partial(self._log, None), **options}
+        self.instantiate()
+
+    def instantiate(self) -> None:
+        """Make the instance, or another one after it is freed."""
+        self.slave.instantiate(loggingOn=True, **self._options)
 
     def _log(self, _environment, _instance, status, _category, message) -> None:
         try:  # a Python unit logs with its exception pending, which `decode` would be blamed for
@@ -121,24 +133,26 @@ class Host:
     def begin(self, values: dict[str, float | bool] | None = None) -> Host:
         """From instantiation, or after a reset, to the end of initialisation."""
         self.time = 0.0
-        self.slave.setupExperiment()
+        if self.description.fmiVersion == "2.0":
+            self.slave.setupExperiment()
         self.slave.enterInitializationMode()
         self.set(values or {})
         self.slave.exitInitializationMode()
         return self
 
+    def references(self, *names: str) -> list[int]:
+        """Value references of variables."""
+        return [self.variables[name].valueReference for name in names]
+
     def set(self, values: dict[str, float | bool]) -> None:
         """Set variables by name."""
         for name, value in values.items():
-            reference = [self.variables[name].valueReference]
-            if isinstance(value, bool):
-                self.slave.setBoolean(reference, [value])
-            else:
-                self.slave.setReal(reference, [value])
+            setter = self.slave.setBoolean if isinstance(value, bool) else self._set
+            setter(self.references(name), [value])
 
     def get(self, *names: str) -> list[float]:
         """Values of Reals by name."""
-        return self.slave.getReal([self.variables[name].valueReference for name in names])
+        return self._get(self.references(*names))
 
     def outputs(self) -> list[float]:
         """All outputs."""
@@ -148,6 +162,12 @@ class Host:
         """One communication step from where the unit is."""
         self.slave.doStep(self.time, length)
         self.time += length
+
+    def run(self, steps: int, length: float = 1e-3) -> list[float]:
+        """All outputs after some steps."""
+        for _ in range(steps):
+            self.step(length)
+        return self.outputs()
 
     def driven(self, times: Sequence[float], names: Sequence[str]) -> NDArray:
         """Outputs at all times, (times, names)."""
@@ -169,4 +189,16 @@ class Host:
         raise AssertionError("the call was not refused")
 
     def free(self) -> None:
+        """End the instance."""
         self.slave.freeInstance()
+
+
+def refusal(path: Path, **options: bool) -> str:
+    """The one reason logged by an FMU that must not be instantiated."""
+    messages: list[tuple[int, str]] = []
+    with pytest.raises(Exception, match="nstantiate"):
+        Host(path, messages=messages, **options)
+    ((status, text),) = messages
+    assert status == 3
+    assert "instantiation failed: " in text
+    return text

@@ -9,7 +9,6 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from autobalancer.models.weights import Weights
-from tests.native.equations import pooled
 
 RATES = st.lists(
     st.floats(-100.0, 100.0).filter(lambda v: v == 0.0 or abs(v) > 1e-6), min_size=2, max_size=12
@@ -62,18 +61,6 @@ def test_a_row_of_elastic_weights_takes_the_blow_as_one(collided):
     """All pairs that touch take part at once: no Newton's cradle, whose balls do not touch."""
     found = collided([1.0, 0.0, 0.0, 0.0], 1.0)
     assert found == pytest.approx([-0.5, 0.5, 0.5, 0.5])
-
-
-@given(RATES, st.data())
-def test_pooled_accelerations_ascend_and_keep_the_sum_of_the_drives(core, drives, data):
-    n = len(drives)
-    limits = data.draw(st.lists(st.floats(0.0, 50.0), min_size=n, max_size=n))
-    free, held = pooled(core, drives, None), pooled(core, drives, limits)
-    assert math.fsum(free) == pytest.approx(math.fsum(drives), abs=1e-11 * size_of(drives))
-    for values in (free, held):
-        assert values == sorted(values)
-    # resistance never drives
-    assert max(map(abs, held)) <= max(map(abs, free)) + 1e-12
 
 
 @settings(derandomize=True)  # some drawn motions take minutes

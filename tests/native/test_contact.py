@@ -13,33 +13,9 @@ from scipy.optimize import minimize
 
 from autobalancer.models.papers.capacity import packed_angles
 from autobalancer.models.weights import Weights
-from tests.native.equations import discharge, pooled
+from tests.native.equations import discharge, pooled, run, whirling
 
 pytestmark = pytest.mark.slow
-
-STILL = (0j, 0j, 0j, 0j)
-
-
-def run(track, angles, speeds, signal, speed, seconds, steps, contacts=None):
-    """Angles, rates, contacts, sum of impulses in fixed axes, number of events."""
-    state = list(angles), list(speeds), list(contacts or [0.0] * len(angles))
-    h, events, impulse = seconds / steps, 0, 0j
-    for k in range(steps):
-        moved = track.advance(*state, signal(k * h), speed, 0.0, h)
-        state = moved.angles, moved.speeds, moved.contacts
-        events += moved.events
-        impulse += moved.impulse * cmath.exp(1j * speed * (k + 1) * h)
-    return (*state, impulse, events)
-
-
-def whirling(size: float, rate: float, more: float = 0.0):
-    """A signal: two turning vectors, with exact derivatives."""
-
-    def signal(t: float):
-        first, second = size * cmath.exp(1j * rate * t), more * cmath.exp(-2.3j * t)
-        return tuple((1j * rate) ** k * first + (-2.3j) ** k * second for k in range(4))
-
-    return signal
 
 
 def by_scipy(track, angles, speeds, signal, seconds):
@@ -102,14 +78,6 @@ def test_motion_between_collisions_keeps_order_four(track_of):
     assert errors[1] / errors[2] > 10.0
 
 
-def test_without_a_meeting_contact_changes_nothing(track_of):
-    weights, signal = Weights(3, 0.1, 1.0, 0.02, 1.4), whirling(0.05, 1.0)
-    start = [0.0, 2.0, 4.0], [0.1, 0.05, 0.1]
-    assert run(track_of(weights, 0.1), *start, signal, 3.0, 2.0, 40)[0] == pytest.approx(
-        run(track_of(weights), *start, signal, 3.0, 2.0, 40)[0], abs=1e-13
-    )
-
-
 def test_groups_accelerate_by_the_principle_of_least_constraint(core):
     rng = np.random.default_rng(2)
     for with_grip in (False, True):
@@ -126,12 +94,6 @@ def test_groups_accelerate_by_the_principle_of_least_constraint(core):
                 options={"ftol": 1e-14, "maxiter": 500},
             )  # fmt: skip
             assert found == pytest.approx(best.x[:6] - best.x[6:], abs=2e-5)
-
-
-def test_a_group_feels_the_mean_of_its_weights(core):
-    alpha, n, z = 0.07, 9, cmath.rect(2.0, 0.4)
-    drives = [(z * cmath.rect(1.0, -(2 * k - n + 1) * alpha)).imag for k in range(n)]
-    assert core("group_factor", n, alpha) * z.imag == pytest.approx(sum(drives) / n, rel=1e-13)
 
 
 @pytest.mark.parametrize(("resistance", "rate"), [(0.0, 0.0), (0.03, 0.8)])
@@ -224,26 +186,6 @@ def test_a_full_track_turns_as_one_body_under_drag_alone(track_of):
     assert speeds == pytest.approx([0.5 * math.exp(-2.0)] * n, rel=1e-12)
     turned = 0.5 * (1.0 - math.exp(-2.0))
     assert angles == pytest.approx([x + turned for x in start], rel=1e-12)
-
-
-def test_force_of_a_group_is_that_of_its_weights_moved_by_hand(track_of):
-    """F = -(d/dt)^2 of the moment in fixed axes, by differences of a finely stepped motion."""
-    track = track_of(Weights(3, 0.1, 1.0, 0.3, 1.4), 0.25, 0.0)
-    start, w, h = [2.8, 2.8 + 2 * track.alpha, 2.8 + 4 * track.alpha], 3.0, 2e-3
-    signal = whirling(0.5, 0.9)
-    state, moments, forces = (start, [0.3] * 3, [1.0, 1.0, 0.0]), [], []
-    for k in range(7):
-        turn = cmath.exp(1j * w * k * h)
-        moments.append(sum(0.1 * cmath.exp(1j * x) for x in state[0]) * turn)
-        force = track.reaction(*state, *signal(k * h)[:2], w, 0.0)
-        forces.append((force[0] * turn, (force[1] + 1j * w * force[0]) * turn))
-        moved = track.advance(*state, signal(k * h), w, 0.0, h)
-        state = moved.angles, moved.speeds, moved.contacts
-        assert moved.contacts == [1.0, 1.0, 0.0]
-    second = (-moments[5] + 16 * moments[4] - 30 * moments[3] + 16 * moments[2] - moments[1]) / 12
-    assert forces[3][0] == pytest.approx(-second / h**2, rel=1e-7)
-    slope = (forces[1][0] - 8 * forces[2][0] + 8 * forces[4][0] - forces[5][0]) / (12 * h)
-    assert forces[3][1] == pytest.approx(slope, rel=1e-7)
 
 
 def test_impulse_and_force_together_account_for_the_momentum_of_the_weights(track_of):

@@ -13,7 +13,6 @@ from pathlib import Path
 import fmpy
 import numpy as np
 import pytest
-from fmpy.fmi2 import FMU2Slave
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from scipy.optimize import nnls
@@ -21,9 +20,9 @@ from scipy.optimize import nnls
 from autobalancer.harness import Scene
 from autobalancer.harness.master.one_file import build_one_file
 from tests.native.core import Complex
-from tests.native.packaging import compile_units
+from tests.native.packaging import Host, compile_units
 
-HOST = Path(__file__).parent / "host"
+SOURCE = Path(__file__).parent / "host" / "impact.c"
 KAPPA, TRACK = 1.4, 0.3  # of the weights; radius of their track [m]
 CARRIER = 2.0  # mass of the rotor without weights [kg]
 _D = POINTER(c_double)
@@ -56,7 +55,6 @@ class Impact(ctypes.Structure):
 def collided(core, angles, rates, pairs, mass, restitution, lasting=()):
     """Rates behind the impact of weights on one planar rotor, and its velocity in its axes."""
     n = len(angles)
-    core.library.impact_doubles.restype = ctypes.c_size_t
     core.library.impact_begin.restype = Impact
     memory = np.zeros(core.library.impact_doubles(n))
     mobility = np.array([1.0 / (CARRIER + n * mass)])
@@ -70,7 +68,6 @@ def collided(core, angles, rates, pairs, mass, restitution, lasting=()):
     for i, (a, b) in enumerate(pairs):
         impact.pairs[i] = ImpactPair(a, b, int(i in lasting), 0, restitution, 0.0)
     core.demand("impact_solve", byref(impact))
-    core.library.impact_on_plane.restype = core.structures.Complex
     push = core("impact_on_plane", byref(impact), 0)
     return np.array(impact.rate[:n]), mobility[0] * np.array([push.re, push.im])
 
@@ -179,32 +176,18 @@ def probed(tmp_path_factory):
     folder = tmp_path_factory.mktemp("impact")
     path = build_one_file(Scene.from_document(MACHINE), folder / "one.fmu",
                           platforms=[fmpy.platform_tuple])  # fmt: skip
-    unzipped = fmpy.extract(path, folder / "unzipped")
-    library = compile_units(folder / "probe", HOST / "impact.c", "-O0")
-    described = fmpy.read_model_description(path)
-    slave = FMU2Slave(
-        guid=described.guid,
-        unzipDirectory=unzipped,
-        modelIdentifier=described.coSimulation.modelIdentifier,
-        instanceName="one",
-        libraryPath=str(library),
-    )
-    slave.instantiate()
-    slave.setupExperiment()
-    slave.enterInitializationMode()
-    slave.exitInitializationMode()
-    references = {v.name: v.valueReference for v in described.modelVariables}
-
-    def read(*names):
-        return np.array(slave.getReal([references[name] for name in names]))
-
-    return slave, ctypes.CDLL(str(library)), read
+    library = compile_units(folder / "probe", SOURCE, "-O0")
+    return Host(path, library=library).begin(), ctypes.CDLL(str(library))
 
 
 @pytest.mark.slow
 def test_the_one_file_lets_the_whole_machine_collide(probed):
     """Both pairs at once, each with its restitution, and the rotor with its tilting inertia."""
-    slave, library, read = probed
+    host, library = probed
+
+    def read(*names):
+        return np.array(host.get(*names))
+
     counts = {"left": 3, "right": 2}
     names = [f"{b}.weight[{k}].{{}}" for b, n in counts.items() for k in range(1, n + 1)]
     angles = read(*(name.format("angle") for name in names))
@@ -212,7 +195,7 @@ def test_the_one_file_lets_the_whole_machine_collide(probed):
     velocities = [f"rotor.station[{k}].{v}" for k in (1, 2) for v in ("vx", "vy")]
     before = np.concatenate([read(*velocities), read(*rates)])
     library.collide_now.argtypes = [ctypes.c_void_p]
-    assert library.collide_now(slave.component) == 1
+    assert library.collide_now(host.slave.component) == 1
     after = np.concatenate([read(*velocities), read(*rates)])
 
     rotor = MACHINE["rotor"]

@@ -14,6 +14,7 @@ import struct
 import subprocess
 import sys
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -53,12 +54,8 @@ class Machine:
     needs: dict[str, str]
 
     def missing(self) -> str:
-        absent = [p for file, p in self.needs.items() if not (shutil.which(file) or _there(file))]
-        return ", ".join(absent)
-
-
-def _there(file: str) -> bool:
-    return Path(file).exists()
+        there = {file for file in self.needs if shutil.which(file) or Path(file).exists()}
+        return ", ".join(package for file, package in self.needs.items() if file not in there)
 
 
 _MUSL = f"/lib/ld-musl-{platform.machine()}.so.1"
@@ -89,14 +86,9 @@ pytestmark = [
 def hosts(tmp_path_factory):
     """Compile the host for a platform, once."""
     folder = tmp_path_factory.mktemp("hosts")
-    made: dict[str, Path] = {}
-
-    def host(name: str) -> Path:
-        if name not in made:
-            made[name] = _windows_host(folder) if "windows" in name else _linux_host(folder, name)
-        return made[name]
-
-    return host
+    return cache(
+        lambda name: _windows_host(folder) if "windows" in name else _linux_host(folder, name)
+    )
 
 
 def _zig(folder: Path, *arguments: object) -> None:
@@ -112,6 +104,7 @@ def _objects(folder: Path, target: str, system: str) -> list[Path]:
     for name in ("runner", system):
         made.append(folder / f"{name}-{target}.o")
         options = ("-std=c99", "-O1", "-g0", "-fno-stack-protector", "-Wall", "-Wextra", "-Werror")
+        options += (f"-I{SOURCES}", "-fno-strict-aliasing")
         _zig(folder, "cc", "-target", target, *options, "-c", HOST / f"{name}.c", "-o", made[-1])
     return made
 
@@ -217,5 +210,4 @@ def composite(scene: str, changes: dict[str, float]) -> list[str]:
     reals = made.described("Composite").layout.reals
     outputs = [i for i, v in enumerate(reals) if v.causality == "output"]
     length = 2.0 * math.pi / (7.3 * max(loaded.profile().start, loaded.profile().end))
-    steps = [f"{bits(k * length)} {bits(length)}" for k in range(STEPS)]
-    return [made.token(stamp()), f"{outputs[0]} {len(outputs)}", *steps]
+    return [made.token(stamp()), f"{outputs[0]:x} {len(outputs):x} {STEPS:x} {bits(length)}"]

@@ -61,13 +61,6 @@ def test_one_file_needs_a_scene_that_it_can_couple(tmp_path):
     assert not list(tmp_path.glob("*.fmu"))
 
 
-def test_python_units_on_request(tmp_path):
-    outcome = invoke("--python", "-o", tmp_path)
-    assert outcome.exit_code == 0, outcome.output
-    with zipfile.ZipFile(tmp_path / "LiquidBalancer.fmu") as archive:
-        assert "resources/slavemodule.txt" in archive.namelist()
-
-
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [

@@ -24,10 +24,10 @@ def _ulps(found, exact_function, x, bits=400):
 
 def _angles():
     """Of all sizes, and the numbers next to multiples of a quarter turn."""
-    wide = RANDOM.choice([-1.0, 1.0], 4000) * 10.0 ** RANDOM.uniform(-300.0, 15.6, 4000)
-    usual = RANDOM.uniform(-20.0, 20.0, 4000)
-    large = RANDOM.uniform(-1e9, 1e9, 2000)
-    quarters = np.concatenate([np.arange(-200.0, 201.0), RANDOM.integers(1, 2**49, 600)])
+    wide = RANDOM.choice([-1.0, 1.0], 1500) * 10.0 ** RANDOM.uniform(-300.0, 15.6, 1500)
+    usual = RANDOM.uniform(-20.0, 20.0, 1500)
+    large = RANDOM.uniform(-1e9, 1e9, 800)
+    quarters = np.concatenate([np.arange(-200.0, 201.0), RANDOM.integers(1, 2**49, 300)])
     with mpmath.workprec(200):
         near = np.array([float(mpmath.mpf(float(k)) * mpmath.pi / 4) for k in quarters])
     # of all numbers, the one nearest to a multiple of a quarter turn below 2^52, and of any size
@@ -49,18 +49,11 @@ def test_sine_and_cosine_beyond_stay_on_the_unit_circle_and_infinite_angles_have
     assert np.isnan(core.real("sine", np.array([np.inf, -np.inf, np.nan]))).all()
 
 
-def test_rect_is_size_times_cosine_and_sine(core):
-    for size, angle in RANDOM.uniform(-9.0, 9.0, (300, 2)).tolist():
-        z = core("rect", size, angle)
-        expected = (size * core("cosine", angle), size * core("sine", angle))
-        assert (z.re, z.im) == expected
-
-
 def test_exponential_is_within_an_ulp_down_to_the_smallest_number(core):
     x = np.concatenate(
         [
-            RANDOM.uniform(-745.0, 709.7, 4000),
-            RANDOM.uniform(-2.0, 2.0, 4000),
+            RANDOM.uniform(-745.0, 709.7, 1500),
+            RANDOM.uniform(-2.0, 2.0, 1500),
             RANDOM.choice([-1.0, 1.0], 1000) * 10.0 ** RANDOM.uniform(-320.0, 0.0, 1000),
         ]
     )
@@ -73,7 +66,7 @@ def test_exponential_is_within_an_ulp_down_to_the_smallest_number(core):
 def test_arc_sine_is_within_an_ulp_up_to_its_ends(core):
     x = np.concatenate(
         [
-            RANDOM.uniform(-1.0, 1.0, 4000),
+            RANDOM.uniform(-1.0, 1.0, 1500),
             1.0 - 10.0 ** RANDOM.uniform(-16.0, 0.0, 2000),
             10.0 ** RANDOM.uniform(-300.0, 0.0, 1000),
             [0.5, np.nextafter(0.5, 1.0), 1.0, -1.0, 0.0],
@@ -84,9 +77,9 @@ def test_arc_sine_is_within_an_ulp_up_to_its_ends(core):
 
 
 def test_hypotenuse_is_rounded_almost_correctly_without_overflow(core):
-    size = 10.0 ** RANDOM.uniform(-300.0, 300.0, 4000)
-    x = np.concatenate([size, RANDOM.normal(size=4000)])
-    y = x * 10.0 ** RANDOM.uniform(-18.0, 1.0, 8000)
+    size = 10.0 ** RANDOM.uniform(-300.0, 300.0, 1500)
+    x = np.concatenate([size, RANDOM.normal(size=1500)])
+    y = x * 10.0 ** RANDOM.uniform(-18.0, 1.0, 3000)
     assert _ulps(core.real("hypotenuse", x, y), mpmath.hypot, [x, y]) < 0.51
     assert core("hypotenuse", 3.0, -4.0) == 5.0
     assert core("hypotenuse", 0.0, -4.0) == 4.0
@@ -97,7 +90,7 @@ def test_hypotenuse_is_rounded_almost_correctly_without_overflow(core):
 
 
 def test_modulo_and_remainder_are_those_of_python_to_the_last_bit(core):
-    x = RANDOM.choice([-1.0, 1.0], 3000) * 10.0 ** RANDOM.uniform(-20.0, 200.0, 3000)
+    x = RANDOM.choice([-1.0, 1.0], 1500) * 10.0 ** RANDOM.uniform(-20.0, 200.0, 1500)
     x = np.concatenate([x, np.arange(-40.0, 41.0) * math.pi, np.arange(-40.0, 41.0)])
     for y in (math.tau, 4.0, 1.0, 0.3):
         modulus = np.full_like(x, y)
@@ -133,3 +126,17 @@ def test_systems_of_equations_are_solved_with_any_pivots(core, parts):
             assert core("matrix_solve", parts, n, 3, a.copy(), found) == 0
             assert found == pytest.approx(expected, rel=1e-12)
     assert core("matrix_solve", parts, 2, 1, np.zeros(4 * parts), np.zeros(2 * parts)) == 1
+
+
+def test_response_to_rate_and_drive_is_exact_whatever_the_drag(core):
+    phi = np.empty(6)
+    for z in [0.0, -1e-12, -1e-3, -0.3, -0.999999, -1.0, -1.0000001, -1.5, -30.0, -1e3, -1e9]:
+        core("phi_functions", z, 5, phi)
+        with mpmath.workdps(80):
+            exact = [mpmath.hyp1f1(1, k + 1, mpmath.mpf(z)) / mpmath.factorial(k) for k in range(6)]
+            errors = [
+                abs(mpmath.mpf(a) - b) / (b + 1e-300)
+                for a, b in zip(phi.tolist(), exact, strict=True)
+            ]
+        # the upward recursion loses a factor of at most k!/|z|^k
+        assert max(errors) < 2e-14, (z, [float(e) for e in errors])

@@ -1,4 +1,4 @@
-"""The rotor's steps in C against the exponential of its generator and SciPy, random rotors."""
+"""The rotor's step matrices in C against the exponential of its generator, random rotors."""
 
 from __future__ import annotations
 
@@ -8,83 +8,50 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from numpy.polynomial import Polynomial
-from scipy.integrate import solve_ivp
 
+from autobalancer.harness import Scene
 from autobalancer.models.rotor import LinearRotor
 from autobalancer.models.steps.propagator import step_matrix
-from autobalancer.models.steps.variable_speed import Drive, VariableSpeedStep
-from tests.native.equations import STEADY
+from tests.truth.draw import draw
 
 KINDS = ("planar", "two_support", "flexible")
+STIFFER = 1e4  # at most, than the rotors that are drawn: up to 1e14 N/m
 
 
-def _log(random, low, high, size=None):
-    return 10.0 ** random.uniform(math.log10(low), math.log10(high), size)
+def _log(random, low, high):
+    return 10.0 ** random.uniform(math.log10(low), math.log10(high))
 
 
 class Draw:
-    """A random rotor of a kind, with masses at its planes.
+    """A random rotor of a kind as of `tests.truth`, with masses at its planes.
 
     Attributes:
         python: the description; `native`, the same matrices in C.
     """
 
-    def __init__(self, core, kind, seed, stations=None, planes=None, stiffest=1e14, gravity=0j):
-        self.core, self.random, self.stiffest = core, np.random.default_rng(seed), stiffest
-        self.isotropic, self.zero_damping = bool(seed % 2), seed % 5 == 0
-        self.planes = planes or int(self.random.integers(1, 4))
-        bare = replace(getattr(self, kind)(stations), gravity=gravity)
-        added = self.random.uniform(0.0, 2.0, self.planes) * (self.random.random() < 0.7)
+    def __init__(self, core, kind, seed, stations=None, planes=None):
+        self.random = random = np.random.default_rng(seed)
+        document = draw(kind, 1, seed)
+        table = document["rotor"]
+        if kind == "planar":
+            table["internal_damping"] = 7.0 * (seed % 3 == 0)
+        if stations:
+            table["stations"] = np.linspace(0.0, table["stations"][-1], stations).tolist()
+            table |= {"masses": table["masses"][:1] * stations, "supports": [1, stations]}
+            table["unbalances"][0]["position"] = 0.0
+        rotor = Scene.from_document({**document, "balancer": []}).rotor.build()
+        planes = planes or int(random.integers(1, 4))
+        bare = replace(rotor, planes=rotor.planes[random.integers(0, rotor.plane_count, planes)])
+        stiffer = _log(random, 1.0, STIFFER)
+        both = {f"stiffness_{axis}": stiffer * getattr(bare, f"stiffness_{axis}") for axis in "xy"}
+        bare = replace(bare, **both)
+        if seed % 2:  # isotropic: a complex system of half the size
+            bare = replace(bare, stiffness_y=bare.stiffness_x, damping_y=bare.damping_x)
+        added = random.uniform(0.0, 2.0, planes) * (random.random() < 0.7)
         self.python = bare.with_added_mass(added)
         native, mass = core.rotor_of(bare), np.zeros(bare.stations**2)
         self.native = core("linear_rotor_with_added_mass", byref(native), added, mass)
         self.native.memory = native.memory, mass
-
-    def _supports(self, softest):
-        """Stiffness and damping per support and axis, (2, 2) each."""
-        values = (
-            _log(self.random, softest, self.stiffest, (2, 2)),
-            _log(self.random, 0.1, 1e3, (2, 2)),
-        )
-        if self.isotropic:
-            values = tuple(np.repeat(value[:, :1], 2, axis=1) for value in values)
-        return values[0], values[1] * (not self.zero_damping)
-
-    def planar(self, _stations):
-        r, (k, c) = self.random, self._supports(1.0)
-        unbalance = {"unbalance": _log(r, 1e-6, 1.0), "unbalance_angle": r.uniform(-9.0, 9.0)}
-        inner = float(r.choice([0.0, 7.0]))
-        rotor = LinearRotor.planar(_log(r, 0.1, 1e3), k[0], c[0], inner, **unbalance)
-        return replace(rotor, planes=np.ones((self.planes, 1)))
-
-    def two_support(self, _stations):
-        r, (k, c) = self.random, self._supports(1e3)
-        span, inertia = r.uniform(0.1, 2.0), _log(r, 0.01, 10.0)
-        return LinearRotor.two_support(
-            mass=_log(r, 1.0, 100.0), inertia=inertia, polar_inertia=r.uniform(0.0, 2.0) * inertia,
-            span=span, com=r.uniform(-0.2, 1.2) * span, stiffness=k, damping=c,
-            planes=r.uniform(-0.2, 1.2, self.planes) * span, unbalances=[(0.3 * span, 1e-3, 2.0)],
-        )  # fmt: skip
-
-    def flexible(self, stations):
-        r, (k, c) = self.random, self._supports(1e3)
-        n = stations or int(r.integers(2, 8))
-        z = np.cumsum(r.uniform(0.05, 0.3, n))
-        rotor = LinearRotor.flexible(
-            stations=z, masses=_log(r, 0.1, 50.0, n), support_stiffness=k, support_damping=c,
-            supports=(r.choice(n, 2, replace=False) + 1).tolist(),
-            internal_damping=float(r.choice([0.0, 3.0])) if n > 2 else 0.0,
-            unbalances=[(z[0], 1e-3, 0.5), (z[-1], 1e-4, -3.0)],
-            bending_stiffness=_log(r, 1e2, self.stiffest**0.5),
-        )  # fmt: skip
-        return replace(rotor, planes=rotor.planes[r.integers(0, n, self.planes)])
-
-
-def _largest_difference(found, expected):
-    """Over the largest element of a matrix; 0 when both are 0."""
-    size = np.abs(expected).max(initial=0.0)
-    return np.abs(found - expected).max(initial=0.0) / (size or 1.0)
 
 
 def _scaled_difference(found, expected):
@@ -102,11 +69,11 @@ CASES += [("flexible", {"stations": 20, "planes": planes}, range(2)) for planes 
 def test_step_matrices_are_exponentials_of_the_generator(core, kind, sizes, seeds, turning):
     worst = 0.0
     for seed in seeds:
-        draw = Draw(core, kind, seed, **sizes)
-        speed = float(draw.random.choice([0.0, draw.random.uniform(-900.0, 900.0)]))
-        step = float(draw.random.choice([0.0, _log(draw.random, 1e-8, 1e-2)]))
-        expected = step_matrix(draw.python, speed, step, turning)
-        found = core.step_matrix(draw.native, speed, step, turning)
+        one = Draw(core, kind, seed, **sizes)
+        speed = float(one.random.choice([0.0, one.random.uniform(-900.0, 900.0)]))
+        step = float(one.random.choice([0.0, _log(one.random, 1e-8, 1e-2)]))
+        expected = step_matrix(one.python, speed, step, turning)
+        found = core.step_matrix(one.native, speed, step, turning)
         assert (found.shape, found.dtype) == (expected.shape, expected.dtype)
         worst = max(worst, _scaled_difference(found, expected))
     assert worst < 1e-11, worst
@@ -118,113 +85,3 @@ def test_exponential_keeps_a_soft_axis_beside_one_of_1e14(core):
     frequency = math.sqrt(0.5)
     assert found[1, 1] == pytest.approx(math.cos(frequency * 1e-3), rel=1e-15)
     assert found[1, 3] == pytest.approx(math.sin(frequency * 1e-3) / frequency, rel=1e-14)
-
-
-def test_a_matrix_that_is_not_finite_is_refused(core):
-    rotor = LinearRotor.planar(1.0, 1e300, 1.0)
-    words = core.refusal(core.step_matrix, core.rotor_of(rotor), 1.0, 1e300, True)
-    assert words == "the rotor's matrices are not finite"
-
-
-def _pairs(values, axes):
-    """Vectors x + i y, or blocks (x..., y...), as C has them: pairs."""
-    return values.view(float).copy() if axes == 1 else values.reshape(2, -1).T.ravel().copy()
-
-
-def _unpaired(pairs, axes):
-    """The reverse."""
-    return pairs.view(complex) if axes == 1 else pairs.reshape(-1, 2).T.ravel()
-
-
-def _at_any_speed(core, draw):
-    """The C step of a rotor at varying speed: state after a step, and motion of the planes.
-
-    `rates`: derivatives of the angular acceleration of order 1 to 3.
-    """
-    made, axes = core.taylor_step(draw.native), 1 if draw.python.isotropic else 2
-
-    def driven(drive, rates):
-        w1 = drive.angular_acceleration
-        return core.drive(drive.forces, True, drive.angle, drive.speed, w1, *rates)
-
-    def advance(state, drive, step, rates=STEADY):
-        blocks = [_pairs(half, axes) for half in np.split(state, 2)]
-        pairs, reached = np.concatenate(blocks), np.empty(1)
-        moved_by = byref(driven(drive, rates))
-        core.demand("taylor_advance", byref(made), pairs, None, moved_by, step, 0, reached)
-        return np.concatenate([_unpaired(half, axes) for half in np.split(pairs, 2)])
-
-    def plane_motion(state, drive, t, rates=STEADY):
-        pairs = np.concatenate([_pairs(half, axes) for half in np.split(state, 2)])
-        seen = np.empty(4 * draw.planes)
-        moved_by = byref(driven(drive, rates))
-        core.demand("taylor_plane_motion", byref(made), pairs, None, moved_by, t, seen)
-        return [_unpaired(half, axes) for half in np.split(seen, 2)]
-
-    return advance, plane_motion
-
-
-@pytest.mark.parametrize("kind", KINDS)
-def test_steps_at_changing_speed_are_those_of_python_in_many_parts(core, kind):
-    """Radau's method of order 5 in parts so short that it errs by rounding."""
-    for seed in range(4):
-        draw, h = Draw(core, kind, seed, stiffest=1e5), 2e-3
-        rotor, random, (advance, plane_motion) = draw.python, draw.random, _at_any_speed(core, draw)
-        size = 2 * (1 if rotor.isotropic else 2) * rotor.stations
-        state = random.normal(size=size) + (1j * random.normal(size=size) if rotor.isotropic else 0)
-        forces = (random.normal(size=(2, 4, draw.planes)).T @ [1.0, 1.0j]).T.copy()
-        turn = random.uniform(-9, 9), random.uniform(0, 900), random.uniform(-500, 500)
-        drive, method = Drive(forces, *turn), VariableSpeedStep(rotor)
-        expected = method.parts(state, drive, h, 400)
-        reached = advance(state, drive, h)
-        assert _largest_difference(reached, expected) < 1e-12
-        for seen, known in zip(
-            plane_motion(reached, drive, h), method.plane_motion(reached, drive, h), strict=True
-        ):
-            assert _largest_difference(seen, known) < 1e-12
-
-
-@pytest.mark.parametrize("kind", KINDS)
-def test_steps_at_changing_acceleration_are_those_of_scipy(core, kind):
-    """State, acceleration and jerk under a cubic w', against the equation as it is written."""
-    for seed in range(4):
-        draw, h = Draw(core, kind, seed, stiffest=1e5, gravity=2.0 - 9.0j), 2e-3
-        rotor, random, (advance, plane_motion) = draw.python, draw.random, _at_any_speed(core, draw)
-        axes = 1 if rotor.isotropic else 2
-        state = random.normal(size=2 * axes * rotor.stations)
-        state = state + 1j * random.normal(size=state.shape) if axes == 1 else state
-        forces = random.normal(size=(2, 4, draw.planes)).T @ [1.0, 1.0j]
-        turn = random.uniform(-9, 9), random.uniform(0, 900), random.uniform(-500, 500)
-        drive = Drive(np.ascontiguousarray(forces.T), *turn)
-        rates = (*(random.normal(size=3) * [1e4, 1e6, 1e8]),)
-        spin = [drive.speed, drive.angular_acceleration, *rates]
-        speed = Polynomial(np.array(spin) / [1, 1, 2, 6, 24])
-        cubics = [Polynomial(f / [1, 1, 2, 6]) for f in drive.forces.T]
-        inverse = np.linalg.inv(rotor.coefficients(0.0)[0])
-
-        def acceleration(t, y, rotor=rotor, drive=drive, speed=speed, cubics=cubics, m=inverse):
-            w, w1 = speed(t), speed.deriv()(t)
-            turn = np.exp(1j * (drive.angle + speed.integ()(t)))
-            push = rotor.planes.T @ [f(t) for f in cubics] + rotor.unbalance * (w * w - 1j * w1)
-            push = push * turn
-            if not rotor.isotropic:
-                push = np.concatenate([push.real, push.imag])
-            _, damping, stiffness = rotor.coefficients(w)
-            q, v = np.split(y, 2)
-            # gravity acts on every mass alike
-            return m @ (push - damping @ v - stiffness @ q) + rotor.falling
-
-        def rhs(t, y, acceleration=acceleration):
-            return np.concatenate([np.split(y, 2)[1], acceleration(t, y)])
-
-        d = 1e-7
-        times = [h - d, h, h + d]
-        found = solve_ivp(rhs, (0, times[-1]), state, "DOP853", times, rtol=1e-12, atol=1e-14)
-        before, here, after = found.y.T
-        reached = advance(state, drive, h, rates)
-        assert _largest_difference(reached, here) < 1e-9
-        lateral = np.kron(np.eye(axes), rotor.planes)
-        jerk = (acceleration(h + d, after) - acceleration(h - d, before)) / (2.0 * d)
-        seen = plane_motion(reached, drive, h, rates)
-        assert _largest_difference(seen[0], lateral @ acceleration(h, reached)) < 1e-10
-        assert _largest_difference(seen[1], lateral @ jerk) < 1e-4

@@ -7,7 +7,6 @@ import math
 
 import pytest
 from fmpy.fmi1 import FMICallException
-from fmpy.fmi3 import FMU3Slave
 
 pytestmark = pytest.mark.slow
 
@@ -154,24 +153,12 @@ def test_a_step_of_the_rotor_ends_at_an_event_of_a_slider(fmus, packaging, value
 
 
 @pytest.mark.parametrize("allowed", [True, False])
-def test_fmi_3_returns_early_where_the_host_allows_it(fmus, allowed):
-    layout = fmus.layout("BallBalancer")
-    slave = FMU3Slave(
-        guid=fmus.token("BallBalancer"),
-        unzipDirectory=str(fmus.unpacked),
-        modelIdentifier="autobalancer",
-        instanceName="unit",
-    )
-    slave.instantiate(earlyReturnAllowed=allowed)
-    slave.enterInitializationMode()
-    for name, value in START.items():
-        slave.setFloat64([layout.index[name]], [value])
-    reference = len(layout.reals) + layout.boolean_index["stop_at_contact"]
-    slave.setBoolean([reference], [True])
-    slave.exitInitializationMode()
-    event, end, early, time = slave.doStep(0.0, STEP)
+def test_fmi_3_returns_early_where_the_host_allows_it(fmus, packaging, allowed):
+    host = packaging.Host(fmus.native("BallBalancer", fmi=3), earlyReturnAllowed=allowed)
+    host.begin(START | {"stop_at_contact": True})
+    event, end, early, time = host.slave.doStep(0.0, STEP)
     assert (event, end, early) == (False, False, allowed)
     assert (0.0 < time < STEP) == allowed
-    first, second = slave.getFloat64([layout.index[name] for name in ANGLES])
+    first, second = host.get(*ANGLES)
     assert (second - first == pytest.approx(TOUCHING, abs=1e-9)) == allowed
-    slave.fmi3FreeInstance(slave.component)
+    host.free()

@@ -59,8 +59,8 @@ def somewhere(fmus, packaging, case, seed: int, spin_up: float, more: dict | Non
 
 def derivative(host, known: str, seed: float = 1.0) -> np.ndarray:
     outputs = [v.valueReference for v in host.variables.values() if v.causality == "output"]
-    reference = [host.variables[known].valueReference]
-    return np.array(host.slave.getDirectionalDerivative(outputs, reference, [seed]))
+    found = host.slave.getDirectionalDerivative(outputs, host.references(known), [seed])
+    return np.array(found)
 
 
 def beside(host, known: str, nodes: np.ndarray) -> np.ndarray:
@@ -173,19 +173,29 @@ def test_a_derivative_does_not_touch_what_a_step_left(fmus, packaging, case):
     host.free()
 
 
-@pytest.mark.parametrize(
-    ("knowns", "unknowns", "reason"),
-    [
-        (["mass"], ["plane[1].a_xi"], "knowns must be inputs"),
-        (["speed"], ["speed"], "unknowns must be"),
-    ],
-)
-def test_derivatives_of_others_are_refused(fmus, packaging, knowns, unknowns, reason):
-    host, _ = somewhere(fmus, packaging, ("RotorOnSupports", {}), 1, 0.0)
-    references = [[host.variables[n].valueReference for n in names] for names in (unknowns, knowns)]
-    text = host.refused(lambda: host.slave.getDirectionalDerivative(*references, [1.0]))
-    assert reason in text
-    host.free()
+@pytest.mark.parametrize("case", CASES, ids=str)
+def test_input_derivatives_are_the_units_own_slopes(fmus, packaging, case):
+    """FMI's call and the variables der(...) are two ways to the same bits."""
+    seen = []
+    for fmi_own_way in (False, True):
+        host, inputs = somewhere(fmus, packaging, case, 4, 0.0)
+        slopes = [name for name in inputs if name.startswith("der(")]
+        values = {name: 0.25 * k for k, name in enumerate(slopes)}
+        if "speed" in inputs:
+            values["acceleration"] = 12.0
+        if fmi_own_way:
+            references, orders = [], []
+            for name in values:
+                inner = "speed" if name == "acceleration" else name[4:-1].split(",")[0]
+                references.append(host.variables[inner].valueReference)
+                orders.append(int(name[4:-1].split(",")[1]) if "," in name else 1)
+            host.slave.setRealInputDerivatives(references, orders, list(values.values()))
+        else:
+            host.set(values)
+        host.step(1e-3)
+        seen.append(host.outputs())
+        host.free()
+    assert seen[1] == seen[0]
 
 
 @pytest.mark.parametrize("case", CASES, ids=str)
@@ -201,8 +211,8 @@ def test_output_derivatives_are_the_exact_slopes(fmus, packaging, case):
     known = {n: s for n, s in slopes.items() if s in host.variables}
     assert known
     for name, slope in known.items():
-        reference = [host.variables[name].valueReference]
-        assert host.slave.getRealOutputDerivatives(reference, [1]) == host.get(slope), name
+        found = host.slave.getRealOutputDerivatives(host.references(name), [1])
+        assert found == host.get(slope), name
     host.free()
 
 
@@ -220,14 +230,9 @@ def test_output_derivatives_are_those_that_a_short_step_shows(fmus, packaging, c
     """What is not known, as the spread's, is 0."""
     more = {"gravity_x": 1.5, "gravity_y": -9.81} if case[0] == "RotorOnSupports" else {}
     host, _ = somewhere(fmus, packaging, case, 6, 0.0, more)
-    references = [host.variables[name].valueReference for name in rates]
-    found = np.array(host.slave.getRealOutputDerivatives(references, [1] * len(rates)))
-    others = [
-        n
-        for n in ("spread", "added_mass", "der(F_xi)", "der(plane[1].a_xi)")
-        if n in host.variables
-    ]
-    none = [host.variables[name].valueReference for name in others]
+    found = np.array(host.slave.getRealOutputDerivatives(host.references(*rates), [1] * len(rates)))
+    others = ("spread", "added_mass", "der(F_xi)", "der(plane[1].a_xi)")
+    none = host.references(*(name for name in others if name in host.variables))
     assert host.slave.getRealOutputDerivatives(none, [1] * len(none)) == [0.0] * len(none)
     before = np.array(host.get(*rates))
     host.step(1e-6)
@@ -236,16 +241,27 @@ def test_output_derivatives_are_those_that_a_short_step_shows(fmus, packaging, c
     host.free()
 
 
-@pytest.mark.parametrize(
-    ("name", "order", "reason"),
-    [
-        ("F_xi", 2, "the order of an output's derivative must be 1"),
-        ("mass", 1, "value reference 0: is no output"),
-    ],
-)
-def test_derivatives_there_are_not_are_refused(fmus, packaging, name, order, reason):
+REFUSED = [  # the call, references by name and what else it takes
+    ("getDirectionalDerivative", ["F_xi"], ["mass"], [1.0], "knowns must be inputs"),
+    ("getDirectionalDerivative", ["speed"], ["speed"], [1.0], "unknowns must be"),
+    ("setRealInputDerivatives", ["a_xi"], [4], [0.0], "derivative must be 1 to 3"),
+    ("setRealInputDerivatives", ["a_xi"], [0], [0.0], "derivative must be 1 to 3"),
+    ("setRealInputDerivatives", ["a_xi"], [1], [math.nan], "derivative must be a finite number"),
+    ("setRealInputDerivatives", ["der(a_xi)"], [1], [0.0], "is a derivative itself"),
+    ("setRealInputDerivatives", ["mass"], [1], [0.0], "value reference 0: is no input"),
+    ("setRealInputDerivatives", ["F_xi"], [1], [0.0], "is no input"),
+    ("getRealOutputDerivatives", ["F_xi"], [2], "the order of an output's derivative must be 1"),
+    ("getRealOutputDerivatives", ["mass"], [1], "value reference 0: is no output"),
+    ("getRealOutputDerivatives", ["a_xi"], [1], "is no output"),
+]
+
+
+@pytest.mark.parametrize("case", REFUSED, ids=lambda case: f"{case[0]} {case[-1]}")
+def test_wrong_derivatives_are_refused_and_change_nothing(fmus, packaging, case):
+    function, *arguments, reason = case
     host, _ = somewhere(fmus, packaging, CASES[1], 1, 0.0)
-    reference = [host.variables[name].valueReference]
-    text = host.refused(lambda: host.slave.getRealOutputDerivatives(reference, [order]))
-    assert text.endswith(reason)
+    before = host.outputs()
+    taken = [[host.references(x)[0] if isinstance(x, str) else x for x in one] for one in arguments]
+    assert reason in host.refused(lambda: getattr(host.slave, function)(*taken))
+    assert host.outputs() == before
     host.free()

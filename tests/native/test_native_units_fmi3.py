@@ -5,74 +5,20 @@ from __future__ import annotations
 import ctypes
 
 import pytest
-from fmpy.fmi1 import FMICallException
-from fmpy.fmi3 import FMU3Slave
 
 pytestmark = pytest.mark.slow
 
 BALLS, ROTOR = "BallBalancer", "RotorOnSupports"
 
 
-class Host3:
-    """An instance of the library under FMI 3.0, value references by name."""
-
-    def __init__(self, fmus, unit: str, token: str | None = None, **options: object) -> None:
-        layout = fmus.layout(unit, **options)
-        self.reference = dict(layout.index)
-        count = len(layout.reals)
-        self.reference |= {v.name: count + i for i, v in enumerate(layout.booleans)}
-        self.reference["time"] = count + len(layout.booleans)
-        self.outputs = [v.name for v in layout.reals if v.causality == "output"]
-        self.messages: list[str] = []
-        self.slave = FMU3Slave(
-            guid=token or fmus.token(unit, **options),
-            unzipDirectory=str(fmus.unpacked),
-            modelIdentifier="autobalancer",
-            instanceName="unit",
-        )
-
-    def instantiate(self, **options: object) -> Host3:
-        def log(_environment, _status, _category, message):
-            self.messages.append(message.decode())
-
-        self.slave.instantiate(logMessage=log, **options)
-        return self
-
-    def begin(self, values: dict[str, float | bool]) -> Host3:
-        self.slave.enterInitializationMode()
-        self.set(values)
-        self.slave.exitInitializationMode()
-        return self
-
-    def set(self, values: dict[str, float | bool]) -> None:
-        for name, value in values.items():
-            setter = self.slave.setBoolean if isinstance(value, bool) else self.slave.setFloat64
-            setter([self.reference[name]], [value])
-
-    def get(self, *names: str) -> list[float]:
-        return self.slave.getFloat64([self.reference[name] for name in names])
-
-    def refused(self, call) -> str:
-        before = len(self.messages)
-        with pytest.raises(FMICallException):
-            call()
-        return self.messages[before]
-
-    def free(self) -> None:
-        self.slave.fmi3FreeInstance(self.slave.component)  # the library stays loaded
-
-
 @pytest.fixture
-def host(fmus):
-    made: list[Host3] = []
+def host(fmus, packaging):
+    """A unit of FMI 3.0 that has begun."""
 
-    def make(unit: str, values: dict | None = None, **options: object) -> Host3:
-        made.append(Host3(fmus, unit, **options).instantiate().begin(values or {}))
-        return made[-1]
+    def make(unit: str, values: dict | None = None):
+        return packaging.Host(fmus.native(unit, fmi=3)).begin(values)
 
-    yield make
-    for one in made:
-        one.free()
+    return make
 
 
 def test_time_is_read_together_with_others(host):
@@ -85,7 +31,7 @@ def test_time_is_read_together_with_others(host):
 
 def test_references_are_unique_over_all_types(host):
     balls = host(BALLS, {"inertia_as_force": True})
-    reference = balls.reference["inertia_as_force"]
+    (reference,) = balls.references("inertia_as_force")
     assert balls.slave.getBoolean([reference]) == [True]
     wrong = f"value references [0]: unknown, there are {reference} to {reference + 1}"
     assert wrong in balls.refused(lambda: balls.slave.getBoolean([0]))
@@ -93,8 +39,8 @@ def test_references_are_unique_over_all_types(host):
     assert f"value references [{reference}]: unknown" in text
     text = balls.refused(lambda: balls.slave.setBoolean([reference], [False]))
     assert "inertia_as_force: fixed once initialisation has ended" in text
-    time = balls.reference["time"]
-    assert "unknown" in balls.refused(lambda: balls.slave.setFloat64([time], [1.0]))
+    time = balls.references("time")
+    assert "unknown" in balls.refused(lambda: balls.slave.setFloat64(time, [1.0]))
 
 
 def test_state_and_derivatives(host):
@@ -104,13 +50,13 @@ def test_state_and_derivatives(host):
     state = balls.slave.getFMUState()
     data = balls.slave.serializeFMUState(state)
     balls.slave.doStep(1e-3, 1e-3)
-    expected = balls.get(*balls.outputs)
+    expected = balls.outputs()
     balls.slave.setFMUState(balls.slave.deserializeFMUState(data))
     balls.slave.doStep(1e-3, 1e-3)
-    assert balls.get(*balls.outputs) == expected
-    slope = balls.slave.getOutputDerivatives([balls.reference["F_xi"]], [1])
+    assert balls.outputs() == expected
+    slope = balls.slave.getOutputDerivatives(balls.references("F_xi"), [1])
     assert slope == balls.get("der(F_xi)")
-    known, unknown = [balls.reference["a_xi"]], [balls.reference["F_xi"]]
+    known, unknown = balls.references("a_xi"), balls.references("F_xi")
     (found,) = balls.slave.getDirectionalDerivative(unknown, known, [2.0])
     before = balls.get("a_xi", "F_xi")
     balls.set({"a_xi": before[0] + 2.0})
@@ -121,7 +67,7 @@ def test_state_and_derivatives(host):
     assert not state.value
 
 
-def test_other_interfaces_and_types_are_refused(fmus, host):
+def test_other_interfaces_and_types_are_refused(fmus, packaging, host):
     rotor = host(ROTOR)
     dll = rotor.slave.dll
     component = rotor.slave.component
@@ -130,7 +76,7 @@ def test_other_interfaces_and_types_are_refused(fmus, host):
         function = getattr(dll, name)
         function.argtypes = [ctypes.c_void_p]
         assert function(component) == 3
-        assert f"{name}: the unit does not have this" in rotor.messages[before]
+        assert f"{name}: the unit does not have this" in rotor.messages[before][1]
     for kind in ("Float32", "Int32", "UInt64", "String", "Clock"):
         function = getattr(dll, f"fmi3Get{kind}")
         function.argtypes = [ctypes.c_void_p, ctypes.c_void_p, ctypes.c_size_t, ctypes.c_void_p,
@@ -139,11 +85,9 @@ def test_other_interfaces_and_types_are_refused(fmus, host):
         values = (ctypes.c_double * 1)()
         before = len(rotor.messages)
         assert function(component, array, 1, values, 1) == 3
-        assert "the unit has Reals and Booleans only" in rotor.messages[before]
-    one = Host3(fmus, ROTOR)
-    with pytest.raises(Exception, match="nstantiat"):
-        one.instantiate(eventModeUsed=True)
-    assert "neither event mode nor intermediate variables" in one.messages[0]
+        assert "the unit has Reals and Booleans only" in rotor.messages[before][1]
+    said = packaging.refusal(fmus.native(ROTOR, fmi=3), eventModeUsed=True)
+    assert "neither event mode nor intermediate variables" in said
 
 
 def test_a_failed_step_says_how_far_the_unit_is(host):

@@ -194,6 +194,18 @@ def test_weights_that_cannot_be_moved_stay_where_they_are(fmus, packaging, input
     assert said[1] == said[0]
 
 
+def test_weights_whose_sliding_cannot_be_computed_are_refused(fmus, packaging):
+    host = packaging.Host(fmus.native(BALLS)).begin(
+        {"weight_radius": 0.005, "rolling_resistance": 1e-3, "weight[2].speed0": 1.0}
+    )
+    host.set({"a_xi": 1.0, "der(a_xi,3)": 1e30})
+    before = host.get("weight[1].angle", "weight[2].speed")
+    said = host.refused(lambda: host.step(5e-3))
+    assert "the sliding weights' step of 0.005 s did not converge" in said
+    assert host.get("weight[1].angle", "weight[2].speed") == before
+    host.free()
+
+
 def test_one_weight_may_have_a_size(fmus, packaging):
     """It meets nobody."""
     packaging.Host(fmus.native(BALLS, weights=1)).begin({"weight_radius": 0.005}).free()

@@ -13,26 +13,9 @@ from numpy.polynomial import Polynomial
 from scipy.integrate import solve_ivp
 
 from autobalancer.models.weights import Weights
-from tests.native.equations import STEADY
+from tests.native.equations import STEADY, run, whirling
 
 CHANGING = (3.0, -8.0, 5.0)  # derivatives of w' of order 1 to 3
-
-
-def run(track, angles, speeds, signal, speed, seconds, steps, contacts=None, spin_up=0.0):
-    state = list(angles), list(speeds), list(contacts or [0.0] * len(angles))
-    h, events = seconds / steps, 0
-    for k in range(steps):
-        moved = track.advance(*state, signal(k * h), speed + spin_up * k * h, spin_up, h)
-        state = moved.angles, moved.speeds, moved.contacts
-        events += moved.events
-    return (*state, events)
-
-
-def whirling(size: float, rate: float):
-    def signal(t: float):
-        return tuple((1j * rate) ** k * size * cmath.exp(1j * rate * t) for k in range(4))
-
-    return signal
 
 
 def still(t):
@@ -97,7 +80,7 @@ def test_constant_resistance_stops_a_weight_where_the_closed_form_says(track_of)
     after = run(track, [0.2], [v0], still, w, 3.0 * stop, 40)
     assert after[1] == [0.0]
     assert after[0][0] == pytest.approx(0.2 + way, rel=1e-9)
-    assert after[3] == 1
+    assert after[4] == 1
 
 
 @pytest.mark.parametrize("drag", [0.0, 0.05])
@@ -107,7 +90,7 @@ def test_stick_and_slip_fall_where_an_independent_event_integration_finds_them(t
     x, v, changes = by_scipy(track, 0.4, 0.3, signal, 3.0, 9.0)
     found = run(track, [0.4], [0.3], signal, 3.0, 9.0, 900)
     assert changes >= 3
-    assert found[3] == changes
+    assert found[4] == changes
     assert found[0][0] == pytest.approx(x, abs=3e-7)
     assert found[1][0] == pytest.approx(v, abs=3e-7)
 
@@ -119,7 +102,7 @@ def test_a_weight_in_the_dead_zone_does_not_creep_at_all(track_of):
     # edge of the dead zone about x = 0: 0.4 sin(x) + mu 0.4 cos(x) = mu w^2
     edge = math.asin(mu * w**2 / (0.4 * math.hypot(1.0, mu))) - math.atan(mu)
     start = [0.5 * edge, -0.99 * edge, edge - 1e-5]
-    angles, speeds, _, events = run(track, start, [0.0] * 3, lambda t: pull, w, 1000.0, 500)
+    angles, speeds, *_, events = run(track, start, [0.0] * 3, lambda t: pull, w, 1000.0, 500)
     assert angles == start  # to the last digit
     assert (speeds, events) == ([0.0] * 3, 0)
     outside = run(track, [edge + 1e-5, 1.0, 2.0], [0.0] * 3, lambda t: pull, w, 1.0, 10)
@@ -222,16 +205,20 @@ def test_slope_of_the_sliding_drive_is_its_derivative(core):
         assert slope == pytest.approx((ends[1] - ends[0]) / (2 * h), rel=1e-6)
 
 
-@pytest.mark.parametrize(("offset", "resistance", "rates"), [
-    (0.03 - 0.02j, 0.08, STEADY), (0.03 - 0.02j, 0.0, CHANGING), (0j, 0.0, CHANGING),
+@pytest.mark.parametrize(("offset", "resistance", "rates", "packed"), [
+    (0.03 - 0.02j, 0.08, STEADY, False), (0.03 - 0.02j, 0.0, CHANGING, False),
+    (0j, 0.0, CHANGING, False), (0.03 - 0.02j, 0.0, STEADY, True),
 ])  # fmt: skip
-def test_force_of_weights_is_that_of_their_moment(track_of, offset, resistance, rates):
-    """Sliding, resting, off centre, at changing acceleration: F = -(d/dt)^2 of the moment."""
-    weights = Weights(2, 0.1, 1.0, 0.02, 1.4)
-    track = track_of(weights, rolling_resistance=resistance, offset=offset)
+def test_force_of_weights_is_that_of_their_moment(track_of, offset, resistance, rates, packed):
+    """Sliding, resting, touching, off centre, as w' changes: F = -(d/dt)^2 of the moment."""
+    weights, radius = Weights(3 if packed else 2, 0.1, 1.0, 0.02, 1.4), 0.25 if packed else 0.0
+    track = track_of(weights, radius, rolling_resistance=resistance, offset=offset)
     w, spin, h, signal = 3.0, 0.2, 2e-3, whirling(0.3, 0.9)
     turning = Polynomial([w, spin, *np.array(rates) / [2, 6, 24]])  # the speed, by time
     state, moments, forces = ([0.1, 2.0], [0.0, 0.5], [0.0, 0.0]), [], []
+    if packed:
+        state = [2.8 + 2.0 * k * track.alpha for k in range(3)], [0.3] * 3, [1.0, 1.0, 0.0]
+    touching = list(state[2])
     for k in range(7):
         t = k * h
         speed, spin_up, change = (float(turning.deriv(j)(t)) for j in range(3))
@@ -241,6 +228,7 @@ def test_force_of_weights_is_that_of_their_moment(track_of, offset, resistance, 
         forces.append((force * turn, (slope + 1j * speed * force) * turn))
         now = [float(turning.deriv(j)(t)) for j in (2, 3, 4)]
         state = track.advance(*state, signal(t), speed, spin_up, h, now)[:3]
+    assert state[2] == touching
     if resistance:
         assert state[1][0] == 0.0
         assert state[1][1] > 0.1

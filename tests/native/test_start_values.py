@@ -80,15 +80,8 @@ def test_files_built_for_a_scene_run_it_and_others_of_their_sizes(tmp_path):
     assert all((found[name] == expected[name]).all() for name in expected.signals)
 
 
-@pytest.mark.parametrize(
-    ("wrong", "said"),
-    [
-        ("start=9999:3ff0000000000000", "not those of variables that it has"),
-        ("flags=9", "not those of variables that it has"),
-        ("begin=0", "not those of variables that it has"),
-    ],
-)
-def test_start_values_of_no_variable_are_refused(packaging, tmp_path, wrong, said):
+@pytest.mark.parametrize("wrong", ["start=9999:3ff0000000000000", "flags=9", "begin=0"])
+def test_start_values_of_no_variable_are_refused(packaging, tmp_path, wrong):
     unit, form = units_of("two_balls", platforms=[platform_tuple])[1]
     files = dict(contents(unit.model, **form))
     text = files["resources/composition.txt"].decode()
@@ -97,7 +90,4 @@ def test_start_values_of_no_variable_are_refused(packaging, tmp_path, wrong, sai
     identities = identity_of(text).encode(), identity_of(changed).encode()
     files["modelDescription.xml"] = files["modelDescription.xml"].replace(*identities)
     path = written(files, tmp_path / "wrong.fmu", "wrong")
-    found: list[str] = []
-    with pytest.raises(Exception, match="instantiate"):
-        fmpy.simulate_fmu(str(path), logger=lambda *words: found.append(str(words)))
-    assert any(said in words for words in found)
+    assert "not those of variables that it has" in packaging.refusal(path)

@@ -7,12 +7,11 @@ import os
 import shutil
 import subprocess
 import sys
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cache
 from importlib.util import find_spec
 from pathlib import Path
-from typing import Literal
 
 import numpy as np
 from fmpy import platform_tuple
@@ -33,13 +32,6 @@ COFMUPY = "COFMUPY_PYTHON"  # it needs older versions of FMPy and pythonfmu than
 _TIMEOUT = 600  # s
 
 
-_FOUND_BY: dict[str, Callable[[str], object]] = {
-    "module": find_spec,
-    "program": shutil.which,
-    "variable": os.environ.get,
-}
-
-
 @dataclass(frozen=True)
 class Tool:
     """A tool: what it is found by, and what it runs by which driver.
@@ -52,17 +44,16 @@ class Tool:
     name: str
     needs: str
     runs: dict[str, str]
-    by: Literal["module", "program", "variable"] = "module"
 
     @property
     def present(self) -> bool:
         """Whether this machine has it."""
-        return bool(_FOUND_BY[self.by](self.needs))
+        return any(find(self.needs) for find in (find_spec, shutil.which, os.environ.get))
 
     @property
     def python(self) -> str:
         """The interpreter that drives it."""
-        return os.environ[self.needs] if self.by == "variable" else sys.executable
+        return os.environ.get(self.needs, sys.executable)
 
 
 def _separate(driver: str) -> dict[str, str]:
@@ -70,17 +61,17 @@ def _separate(driver: str) -> dict[str, str]:
 
 
 def _packages(driver: str) -> dict[str, str]:
-    return {**_separate(driver), ONE_SSP: driver}
+    return dict.fromkeys((VALUES, SLOPES, ONE_SSP), driver)
 
 
 TOOLS = (
     Tool("FMPy", "fmpy", {**_packages("fmpy_ssp"), ONE_FMU: "fmpy_fmu"}),
     Tool("libcosim", "libcosimpy", _packages("libcosim")),
     Tool("ecos", "ecospy", _packages("ecos")),
-    Tool("CoFMuPy, jacobi", COFMUPY, _separate("cofmupy_jacobi"), by="variable"),
-    Tool("CoFMuPy, gauss_seidel", COFMUPY, _separate("cofmupy_gauss_seidel"), by="variable"),
-    Tool("OMSimulator", "OMSimulator", _packages("omsimulator"), by="program"),
-    Tool("fmusim", "fmusim", {ONE_FMU: "fmusim"}, by="program"),
+    Tool("CoFMuPy, jacobi", COFMUPY, _separate("cofmupy_jacobi")),
+    Tool("CoFMuPy, gauss_seidel", COFMUPY, _separate("cofmupy_gauss_seidel")),
+    Tool("OMSimulator", "OMSimulator", _packages("omsimulator")),
+    Tool("fmusim", "fmusim", {ONE_FMU: "fmusim"}),
 )
 
 
@@ -102,9 +93,9 @@ class Row:
 class Bench:
     """Files of the scene in a folder, and its right motion."""
 
-    def __init__(self, folder: Path, changes: Mapping[str, object] | None = None) -> None:
+    def __init__(self, folder: Path) -> None:
         self._folder = folder
-        self._scene = load_scene(SCENE).replace(changes or {})
+        self._scene = load_scene(SCENE)
         self._right = cache(self._motion)
         self._file = cache(self._built)
 

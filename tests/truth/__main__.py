@@ -1,19 +1,20 @@
 """Command: draw random scenes, run them as they are, and count how many are right.
 
 python -m tests.truth --family planar=3000 --family heavy=500 [--seed 2] [--separate]
-    [--tolerance 1e-5] [--markdown FILE] [--save DIR]
+    [--tolerance 1e-5] [--markdown FILE]
 """
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
 from autobalancer.harness.output.terminal import progress_bar, say
 from tests.truth.draw import FAMILIES
-from tests.truth.study import Study, line, misses, save, table, verdicts
+from tests.truth.study import line, misses, table, verdicts
 
 EACH = 10  # scenes of every family, where none is named
 
@@ -30,27 +31,22 @@ def command(
     separate: Annotated[
         bool, typer.Option("--separate", help="Judge separate FMUs, not the coupling in C.")
     ] = False,
-    save_to: Annotated[
-        Path | None, typer.Option("--save", metavar="DIR", help="Keep the scenes that went wrong.")
-    ] = None,
     markdown: Annotated[
         Path | None, typer.Option(metavar="FILE", help="Also write the table to a file.")
     ] = None,
-    workers: Annotated[int | None, typer.Option(min=1, help="Processes.")] = None,
+    workers: Annotated[int, typer.Option(min=1, help="Processes.")] = os.cpu_count() or 1,
 ) -> None:
     """Random scenes against an independent integration."""
-    changes = () if tolerance is None else (("coupling.tolerance", tolerance),)
-    study = Study(counts(family), seed, changes, separate)
+    changes = {} if tolerance is None else {"coupling.tolerance": tolerance}
+    options: dict[str, Any] = {"changes": changes, "separate": separate}
     with progress_bar("random scenes") as progress:
-        found = verdicts(study, workers, progress)
+        found = verdicts(counts(family), seed, workers, progress, **options)
     for verdict in misses(found):
         say(line(verdict))
     text = table(found).markdown()
     say(f"\n{text}")
     if markdown is not None:
         markdown.write_text(f"{text}\n", encoding="utf-8")
-    if save_to is not None:
-        say(f"{len(save(study, found, save_to))} scenes written to {save_to}")
 
 
 def counts(families: list[str] | None) -> dict[str, int]:

@@ -1,46 +1,39 @@
-"""Many random scenes: counted by what came of them, the misses saved as scene files."""
+"""Many random scenes, counted by what came of them."""
 
 from __future__ import annotations
 
 import math
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
 from functools import partial
-from pathlib import Path
 from typing import Any
-
-import tomli_w
 
 from autobalancer.harness.output.table import Sheet
 from autobalancer.harness.output.workers import Progress, Workers, in_order
-from tests.truth.draw import draw
 from tests.truth.judge import MISSES, OUTCOMES, SET_ASIDE, Verdict, judge
 
 
-@dataclass(frozen=True)
-class Study:
-    """How many scenes of each family, drawn with which seed, with which keys replaced.
+def verdicts(
+    counts: Mapping[str, int],
+    seed: int = 1,
+    workers: Workers = 1,
+    progress: Progress | None = None,
+    **options: Any,
+) -> list[Verdict]:
+    """Verdicts of all scenes, by family and number.
 
-    With `separate` the scenes run on separate FMUs.
+    Args:
+        counts: how many scenes of each family.
+        seed: they are drawn with.
+        options: of `judge`.
     """
-
-    counts: Mapping[str, int]
-    seed: int = 1
-    changes: tuple[tuple[str, Any], ...] = ()
-    separate: bool = False
+    items = [(family, n) for family, count in counts.items() for n in range(count)]
+    return in_order(partial(_judged, seed, options), items, workers, progress)
 
 
-def verdicts(study: Study, workers: Workers = 1, progress: Progress | None = None) -> list[Verdict]:
-    """Verdicts of all scenes, by family and number."""
-    items = [(family, n) for family, count in study.counts.items() for n in range(count)]
-    return in_order(partial(_judged, study), items, workers, progress)
-
-
-def _judged(study: Study, item: tuple[str, int]) -> Verdict:
+def _judged(seed: int, options: Mapping[str, Any], item: tuple[str, int]) -> Verdict:
     family, number = item
-    changes = dict(study.changes)
-    return judge(family, study.seed, number, changes, study.separate)
+    return judge(family, seed, number, **options)
 
 
 def table(found: Sequence[Verdict]) -> Sheet:
@@ -82,23 +75,3 @@ def line(verdict: Verdict) -> str:
         f"{verdict.family} {verdict.number}: {verdict.outcome}: errs by {verdict.error:.2g} in "
         f"{verdict.where}{stated} ({verdict.steps} steps)"
     )
-
-
-def save(study: Study, found: Iterable[Verdict], folder: Path) -> list[Path]:
-    """Scene files of the misses, with what came of each as a comment at the top.
-
-    Raises:
-        OSError: the folder cannot be written to.
-    """
-    folder.mkdir(parents=True, exist_ok=True)
-    paths = []
-    for verdict in misses(found):
-        document = {**draw(verdict.family, study.seed, verdict.number)}
-        for key, value in study.changes:
-            table_name, _, name = key.partition(".")
-            document[table_name] = {**document.get(table_name, {}), name: value}
-        path = folder / f"{verdict.outcome}-{verdict.family}-{study.seed}-{verdict.number}.toml"
-        comment = "\n".join(f"# {part}" for part in line(verdict).splitlines())
-        path.write_text(f"{comment}\n{tomli_w.dumps(document)}", encoding="utf-8")
-        paths.append(path)
-    return paths

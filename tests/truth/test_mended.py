@@ -45,20 +45,6 @@ HEAVY_LIQUID = (
 RIGHT = {
     "a run-up on stiff supports": scene(*STIFF_RUN_UP),
     "a run-up with a tolerance": scene(*STIFF_RUN_UP, tolerance=1e-6),
-    "a run-up of an undamped rotor with liquid": scene(
-        planar(0.3218, [703100000.0, 123400000.0], [0.0, 0.0], 0.002894),
-        liquid(0.06319, 0.02479, 0.01309),
-        ramp(438.7, 576.8, 0.2013),
-        {"revolutions": 17.12},
-        steps_per_rev=20,
-    ),
-    "weights that heavy drag takes along in a run-up": scene(
-        planar(3.0, 9.0e4, 50.0, 0.001),
-        pendulums(2, 0.1, 0.5, drag=5.0e5, angles=[3.0, 4.0], speeds=[20.0, 20.0]),
-        ramp(0.0, 30.0, 6.0),
-        {"revolutions": 14.0},
-        tolerance=1e-4,
-    ),
     "a rotor that its motor's shaft hardly moves": scene(
         planar(27.91, [12.76, 6.757], [1.506, 0.3362], 0.0003092),
         pendulums(4, 1.402, 0.0215, drag=0.0, angles=[4.363, 3.121, 3.872, 1.648]),
@@ -288,7 +274,6 @@ def test_given_steps_say_how_an_error_gathers_of_a_vibration_that_they_do_not_fo
         pytest.param("motor", 20261201, 227, id="a motor that vibrates faster than its steps"),
         pytest.param("impacts", 20261125, 149, id="impacts amplify what is left in the loop"),
         pytest.param("profile", 20261127, 37, id="weights that slide from the third run on"),
-        pytest.param("friction", 20261127, 11, id="a support that slides from the third run on"),
         pytest.param("profile", 20261128, 115, id="three runs of a higher order than there is"),
     ],
 )

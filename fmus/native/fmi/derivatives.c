@@ -1,4 +1,4 @@
-/* Derivatives as FMI asks for them: of outputs by time, and by inputs. */
+/* Derivatives as FMI asks for them: of inputs and outputs by time, and of outputs by inputs. */
 #include <string.h>
 
 #include "base/elementary.h"
@@ -20,12 +20,66 @@ static int within(size_t reference, Range range)
     return reference - range.first < range.count;
 }
 
+/* -- of inputs by time ----------------------------------------------------------------------- */
+
+/* Number of the signals among inputs or outputs; the first of the inputs. */
+static size_t signal_count(const Unit *unit, size_t *first)
+{
+    *first = 0;
+    return unit->equations->signals ? unit->equations->signals(&unit->layout, first) : 0;
+}
+
+/* Value reference of the input that holds a derivative of another; of one that is taken at the start of
+   a step, and needs none, its own. */
+static size_t derivative_input(const Unit *unit, size_t reference, int order)
+{
+    const char *name = unit->layout.reals[reference].declared->name;
+    size_t first, count = signal_count(unit, &first);
+    if (reference - first < count) {
+        return reference + (size_t)order * count;
+    }
+    if (text_equal(name, "acceleration")) {
+        return reference + (size_t)order;
+    }
+    return text_equal(name, "speed") && order == 1 ? reference + 1 : reference;
+}
+
+Status unit_set_derivatives(Unit *unit, const unsigned *references, size_t count,
+                            const int *orders, const double *values)
+{
+    const char *what = "setting an input's derivative failed";
+    size_t k;
+    for (k = 0; k < count; k++) {
+        if (!within(references[k], unit->layout.inputs)) {
+            return unit_refuse(unit, what, "value reference %u: is no input", (unsigned long)references[k]);
+        }
+        if (text_after(unit->layout.reals[references[k]].declared->name, "der(")) {
+            return unit_refuse(unit, what, "value reference %u: is a derivative itself",
+                               (unsigned long)references[k]);
+        }
+        if (orders[k] < 1 || orders[k] >= SIGNAL_ORDERS) {
+            return unit_refuse(unit, what, "the order of an input's derivative must be 1 to 3");
+        }
+        if (!is_finite(values[k])) {
+            return unit_refuse(unit, what, "an input's derivative must be a finite number");
+        }
+    }
+    for (k = 0; k < count; k++) {
+        const size_t target = derivative_input(unit, references[k], orders[k]);
+        if (target != references[k]) {
+            unit->real[target] = values[k];
+        }
+    }
+    unit->stale = unit->stale < COMPUTED ? COMPUTED : unit->stale;
+    return STATUS_OK;
+}
+
 /* -- of outputs by time ---------------------------------------------------------------------- */
 
 /* The first derivative of an output; 0, as both standards have it, where the unit does not know it. */
 static int derivative_of(Unit *unit, size_t reference, double *value)
 {
-    size_t first, block = unit->equations->signals ? unit->equations->signals(&unit->layout, &first) : 0;
+    size_t first, block = signal_count(unit, &first);
     Range signals = unit->layout.computed, both = signals; /* their slopes stand behind them */
     signals.count = block;
     both.count = 2 * block;

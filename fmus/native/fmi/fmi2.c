@@ -149,7 +149,10 @@ EXPORT fmi2Status fmi2SetRealInputDerivatives(fmi2Component c, const fmi2ValueRe
                                               size_t count, const fmi2Integer order[],
                                               const fmi2Real value[])
 {
-    return front_refuse(c, "fmi2SetRealInputDerivatives", "set the variables der(...) instead");
+    const char *function = "fmi2SetRealInputDerivatives";
+    Status status = front_arrays(c, function, INITIALISING | RUNNING, count, vr, value);
+    status = status ? status : front_arrays(c, function, INITIALISING | RUNNING, count, vr, order);
+    return status ? status : unit_set_derivatives(c, vr, count, order, value);
 }
 
 EXPORT fmi2Status fmi2GetRealOutputDerivatives(fmi2Component c, const fmi2ValueReference vr[],

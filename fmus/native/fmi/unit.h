@@ -154,7 +154,9 @@ Status unit_set_reals(Unit *unit, const unsigned *references, size_t count, cons
 /* One Boolean, 0 or 1. */
 Status unit_get_boolean(Unit *unit, unsigned reference, int *value);
 Status unit_set_boolean(Unit *unit, unsigned reference, int value);
-/* FMI's own way to an output's derivatives. */
+/* FMI's own way to an input's and an output's derivatives. */
+Status unit_set_derivatives(Unit *unit, const unsigned *references, size_t count,
+                            const int *orders, const double *values);
 Status unit_get_derivatives(Unit *unit, const unsigned *references, size_t count,
                             const int *orders, double *values);
 /* Change of `unknowns` (outputs) for a change `seed` of `knowns`: inputs, before the end of initialisation

@@ -1,42 +1,36 @@
-/* A host in plain C that runs one unit and writes its outputs as their bits.
+/* One run of a scene's one file in FMI 2.0, written as bits: a line of hexadecimal numbers a step.
 
-   It leaves out the C run-time library, so that it is made for any platform in a second: the few
+   It is a host without a C library, like the units, and so made for any platform in a second: the few
    functions it needs come from system_*.c beside it.  Lines of its standard input:
 
        LIBRARY
        TOKEN
-       FIRST COUNT    value references of the Reals that are written
-       TIME STEP      a step from a time, both as bits in hexadecimal; as often as wanted */
-#include <stddef.h>
+       FIRST COUNT STEPS LENGTH    value references of the Reals that are written, and the steps;
+                                   in hexadecimal, the length by its bits */
 #include <stdint.h>
 
+#include "fmi/fmi2.h"
 #include "system.h"
 
-enum { REALS = 4096, LINE = 8192 };
+enum { REALS = 4096, INPUT = 16384 };
 
-typedef struct {
-    void (*logger)(void *, const char *, int, const char *, const char *, ...);
-    void *(*allocate)(size_t, size_t);
-    void (*release)(void *);
-    void (*finished)(void *, int);
-    void *environment;
-} Callbacks;
+typedef union {
+    uint64_t bits;
+    double value;
+} Number;
 
-typedef struct {
-    void *(*instantiate)(const char *, int, const char *, const char *, const Callbacks *, int, int);
-    int (*setup)(void *, int, double, double, int, double);
-    int (*enter)(void *);
-    int (*leave)(void *);
-    int (*get_real)(void *, const unsigned *, size_t, double *);
-    int (*step)(void *, double, double, int);
-} Library;
+static struct {
+    fmi2Component (*instantiate)(fmi2String, fmi2Type, fmi2String, fmi2String,
+                                 const fmi2CallbackFunctions *, fmi2Boolean, fmi2Boolean);
+    fmi2Status (*enter)(fmi2Component), (*leave)(fmi2Component);
+    fmi2Status (*get)(fmi2Component, const fmi2ValueReference *, size_t, fmi2Real *);
+    fmi2Status (*step)(fmi2Component, fmi2Real, fmi2Real, fmi2Boolean);
+} library;
 
-static Library library;
-static void *unit;
 static double reals[REALS];
-static unsigned references[REALS];
-static char line[LINE];
-static char *rest;
+static fmi2ValueReference references[REALS];
+static char input[INPUT];
+static char *rest = input;
 
 static void write_text(const char *text)
 {
@@ -46,150 +40,98 @@ static void write_text(const char *text)
     system_write(text, length);
 }
 
-static void fail(const char *why, const char *what)
+static void refuse_failed(int failed, const char *what)
 {
-    write_text("failed: ");
-    write_text(why);
-    write_text(" ");
-    write_text(what);
-    write_text("\n");
-    system_exit(1);
+    if (failed) {
+        write_text("failed: ");
+        write_text(what);
+        write_text("\n");
+        system_exit(1);
+    }
 }
 
-static void logger(void *environment, const char *name, int status, const char *category,
-                   const char *message, ...)
+static void log_message(fmi2ComponentEnvironment environment, fmi2String instance,
+                        fmi2Status status, fmi2String category, fmi2String message, ...)
 {
-    (void)environment;
-    (void)name;
-    (void)status;
-    (void)category;
+    (void)environment, (void)instance, (void)status, (void)category;
     write_text("message: ");
     write_text(message);
     write_text("\n");
 }
 
-/* Read a line without its end; 0 at the end of the input. */
-static int read_line(void)
+static void read_input(void)
 {
-    static char buffer[65536];
-    static size_t used, filled;
-    size_t length = 0;
-    for (;;) {
-        if (used == filled) {
-            filled = system_read(buffer, sizeof buffer);
-            used = 0;
-            if (filled == 0)
-                return 0;
-        }
-        line[length] = buffer[used++];
-        if (line[length] == '\n')
-            break;
-        if (++length == LINE)
-            fail("line too long", "");
-    }
-    line[length] = 0;
-    rest = line;
-    return 1;
+    size_t length = 0, read;
+    while ((read = system_read(input + length, INPUT - 1 - length)) > 0)
+        length += read;
 }
 
-/* The next word of the line. */
-static char *word(void)
+/* The input up to a character, without it. */
+static char *until(char end)
 {
     char *start = rest;
-    while (*rest && *rest != ' ')
+    while (*rest && *rest != end)
         rest++;
     if (*rest)
         *rest++ = 0;
     return start;
 }
 
-static unsigned number(void)
+static Number number(char end)
 {
-    unsigned value = 0;
-    const char *digits = word();
+    Number number;
+    const char *digits = until(end);
+    number.bits = 0;
     for (; *digits; digits++)
-        value = 10 * value + (unsigned)(*digits - '0');
-    return value;
-}
-
-typedef union {
-    uint64_t bits;
-    double value;
-} Real;
-
-static double real(void)
-{
-    Real real;
-    const char *digits = word();
-    real.bits = 0;
-    for (; *digits; digits++)
-        real.bits = real.bits << 4 | (uint64_t)(*digits <= '9' ? *digits - '0' : *digits - 'a' + 10);
-    return real.value;
+        number.bits = number.bits << 4 | (uint64_t)(*digits <= '9' ? *digits - '0' : *digits - 'a' + 10);
+    return number;
 }
 
 static void write_real(double value)
 {
     char digits[17];
-    Real real;
+    Number number;
     int k;
-    real.value = value;
+    number.value = value;
     for (k = 0; k < 16; k++)
-        digits[k] = "0123456789abcdef"[real.bits >> (60 - 4 * k) & 15];
+        digits[k] = "0123456789abcdef"[number.bits >> (60 - 4 * k) & 15];
     digits[16] = ' ';
     system_write(digits, 17);
 }
 
-static void expect_ok(int status, const char *order)
+static void bind(void *handle, const char *name, void *pointer)
 {
-    if (status != 0)
-        fail("status not OK from", order);
-}
-
-static void open_library(const char *path)
-{
-    void *handle = system_open(path);
-    if (handle == NULL)
-        fail("cannot load", path);
-#define FIND(member, name) *(void **)&library.member = system_symbol(handle, name)
-    FIND(instantiate, "fmi2Instantiate");
-    FIND(setup, "fmi2SetupExperiment");
-    FIND(enter, "fmi2EnterInitializationMode");
-    FIND(leave, "fmi2ExitInitializationMode");
-    FIND(get_real, "fmi2GetReal");
-    FIND(step, "fmi2DoStep");
-#undef FIND
-}
-
-static void begin(const char *token)
-{
-    static const Callbacks callbacks = {logger, NULL, NULL, NULL, NULL};
-    unit = library.instantiate("unit", 1, token, "file:///none", &callbacks, 0, 1);
-    if (unit == NULL)
-        fail("refused", token);
-    expect_ok(library.setup(unit, 0, 0.0, 0.0, 0, 0.0), "fmi2SetupExperiment");
-    expect_ok(library.enter(unit), "fmi2EnterInitializationMode");
-    expect_ok(library.leave(unit), "fmi2ExitInitializationMode");
+    *(void **)pointer = system_symbol(handle, name);
+    refuse_failed(*(void **)pointer == NULL, name);
 }
 
 void run(void)
 {
-    size_t count, k;
-    unsigned first;
-    read_line();
-    open_library(line);
-    read_line();
-    begin(line);
-    read_line();
-    first = number();
-    count = number();
-    if (count > REALS)
-        fail("too many values", "");
+    static const fmi2CallbackFunctions callbacks = {log_message, NULL, NULL, NULL, NULL};
+    void *handle;
+    fmi2Component unit;
+    uint64_t first, count, steps, j, k;
+    double length;
+    read_input();
+    handle = system_open(until('\n'));
+    refuse_failed(handle == NULL, "the library is not loaded");
+    bind(handle, "fmi2Instantiate", &library.instantiate);
+    bind(handle, "fmi2EnterInitializationMode", &library.enter);
+    bind(handle, "fmi2ExitInitializationMode", &library.leave);
+    bind(handle, "fmi2GetReal", &library.get);
+    bind(handle, "fmi2DoStep", &library.step);
+    unit = library.instantiate("unit", fmi2CoSimulation, until('\n'), "file:///none", &callbacks, 0, 1);
+    refuse_failed(unit == NULL || library.enter(unit) || library.leave(unit), "no instance begins");
+    first = number(' ').bits;
+    count = number(' ').bits;
+    steps = number(' ').bits;
+    length = number('\n').value;
+    refuse_failed(count > REALS, "too many values");
     for (k = 0; k < count; k++)
-        references[k] = first + (unsigned)k;
-    while (read_line()) {
-        const double time = real();
-        expect_ok(library.step(unit, time, real(), 1), "fmi2DoStep");
-        expect_ok(library.get_real(unit, references, count, reals), "fmi2GetReal");
+        references[k] = (fmi2ValueReference)(first + k);
+    for (j = 0; j < steps; j++) {
+        refuse_failed(library.step(unit, (double)j * length, length, 1), "fmi2DoStep");
+        refuse_failed(library.get(unit, references, (size_t)count, reals), "fmi2GetReal");
         for (k = 0; k < count; k++)
             write_real(reals[k]);
         write_text("\n");
