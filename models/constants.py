@@ -33,6 +33,7 @@ SLOW_CONVERGENCE = 0.1  # reduction of a residual per pass above which the Jacob
 CONVERGED_FORCES = 1e-10  # residual of the forces relative to the largest force so far
 GAIN_ROUNDING = 1e-12  # per loop gain: what rounding leaves of a residual
 MAX_PASSES = 30  # quasi-Newton needs two to six; more means it does not converge
+JACOBIAN_CHANGE = 1e-3  # of the largest force: a disturbance that shows the loop's Jacobian
 LOOSE_RESIDUAL = 1e-3  # of the force: fixed passes that leave more than this are reported
 JUMP_PARTS = 8  # at a gain of 1/13, the largest of a stable cubic exchange, 1e-9 is left
 FORCE_ROUNDING = 1e-14  # of the largest force there can be: what sums leave of cancelling parts

@@ -7,7 +7,6 @@
 #include "coupling/composite.h"
 
 static const double HELD = 0.01; /* of the residual allowed */
-static const double JACOBIAN_CHANGE = 1e-3; /* of the largest force: it shows the loop's Jacobian */
 enum { UNCONVERGED = 1 };
 
 /* Residual of a loop that is solved. */
