@@ -168,7 +168,7 @@ def test_a_place_that_takes_no_fmu_is_refused_before_anything_is_built(invoke, m
     def compiled(*_):
         raise AssertionError("compiling can take minutes")
 
-    monkeypatch.setattr("autobalancer.fmus.native.build.compile._compiled_libraries", compiled)
+    monkeypatch.setattr("autobalancer.fmus.native.build.compile._compiled", compiled)
     outcome = invoke("build", "two_balls", "-o", "/proc/made", *form)
     assert outcome.exit_code == 2, outcome.output
     assert "/proc/two_balls" in outcome.stderr or "/proc/RotorOnSupports.fmu" in outcome.stderr

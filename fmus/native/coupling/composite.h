@@ -112,7 +112,7 @@ typedef struct {
     double constant_signals;           /* whether the step holds its signals at the values they end with */
 } Adaptation;
 
-/* Of resolution.c: what the steps are judged by, as in harness/master/resolution.py. */
+/* Of resolution.c: what the steps are judged by. */
 typedef struct {
     double slowest; /* rate of the rotor's slowest motion [1/s] */
     double top, mass, pace, reach, most, summed_error, judged_step, blind, decay, turn_decay, renewed;
