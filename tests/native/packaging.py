@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Callable, Sequence
-from functools import cache, partial
+from functools import cache, cached_property, partial
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -42,7 +42,7 @@ class Units:
         self._folder, self._numbers = folder, itertools.count()
         self._built = cache(self._build)
 
-    @property
+    @cached_property
     def library(self) -> Path:
         """What `build` packs."""
         return libraries([platform_tuple])[platform_tuple]

@@ -113,13 +113,6 @@ def test_outputs_are_those_of_the_contact(fmus, packaging):
     host.free()
 
 
-def test_without_the_parameter_a_step_is_whole(fmus, packaging):
-    host = begun(fmus, packaging)
-    host.step(STEP)
-    assert last_successful_time(host) == STEP
-    host.free()
-
-
 SLIDING = {
     "mass": 2.0, "stiffness_x": 50.0, "damping_x": 0.0, "unbalance": 0.0,
     "slider[1].limit_x": 0.03, "shortest_stopped_step": 1e-6, "speed": 7.0,

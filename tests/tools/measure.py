@@ -28,6 +28,8 @@ SCENE = "two_balls"
 SIGNALS = ("rotor.x", "rotor.y")
 VALUES, SLOPES = "SSP, values alone", "SSP, values and slopes"
 ONE_SSP, ONE_FMU = "SSP, composite", "composite FMU"
+SEPARATE = (VALUES, SLOPES)
+PACKAGES = (*SEPARATE, ONE_SSP)
 COFMUPY = "COFMUPY_PYTHON"  # it needs older versions of FMPy and pythonfmu than we do
 _TIMEOUT = 600  # s
 
@@ -56,21 +58,13 @@ class Tool:
         return os.environ.get(self.needs, sys.executable)
 
 
-def _separate(driver: str) -> dict[str, str]:
-    return dict.fromkeys((VALUES, SLOPES), driver)
-
-
-def _packages(driver: str) -> dict[str, str]:
-    return dict.fromkeys((VALUES, SLOPES, ONE_SSP), driver)
-
-
 TOOLS = (
-    Tool("FMPy", "fmpy", {**_packages("fmpy_ssp"), ONE_FMU: "fmpy_fmu"}),
-    Tool("libcosim", "libcosimpy", _packages("libcosim")),
-    Tool("ecos", "ecospy", _packages("ecos")),
-    Tool("CoFMuPy, jacobi", COFMUPY, _separate("cofmupy_jacobi")),
-    Tool("CoFMuPy, gauss_seidel", COFMUPY, _separate("cofmupy_gauss_seidel")),
-    Tool("OMSimulator", "OMSimulator", _packages("omsimulator")),
+    Tool("FMPy", "fmpy", {**dict.fromkeys(PACKAGES, "fmpy_ssp"), ONE_FMU: "fmpy_fmu"}),
+    Tool("libcosim", "libcosimpy", dict.fromkeys(PACKAGES, "libcosim")),
+    Tool("ecos", "ecospy", dict.fromkeys(PACKAGES, "ecos")),
+    Tool("CoFMuPy, jacobi", COFMUPY, dict.fromkeys(SEPARATE, "cofmupy_jacobi")),
+    Tool("CoFMuPy, gauss_seidel", COFMUPY, dict.fromkeys(SEPARATE, "cofmupy_gauss_seidel")),
+    Tool("OMSimulator", "OMSimulator", dict.fromkeys(PACKAGES, "omsimulator")),
     Tool("fmusim", "fmusim", {ONE_FMU: "fmusim"}),
 )
 
