@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ctypes
+import struct
 
 import pytest
 
@@ -126,6 +127,27 @@ def test_a_state_of_another_unit_is_refused_and_changes_nothing(fmus, packaging)
     balls.slave.freeFMUState(state)
     for host in (rotor, balls):
         host.free()
+
+
+def fnv(data: bytes) -> bytes:
+    total = 0xCBF29CE484222325
+    for byte in data:
+        total = (total ^ byte) * 0x100000001B3 & 0xFFFFFFFFFFFFFFFF
+    return total.to_bytes(8, "little")
+
+
+@pytest.mark.parametrize("time", [-1.0, 3.0, 1e9])
+def test_a_time_that_is_not_that_of_the_coupled_units_is_refused(hosted, time):
+    """A step from there would first have to reach it."""
+    host = hosted(load_scene("two_balls"))
+    for _ in range(4):
+        host.step(0.3)
+    data = bytearray(host.slave.serializeFMUState(host.slave.getFMUState()))
+    at = data.index(struct.pack("<d", host.time))
+    data[at : at + 8] = struct.pack("<d", time)
+    data[-8:] = fnv(bytes(data[:-8]))
+    host.slave.setFMUState(host.slave.deserializeFMUState(bytes(data)))
+    assert "its motion stands at 1.2" in host.refused(lambda: host.slave.doStep(time, 0.3))
 
 
 def test_a_state_of_one_file_brings_the_unbalance_of_its_time_back(packaging, tmp_path):

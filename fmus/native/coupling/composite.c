@@ -618,11 +618,23 @@ static int reach_time(Unit *unit, double end)
     }
 }
 
+/* 1 with the reason where the units do not stand at the unit's time: a step would first have to reach it. */
+static int stands_elsewhere(Unit *unit)
+{
+    const Clock *clock = &((const Composite *)unit->own)->course->clock;
+    if (clock->started > 0.0 && !(unit->time >= clock->begin - clock->length &&
+                                  unit->time <= clock->time + clock->length)) {
+        return unit_fail(unit, "the state that was restored has the time %6 s, its motion stands at %6 s",
+                         unit->time, clock->time);
+    }
+    return 0;
+}
+
 static int composite_step_unit(Unit *unit, double length)
 {
     const Composite *c = unit->own;
     const double end = unit->time + length;
-    if (meet_host(unit)) { /* the state may be one that was restored */
+    if (stands_elsewhere(unit) || meet_host(unit)) { /* the state may be one that was restored */
         return 1;
     }
     if (!(length < MOST_STEPS * communication_length(unit))) {
