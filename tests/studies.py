@@ -12,6 +12,7 @@ import autobalancer as ab
 from autobalancer.harness.accuracy.precision.report import cheapest
 from autobalancer.harness.checks.report import text
 from autobalancer.harness.output.table import Sheet
+from autobalancer.harness.units import rounded
 
 SCENES = ("two_balls", "three_mass_shaft", "two_plane_rodrigues", "drum", "balls_and_liquid")
 SECONDS = 60.0  # of measuring, per scene
@@ -60,9 +61,8 @@ def run_time() -> Sheet:
         base = _fastest(scene.run)
         changed = scene.replace(changes)
         spent = _fastest(lambda changed=changed, options=options: changed.run(**options))
-        rows.append(
-            (name, choice, f"{1e3 * base:.3g}", f"{1e3 * spent:.3g}", f"{spent / base:.2g}")
-        )
+        times = rounded(1e3 * base, 3), rounded(1e3 * spent, 3), rounded(spent / base, 2)
+        rows.append((name, choice, *times))
     return Sheet(("scene", "choice", "default [ms]", "chosen [ms]", "ratio"), rows, "llrrr")
 
 

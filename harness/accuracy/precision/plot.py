@@ -15,7 +15,7 @@ from .methods import Method
 
 
 def plot_precision(study: Precision, path: Path | None) -> Path | Picture:
-    """Draw the best method of each group, its first and last step or tolerance beside it."""
+    """Draw the best method of each group, its smallest step or tolerance beside it."""
     points = [p for p in study.points if p.error and p.seconds and p.error < 1.0]
     lines = []
     for number, family in enumerate(best_of_groups(points)):
@@ -23,7 +23,7 @@ def plot_precision(study: Precision, path: Path | None) -> Path | Picture:
         order = None if method.in_one_piece else study.orders.get(method.family)
         name = method.family + ("" if order is None else f" (order {order:.1f})")
         curve = np.array([[p.error, p.seconds] for p in family], float).T
-        texts = tuple(p.method.setting if p in (family[0], family[-1]) else "" for p in family)
+        texts = tuple(p.method.setting if p is family[-1] else "" for p in family)
         look = colour(number)
         lines.append(Line((curve[0], curve[1]), name, look))
         marks = Line((curve[0], curve[1]), "", look, "marks", texts=texts, text_colour=look)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 
 from ...output.table import Sheet
+from ...units import rounded
 from .measure import TARGETS, TWO_DECADES, Point, Precision
 
 
@@ -58,7 +59,7 @@ def cheapest(study: Precision) -> Sheet:
         apart, whole = (study.cheapest(error, coupled=coupled) for coupled in (True, False))
         fast = "-"
         if one and whole and one.seconds and whole.seconds:
-            fast = f"{whole.seconds / one.seconds:.2g}"
+            fast = rounded(whole.seconds / one.seconds, 2)
         rows.append((study.scene.name, f"{error:.0e}", _way(one), _way(apart), _way(whole), fast))
     columns = ("scene", "error", "one file", "separate FMUs", "SciPy in one piece", "times faster")
     return Sheet(columns, rows, "lllllr", "Cheapest way to an error")
