@@ -57,6 +57,18 @@ def test_at_rest_steps_last_many_revolutions_within_the_tolerance(against):
     assert np.diff(result.time)[-3:].max() > 5.0 * 2.0 * math.pi / 250.0
 
 
+def test_no_step_is_longer_than_a_quarter_of_the_time_that_rest_has_lasted():
+    """What is not stable grows meanwhile."""
+    changes = {"rotor.unbalance": 0.0, "weights.angles": [0.5, 0.5 + math.pi]}
+    coupling = {"tolerance": 1e-4, "steps_per_rev": None, "corrections": None, "scheme": "auto"}
+    keys = {f"coupling.{key}": value for key, value in coupling.items()}
+    time = cosimulate(load_scene("two_balls").replace({**changes, **keys})).time
+    steps, longest = np.diff(time), 2.0 * math.pi / 3.0 / 8.0
+    at_rest = steps > longest
+    assert at_rest.any()
+    assert (steps <= 0.25 * time[:-1])[at_rest].all()
+
+
 @pytest.mark.parametrize("separate", [True, False])
 def test_a_tight_tolerance_is_kept_past_the_end_of_a_run_up(against, separate):
     run_up = {"operation.run_up": {"from": 0.3, "to": 3.0, "seconds": 8.0}}
