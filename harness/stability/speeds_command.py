@@ -66,7 +66,7 @@ def command(
             progress=progress,
             within=within,
         )
-    if result.methods or result.proof is None:
+    if result.methods:
         show(table(result, loaded.heading))
     if result.proof is not None:
         show(bands_table(result.proof, loaded.heading))
