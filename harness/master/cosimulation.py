@@ -7,7 +7,7 @@ decides whether they are compared with the prediction and the step is taken agai
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from contextlib import ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -32,7 +32,7 @@ from .recorder import REPORTED, Recorder
 from .runtime import runtime
 from .scales import largest_force
 from .schedule import brief_step, end_time, milestones, schedule, step_size
-from .schemes import Scheme, choose
+from .schemes import choose
 from .simulation import Repeated, refuse_loose_tolerance
 from .system import System
 from .unit_files import find_or_build
@@ -89,7 +89,6 @@ class CoSimulation(Closing):
             self._stack = stack.pop_all()
         self.coupled = self.system.coupled
         self.gain = self.amplification = self.worst_residual = self.time = 0.0
-        self.steps = self.unconverged = 0
         self._largest_force = largest_force(scene)
 
     def start(
@@ -118,7 +117,7 @@ class CoSimulation(Closing):
         step = step or step_size(self.scene, first) / self._parts
         self.system.restart(changes or {})
         self._acceleration, self._changed = self.profile.acceleration(0.0), 0
-        self.scheme = self._prepare(step)
+        self._prepare(step)
         for unit in self.units.values():
             unit.start()
         # forces grow with the square of a speed that the start gives instead of the scene's
@@ -126,15 +125,14 @@ class CoSimulation(Closing):
         faster = max([abs(speed) / self.profile.top for speed in speeds], default=1.0)
         self.system.most = RUNAWAY * self._largest_force * max(1.0, faster) ** 2
 
-    def _prepare(self, step: float) -> Scheme:
+    def _prepare(self, step: float) -> None:
         """Bring the units to a consistent start, and make the scheme for this loop."""
         system, rounding = self.system, FORCE_ROUNDING * self._largest_force
         slopes = consistent_start(system, step, rounding)
         eigenvalues = value_eigenvalues(slopes[: slopes.shape[1]])
         self.gain = max(map(abs, eigenvalues), default=0.0)
-        scheme = choose(self.scene, system, slopes, step, self.gain, rounding)
-        self.amplification = scheme.amplification(eigenvalues, system.order)
-        return scheme
+        self.scheme = choose(self.scene, system, slopes, step, self.gain, rounding)
+        self.amplification = self.scheme.amplification(eigenvalues, system.order)
 
     def step(self, step: float) -> None:
         """One communication step of length `step` [s].
@@ -234,8 +232,7 @@ class CoSimulation(Closing):
 
     def facts(self) -> Facts:
         """What the run since the last start did."""
-        units = self.units.values()
-        kinds = dict.fromkeys(kind for unit in units for kind in unit.calls)
+        units, kinds = self.units.values(), self.system.rotor.calls
         return Facts(
             scene=self.scene,
             files=tuple(path.name for path in dict.fromkeys(self.paths)),
@@ -247,11 +244,6 @@ class CoSimulation(Closing):
             unconverged=self.unconverged,
             worst_residual=self.worst_residual,
         )
-
-    def read(self, name: str, variables: Iterable[str]) -> list[float]:
-        """Present values of variables of one unit."""
-        unit = self.units[name]
-        return unit.get(unit.group(list(variables)))
 
     def close(self) -> None:
         """Free all instances."""

@@ -124,9 +124,9 @@ def consistent_start(system: System, step: float, rounding: float = 0.0) -> NDAr
         return np.zeros((0, 0))
 
     def respond(u: Vector) -> Vector:
-        system.set_forces(cubics_from_start(unpack(u, step)))
-        system.accelerations.now = motion = system.read_accelerations()
-        return pack(np.concatenate((system.answer(cubics_from_start(motion)), motion)), step)
+        motion = system.rotor_answer(cubics_from_start(unpack(u, step)))
+        answers = system.balancer_answer(cubics_from_start(motion))
+        return pack(np.concatenate((answers, motion)), step)
 
     # slopes take squares of the values, but these converge before them
     count = 2 * len(system.forces.now)
@@ -144,8 +144,7 @@ def consistent_start(system: System, step: float, rounding: float = 0.0) -> NDAr
         u = u + du
         g_u = respond(u)[:count]
         residual = g_u - u
-        slow = SLOW_CONVERGENCE * size(before)  # a weight sticks where the one before has slid
-        if size(residual) > slow:
+        if size(residual) > SLOW_CONVERGENCE * size(before):  # a weight sticks that has slid
             newton.learn(du, before, residual)
         if size(residual) <= max(tolerance * max(size(u), size(g_u)), rounding):
             break

@@ -15,7 +15,6 @@ from numpy.typing import NDArray
 
 Knots = NDArray[np.complex128]  # (n, 2)
 Cubics = NDArray[np.complex128]  # (n, 4)
-Courses = tuple[Cubics, Knots]  # over a step, and at its end
 
 
 def cubics_from_start(knots: Knots) -> Cubics:
@@ -80,9 +79,10 @@ class Signals:
         """What they do on their way to these ends after a step [s]."""
         return interpolated(self.now, ends, step, order)
 
-    def accept(self, cubics: Cubics, ends: Knots, step: float) -> None:
-        """Accept a finished step."""
-        self.now, self.last, self.last_step = ends, cubics, step
+    def accept(self, ends: Knots, step: float) -> None:
+        """Go on from the ends of a finished step [s]."""
+        self.last, self.last_step = self.to(ends, step), step
+        self.now = ends
 
     def drop_past(self) -> None:
         """Drop what they did before now: it says nothing of what comes."""

@@ -17,7 +17,7 @@ from ..errors import SimulationError
 from .fmu import Fmu, Variables
 from .names import components, signals
 from .plan import ROTOR, Plan
-from .signals import Courses, Cubics, Knots, Signals
+from .signals import Cubics, Knots, Signals
 
 
 @dataclass(slots=True)
@@ -100,9 +100,7 @@ class System:
         self.force_names = [f"{exchange.unit.name}.F" for exchange in self.exchanges]
 
     def _follow_places(self) -> None:
-        """Connect what balancers need of their plane's place: of the rotor and their own variables
-        over one buffer.
-        """
+        """Connect the places that balancers follow: variables of both units over one buffer."""
         values = self.plan.of_kind("value")
         self._places: dict[str, tuple[Variables, Variables]] = {}
         for name in dict.fromkeys(c.target.unit for c in values):
@@ -143,7 +141,7 @@ class System:
             ends.append(self._knots(exchange.outputs))
         return np.concatenate(ends) if ends else self.forces.now
 
-    def answer(self, accelerations: Cubics) -> Knots:
+    def balancer_answer(self, accelerations: Cubics) -> Knots:
         """What `forces` are of units in initialisation mode under accelerations of the planes."""
         knots = []
         for exchange in self.exchanges:
@@ -153,20 +151,18 @@ class System:
             knots.append(self._knots(exchange.outputs))
         return np.concatenate(knots)
 
-    def set_forces(self, forces: Cubics) -> None:
-        """Write the sum of the forces on every plane that exchanges force, and how it turns."""
+    def rotor_answer(self, forces: Cubics) -> Knots:
+        """What `accelerations` become of units in initialisation mode under forces."""
         self._sum_forces(forces)
         self.rotor.send(self._forces)
+        self.rotor.fetch(self._accelerations)
+        self.accelerations.now = self._knots(self._accelerations)
+        return self.accelerations.now
 
     def _sum_forces(self, forces: Cubics) -> None:
         self._force_rows[:] = 0.0
         for exchange, cubic in zip(self.exchanges, forces, strict=True):
             self._force_rows[exchange.plane] += cubic[: self.order + 1]
-
-    def read_accelerations(self) -> Knots:
-        """Acceleration and slope of every plane that exchanges force."""
-        self.rotor.fetch(self._accelerations)
-        return self._knots(self._accelerations)
 
     def _knots(self, group: Variables) -> Knots:
         """Signals' ends, from all their values and then, where they are exchanged, all slopes."""
@@ -194,21 +190,21 @@ class System:
         for unit, state in zip(self.members, self._states, strict=True):
             unit.free(state)
 
-    def accept(self, accelerations: Courses, forces: Courses, time: float, step: float) -> None:
-        """Take over the signals of a finished step: their cubics and their ends.
+    def accept(self, accelerations: Knots, forces: Knots, time: float, step: float) -> None:
+        """Take over the ends of the signals of a finished step.
 
         Raises:
             SimulationError: a force is beyond `most`, or no number: a step repeats its own error.
         """
-        for value, name in zip(forces[1][:, 0].tolist(), self.force_names, strict=True):
+        for value, name in zip(forces[:, 0].tolist(), self.force_names, strict=True):
             if not abs(value) <= self.most:
                 raise SimulationError(
                     f"coupling steps of {step:.3g} s are too long at t = {time:g} s: {name} is "
                     "beyond all that the scene can make of it: the coupling diverges; use "
                     'scheme = "iterated" or "auto", more coupling.steps_per_rev, or a tolerance'
                 )
-        self.accelerations.accept(*accelerations, step)
-        self.forces.accept(*forces, step)
+        self.accelerations.accept(accelerations, step)
+        self.forces.accept(forces, step)
 
     def drop_past(self) -> None:
         """Drop what the signals did before now: it says nothing of what comes."""

@@ -33,13 +33,14 @@ def cases() -> Iterator[Case]:
 def _long_run() -> Outcome:
     mass, damping, stiffness, pull = 1.0, 4.0, 2500.0, 1e-3
     w = 100.0
-    rotor = {"mass": mass, "stiffness": stiffness, "damping": damping, "unbalance": pull}
+    machine = {"mass": mass, "stiffness": stiffness, "damping": damping, "unbalance": pull}
     step = float(1000.25 * TURN) / w
-    with CoSimulation(planar_scene(rotor, speed=w)) as run:
+    with CoSimulation(planar_scene(machine, speed=w)) as run:
         run.start(step=step)
         for _ in range(LONG_STEPS):
             run.step(step)
-        x, y = run.read("rotor", ["x", "y"])
+        rotor = run.units["rotor"]
+        x, y = rotor.get(rotor.group(["x", "y"]))
     angle = float(Fraction(step) * Fraction(w) * LONG_STEPS % TURN)
     late = 40.0 / damping * mass  # the start has decayed to e^-20 by then
     steady = complex(forced_motion(mass, damping, stiffness, pull * w * w, w, [late])[0])

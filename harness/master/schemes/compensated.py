@@ -77,12 +77,7 @@ class Compensated(Scheme):
         self._missed = found.reshape(-1, 2)
         more = unpack(found, step)
         forces, motion = end_of(assumed, step) + more[:count], motion + more[count:]
-        system.accept(
-            (system.accelerations.to(motion, step), motion),
-            (system.forces.to(forces, step), forces),
-            time,
-            step,
-        )
+        system.accept(motion, forces, time, step)
         return 0.0
 
 

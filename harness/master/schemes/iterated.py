@@ -20,7 +20,7 @@ from ....models.constants import (
 )
 from ...errors import LoopError
 from ..loop import QuasiNewton, Vector, jacobian, of_values, pack, size, unpack
-from ..signals import Cubics, Knots, end_of
+from ..signals import Knots, end_of
 from ..system import System
 from .explicit import Scheme
 
@@ -62,7 +62,7 @@ class Iterated(Scheme):
         before: tuple[Vector, Vector, float] | None = None
         system.save()
         for number in range(1, passes + 1):
-            accelerations, motion, answers = self._pass(system, u, time, step)
+            motion, answers = self._pass(system, u, time, step)
             residual = self._used(answers, step) - u
             # of passes that are taken back none counts: they can be far too large
             largest = max(self.largest, size(pack(answers, step)))
@@ -76,20 +76,15 @@ class Iterated(Scheme):
             u = u + du
             system.restore()
         self.largest = largest
-        if self.order < 3:
-            accelerations = system.accelerations.to(motion, step)
-        forces = system.forces.to(answers, step)
-        system.accept((accelerations, motion), (forces, answers), time, step)
+        system.accept(motion, answers, time, step)
         return error
 
-    def _pass(
-        self, system: System, u: Vector, time: float, step: float
-    ) -> tuple[Cubics, Knots, Knots]:
-        """Step all units once under assumed ends of the forces; what they answer."""
+    def _pass(self, system: System, u: Vector, time: float, step: float) -> tuple[Knots, Knots]:
+        """Step all units once under assumed ends of the forces; accelerations and answers."""
         forces = system.forces.to(unpack(u, step), step, self.order)
         motion = system.rotor_pass(forces, time, step)
         accelerations = system.accelerations.to(motion, step, self.order)
-        return accelerations, motion, system.balancer_pass(accelerations, time, step)
+        return motion, system.balancer_pass(accelerations, time, step)
 
     def _used(self, ends: Knots, step: float) -> Vector:
         """Ends of forces as a vector; below order 3 slopes take no part."""

@@ -27,7 +27,5 @@ class Jacobi(Scheme):
         accelerations = system.accelerations.predicted(system.order)
         motion = system.rotor_pass(forces, time, step)
         answers = system.balancer_pass(accelerations, time, step)
-        accelerations = system.accelerations.to(motion, step)
-        forces = system.forces.to(answers, step)
-        system.accept((accelerations, motion), (forces, answers), time, step)
+        system.accept(motion, answers, time, step)
         return 0.0

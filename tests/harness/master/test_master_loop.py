@@ -102,13 +102,10 @@ class LinearLoop:
         self.forces = Signals(len(self.constant))
         self.accelerations = Signals(len(self.constant))
 
-    def set_forces(self, forces) -> None:
-        self.applied = forces[:, :2]
+    def rotor_answer(self, forces):
+        return self.matrix @ forces[:, :2] + self.constant[:, None]
 
-    def read_accelerations(self):
-        return self.matrix @ self.applied + self.constant[:, None]
-
-    def answer(self, accelerations):
+    def balancer_answer(self, accelerations):
         return accelerations[:, :2]
 
     def drop_past(self) -> None:
@@ -154,7 +151,7 @@ def test_a_motion_beyond_all_bounds_teaches_the_loop_nothing(recwarn):
 
 def test_a_start_that_does_not_settle_says_by_how_much():
     class Restless(LinearLoop):
-        def read_accelerations(self):
+        def rotor_answer(self, forces):
             return np.array([[complex(*noise.normal(size=2)), 0j]])
 
     noise = np.random.default_rng(1)

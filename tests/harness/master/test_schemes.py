@@ -17,7 +17,7 @@ from autobalancer.harness.master.schemes.compensated import Compensated, carried
 from autobalancer.harness.master.schemes.explicit import BEFORE, NOW
 from autobalancer.harness.master.schemes.gauss_seidel import GaussSeidel
 from autobalancer.harness.master.schemes.jacobi import Jacobi
-from autobalancer.harness.master.signals import Signals, end_of, interpolated
+from autobalancer.harness.master.signals import Signals, end_of
 from autobalancer.models.monolith import reference
 from tests.scenes import driven_scenes
 
@@ -138,11 +138,11 @@ def stepped(scene, steps: int) -> float:
     """Step by step, past the refusal of `run`: the rotor's largest displacement [m]."""
     with CoSimulation(scene) as cosim:
         cosim.start()
-        step = step_size(scene)
+        rotor, step = cosim.units["rotor"], step_size(scene)
         worst = 0.0
         for _ in range(steps):
             cosim.step(step)
-            worst = max(worst, *map(abs, cosim.read("rotor", ["x", "y"])))
+            worst = max(worst, *map(abs, rotor.get(rotor.group(["x", "y"]))))
     return worst
 
 
@@ -245,7 +245,8 @@ class Echo:
         self.coupled = True
         start, now = np.array([[1.0, 0.3]]), np.array([[0.8, -0.2]])
         self.forces, self.accelerations = Signals(1), Signals(1)
-        self.forces.accept(interpolated(start, now, 1.0), now, 1.0)
+        self.forces.now = start
+        self.forces.accept(now, 1.0)
         self.accelerations.last_step = 1.0
 
     def rotor_pass(self, forces, time, step):
@@ -256,8 +257,8 @@ class Echo:
         return self.share * self.assumed
 
     def accept(self, accelerations, forces, time, step):
-        self.forces.accept(*forces, step)
-        self.accelerations.accept(*accelerations, step)
+        self.forces.accept(forces, step)
+        self.accelerations.accept(accelerations, step)
 
 
 def test_compensated_stands_a_jacobian_that_is_wrong_by_a_thirteenth():
