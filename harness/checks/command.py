@@ -36,10 +36,14 @@ def command(
     Exit code 1 if a row does not hold.
     """
     from ..scene.changes import changed_scene
+    from ..scene.plausible import implausible, tell_warning
     from .report import as_json, table, verdict
     from .runner import check_all, checked_scenes
 
     loaded = [changed_scene(s, changes, quietly=True) for s in scenes or checked_scenes()]
+    for scene in loaded if scenes else []:
+        for line in implausible(scene):
+            tell_warning(f"{scene.label}: {line}")
     if report is not None:
         directory_to_fill(report)
     with progress_bars() as bars:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import warnings
 from collections import Counter
 from collections.abc import Sequence
 from contextlib import closing
@@ -18,6 +19,7 @@ from ..output.outcome import Outcome
 from ..output.table import Sheet
 from ..output.workers import ItemProgress, Progress, Workers, as_they_come
 from ..scene import Scene, bundled_scenes, load_scene
+from ..scene.plausible import ImplausibleWarning
 from .registry import CheckPart, parts_of
 from .report import as_json, table
 from .row import Row, Rows
@@ -109,7 +111,9 @@ def check_all(
 
 def _rows_or_failure(part: CheckPart) -> list[Row]:
     try:
-        return part.rows()
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", ImplausibleWarning)  # commands print them as a line
+            return part.rows()
     except SimulationError as error:
         rows = Rows(part.scene.name, part.kind)
         return [rows.statement("run", "completed", str(error), False, "")]

@@ -163,6 +163,13 @@ def test_run_names_the_engine_and_refuses_separate_fmus_for_one_file(invoke):
     assert "one file is to run: give one of them" in outcome.stderr
 
 
+def test_an_implausible_value_is_one_line_of_check(invoke, recwarn):
+    outcome = invoke("check", "sommerfeld")
+    assert outcome.exit_code == 0, outcome.output
+    assert outcome.stderr.count("WARNING: sommerfeld.toml: unbalance: 10 g m to balance") == 1
+    assert not recwarn
+
+
 @pytest.mark.parametrize("form", [[], ["--one-file"], ["--ssp"]])
 def test_a_place_that_takes_no_fmu_is_refused_before_anything_is_built(invoke, monkeypatch, form):
     def compiled(*_):
