@@ -43,6 +43,14 @@ def test_outcomes_come_back_and_nothing_is_worked_for_twice(tmp_path):
     assert first[2][1] == "négative\n"
 
 
+def test_progress_counts_what_a_store_has(tmp_path):
+    seen: list[float] = []
+    store = open_store(tmp_path / "a.store", {})
+    store[1] = root(1.5)
+    in_order(root, ITEMS, 1, seen.append, store)
+    assert seen == pytest.approx([1 / 3, 2 / 3, 1.0])
+
+
 def test_a_store_of_something_else_is_refused(tmp_path):
     roots(tmp_path / "a.store")
     with pytest.raises(UserError, match="made for another content: 'roots' there, 'logs' now"):
