@@ -91,10 +91,10 @@ def rest_row(rows: Rows, scene: Scene, speed: float, prefix: str) -> Row:
 
 def needed_revolutions(growth: float, speed: float) -> float:
     """Length of a run that shows whether a motion of this growth rate [1/s] comes to balance."""
-    each = abs(growth) * 2.0 * math.pi / speed  # ln of what a revolution leaves of it
-    if each * (LONGEST - TRANSIENT) <= SETTLING:
+    per_revolution = abs(growth) * 2.0 * math.pi / speed  # change of a deviation's logarithm
+    if per_revolution * (LONGEST - TRANSIENT) <= SETTLING:
         return LONGEST
-    return math.ceil(TRANSIENT + SETTLING / each)
+    return math.ceil(TRANSIENT + SETTLING / per_revolution)
 
 
 def run_from_rest(scene: Scene, speed: float, revolutions: float) -> tuple[float, float]:

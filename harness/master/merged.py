@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from ..scene import Scene
 from ..scene.balancer import WeightBalancer
 from .names import weight
-from .recorder import Recorder
+from .recorder import present_values
 from .schedule import end_time
 
 _GROWS = 1e-6  # e-folds per radian of the rotor: slower growth is the rounding of a balanced one
@@ -91,9 +91,7 @@ def merged(scene: Scene, values: Mapping[str, float]) -> list[Merged]:
 
 def merged_now(scene: Scene, units: Mapping[str, Any]) -> list[str]:
     """Notes on the weights of units as they stand, see `merged`."""
-    recorder = Recorder(units, names_of_states(scene))
-    recorder.record(0.0)
-    values = {name: float(value[0]) for name, value in recorder.columns()[1].items()}
+    values = present_values(units, names_of_states(scene))
     return [one.note() for one in merged(scene, values)]
 
 

@@ -101,3 +101,10 @@ class Recorder:
         return table[:, 0].copy(), {
             n: table[:, i].copy() for i, n in enumerate(self.signal_units, 1)
         }
+
+
+def present_values(units: Mapping[str, Any], names: Sequence[str]) -> dict[str, float]:
+    """Values of signals as they are now, by name; arguments as of `Recorder`."""
+    recorder = Recorder(units, names)
+    recorder.record(0.0)
+    return {name: float(values[0]) for name, values in recorder.columns()[1].items()}

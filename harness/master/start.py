@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 from ..scene import Scene
+from ..scene.run import Coupling
 from .one_file_run import OneFileRun
 from .plan import plan
-from .recorder import Recorder
-
-_COUPLING = ("scheme", "order", "tolerance", "steps_per_rev", "corrections", "units")
+from .recorder import present_values
 
 
 def start_values(scene: Scene) -> dict[str, dict[str, float | bool]]:
@@ -21,12 +20,11 @@ def start_values(scene: Scene) -> dict[str, dict[str, float | bool]]:
         target: [f"{unit}.{variable}" for unit, variable in sources]
         for target, sources in found.inputs("mass", "signal").items()
     }
-    with OneFileRun(scene.replace({f"coupling.{key}": None for key in _COUPLING})) as run:
-        recorder = Recorder(run.units, [name for names in inputs.values() for name in names])
+    as_by_default = {f"coupling.{key}": None for key in Coupling.model_fields}
+    with OneFileRun(scene.replace(as_by_default)) as run:
         run.start()
-        recorder.record(0.0)
-    _, outputs = recorder.columns()
+        outputs = present_values(run.units, [name for names in inputs.values() for name in names])
     values = {unit.name: dict(unit.start) for unit in found.units}
     for target, names in inputs.items():
-        values[target.unit][target.variable] = sum(float(outputs[name][0]) for name in names)
+        values[target.unit][target.variable] = sum(outputs[name] for name in names)
     return values

@@ -58,8 +58,8 @@ def as_they_come(
         work: a function at the top of a module, so that other processes can import it.
 
     Raises:
-        Exception: the first that `work` raises; what has not begun is dropped, as it is when
-            the caller is interrupted or wants no more.
+        Exception: the first that `work` raises. Items that have not begun are then dropped, as they
+            are when the caller is interrupted or closes the generator.
         SimulationError: a process was ended from outside.
     """
     with _executor(workers, len(items)) as executor:

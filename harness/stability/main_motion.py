@@ -7,7 +7,8 @@ one revolution leaves that state as it is.
 Neutral directions.  Weights act on the rotor through their static moment alone.  Turns that change
 the moment of no station (N - 2 for N >= 3 weights in a plane) meet no reaction, lead to another
 main motion and have multiplier 1 by structure.  The map is taken modulo them, so that no multiplier
-has to be judged by its distance from 1; the units confirm that a revolution gives them back.
+has to be judged by its distance from 1.  A revolution of the units confirms that it does not change
+these turns.
 """
 
 from __future__ import annotations
@@ -83,8 +84,8 @@ class MainMotion(Closing):
             raise NoMainMotion(f"{scene.name}: {error}") from error
         if not self._rests(rest):
             raise NoMainMotion(
-                f"{scene.name}: the rotor does not rest in a revolution at {self._speed:g} rad/s "
-                "where its weights undo the unbalance"
+                f"{scene.name}: the rotor does not rest for a revolution at "
+                f"{self._speed:g} rad/s with its weights at the balanced angles"
             )
         return rest
 

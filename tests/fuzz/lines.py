@@ -76,7 +76,7 @@ VALUES = {  # of options by what the help calls them, with places that are fille
     "2|3": ["2", "3", "4"],
     "LOW HIGH": ["0.5", "3", "12", "150", *NUMBERS],
 }
-NAMED = {  # of options by their own names
+NAMED = {  # values of single options, by the option's name
     "measured": ["given/fitted.csv", "given/fitted.csv", "given/fitted_wrong.csv"],
     "predict": ["given/fitted.csv", "given/fitted_wrong.csv"],
     "method": ["floquet", "criterion", "criterion,floquet", "cosim", ",", ""],

@@ -160,7 +160,7 @@ def all_methods(scene: Scene) -> list[Method]:
     exchanges = any(not isinstance(b, Liquid) or b.inertia_as_force for b in scene.balancer)
     methods = coupling_methods(exchanges)
     if scene.operation.motor:
-        methods = [m for m in methods if m.one_file and m.name != "compensated"]
+        methods = [m for m in methods if m.one_file]
     return methods + monolith_methods()
 
 

@@ -88,7 +88,7 @@ def test_error_a_run_estimates_of_itself_is_the_real_one_within_a_factor(name, s
 
 
 def test_steps_that_err_by_as_much_as_the_motion_are_refused():
-    """Separate units estimate no error, and say so."""
+    """On separate units a note states that the error is not estimated."""
     name, spin, steps = "two_plane_rodrigues", 5, 12
     with pytest.raises(SimulationError, match=r"too long at t = .* as far as they move at all"):
         cosimulate(spinning(name, spin, steps))
