@@ -14,8 +14,19 @@ from numpy.typing import ArrayLike, NDArray
 
 from .assembly import Assembly
 from .linear.balanced import CannotBalance
-from .linear.floquet import exponents, fast_growth, one_turn_multipliers
+from .linear.floquet import (
+    constant_matrices,
+    exponents,
+    fast_growth,
+    half_turns,
+    one_turn_multipliers,
+)
+from .linear.growth import Growth, eigenvalues_with_errors
 from .linear.linearised import Linearised, linearise
+
+_SLOW = 1e-3  # growth per revolution below which the errors of the method are looked at
+_FINER = 2  # times as many steps then; the error of the first ones shrinks by 2^11
+_SHRINKS = 100.0  # by at least so much, also where the steps do not yet follow their order
 
 
 def _speeds(speeds: ArrayLike) -> NDArray[np.float64]:
@@ -37,9 +48,79 @@ def active_growth(
     else:
         sizes = np.abs(one_turn_multipliers(systems, which, speeds)).max(axis=1)
         growth = np.log(np.maximum(sizes, np.finfo(float).tiny)) * speeds / (2.0 * math.pi)
-        growth = np.maximum(growth, fast_growth(systems, which, speeds))
-    decay = np.array([-s.free_decay.min(initial=math.inf) for s in systems])
-    return np.maximum(growth, decay[which])
+        growth = np.maximum(growth, fast_growth(systems, which, speeds)[0])
+    return np.maximum(growth, _free_decay(systems)[which])
+
+
+def _free_decay(systems: list[Linearised]) -> NDArray[np.float64]:
+    """Growth rates (systems,) [1/s] of the weights' turns that the rotor does not feel."""
+    return np.array([-s.free_decay.min(initial=math.inf) for s in systems])
+
+
+def growth_and_errors(
+    systems: list[Linearised], which: NDArray, speeds: NDArray
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """As `active_growth`, and the largest error (b,) [1/s] of each rate.
+
+    The error is rounding, by the condition of the eigenvalues of the balanced matrix; where
+    coefficients are periodic also what twice as many steps change.  It is looked for where growth
+    is slow: elsewhere it is 0, for the sign of the rate is known.
+    """
+    growth = active_growth(systems, which, speeds)
+    error = np.zeros_like(growth)
+    slow = np.flatnonzero(np.abs(growth) * (2.0 * math.pi) < _SLOW * speeds)
+    if len(slow):
+        rates = _exponents if systems[0].constant else _followed
+        found, error[slow] = rates(systems, which[slow], speeds[slow])
+        growth[slow] = np.maximum(found, _free_decay(systems)[which[slow]])
+    return growth, error
+
+
+def _exponents(
+    systems: list[Linearised], which: NDArray, speeds: NDArray
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Growth rates and errors (b,) [1/s] of systems with constant coefficients."""
+    values, errors = eigenvalues_with_errors(constant_matrices(systems, which, speeds))
+    return _largest(values.real, errors)
+
+
+def _followed(
+    systems: list[Linearised], which: NDArray, speeds: NDArray
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Growth rates and errors (b,) [1/s] of systems with periodic coefficients."""
+    found = []
+    for finer in (1, _FINER):
+        turns, steps = half_turns(systems, which, speeds, finer)
+        values, errors = eigenvalues_with_errors(turns, roundings=float(steps.max(initial=0)))
+        sizes = np.maximum(np.abs(values), np.finfo(float).tiny)
+        each = (np.log(sizes), np.minimum(errors / sizes, 1.0))
+        found.append([part * speeds / math.pi for part in _largest(*each)])
+    (coarse, _), (growth, rounding) = found
+    error = rounding + np.abs(growth - coarse) / _SHRINKS
+    fast, unknown = fast_growth(systems, which, speeds)
+    return np.maximum(growth, fast), np.maximum(error, unknown)
+
+
+def _largest(growth: NDArray, errors: NDArray) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Largest of growths (b, d), and its error (b,): another one may be the largest instead."""
+    largest = growth.max(axis=1, initial=-math.inf)
+    most = (growth + errors).max(axis=1, initial=-math.inf)
+    least = (growth - errors).max(axis=1, initial=-math.inf)
+    return largest, np.maximum(most - largest, largest - least)
+
+
+def find_growth(assembly: Assembly, speed: float) -> Growth:
+    """Largest growth rate [1/s] about the main motion at one speed, with its error.
+
+    Args:
+        assembly, speed: as of `growth_rates`, which says what is raised.
+
+    >>> find_growth(ab.load("two_balls").assembly(), 6.0).state
+    'stable'
+    """
+    speeds = _speeds(speed)
+    growth, error = growth_and_errors([linearise(assembly)], np.zeros(len(speeds), int), speeds)
+    return Growth(float(growth[0]), float(error[0]))
 
 
 def growth_rates(assembly: Assembly, speeds: ArrayLike) -> NDArray[np.float64]:

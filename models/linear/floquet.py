@@ -134,12 +134,25 @@ def one_turn_multipliers(
     Raises:
         OverflowError: one is so slow that a turn's motion is no finite number.
     """
+    found = np.linalg.eigvals(half_turns(systems, which, speeds)[0]) ** 2
+    return found.astype(complex)
+
+
+def half_turns(
+    systems: list[Linearised], which: NDArray, speeds: NDArray, finer: int = 1
+) -> tuple[NDArray[np.float64], NDArray[np.int_]]:
+    """Maps over half a revolution (b, d, d), and the steps (b,) that made them.
+
+    Args:
+        systems, which, speeds: as of `one_turn_multipliers`, which says what is raised.
+        finer: how many times as many steps as usual.
+    """
     steady = np.stack([s.steady for s in systems])
     cosine = np.stack([s.cosine for s in systems])
     sine = np.stack([s.sine for s in systems])
     held = np.asarray(~(cosine.any(axis=(0, 2)) | sine.any(axis=(0, 2))))
-    steps = half_turn_steps(_radians(systems, which, speeds))
-    result = np.empty((len(speeds), systems[0].size), complex)
+    steps = finer * half_turn_steps(_radians(systems, which, speeds))
+    result = np.empty((len(speeds), systems[0].size, systems[0].size))
     for count in np.unique(steps):
         members = np.flatnonzero(steps == count)
         for start in range(0, len(members), _CHUNK):
@@ -154,18 +167,21 @@ def one_turn_multipliers(
             if not finite.all():
                 slowest = speeds[rows][~finite].min()
                 raise OverflowError(f"{slowest:g} rad/s: no double holds the motion of one turn")
-            result[rows] = np.linalg.eigvals(turn) ** 2
-    return result
+            result[rows] = turn
+    return result, steps
 
 
-def fast_growth(systems: list[Linearised], which: NDArray, speeds: NDArray) -> NDArray[np.float64]:
-    """Largest growth rate (b,) [1/s] of motions too fast to be followed; -inf where all are.
+def fast_growth(
+    systems: list[Linearised], which: NDArray, speeds: NDArray
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Largest growth rate [1/s] of motions too fast to be followed, and its rounding, (b,) each.
 
-    Mean of each eigenvalue over the frozen angles: what a motion gains while the weights swing into
-    its axis it loses when they leave.  Eigenvalues of different angles are matched by sorting, by
-    imaginary part and then by real part.
+    The rate is -inf where all motions are followed.  It is the mean of each eigenvalue over the
+    frozen angles: what a motion gains while the weights swing into its axis it loses when they
+    leave.  Eigenvalues of different angles are matched by sorting, by imaginary part and then by
+    real part.
     """
-    growth = np.full(len(speeds), -math.inf)
+    growth, error = np.full(len(speeds), -math.inf), np.zeros(len(speeds))
     for i in np.flatnonzero(_radians(systems, which, speeds) > MOST_STEPS * _RADIANS):
         system, w = systems[which[i]], speeds[i]
         limit = MOST_STEPS * w / math.pi
@@ -177,18 +193,26 @@ def fast_growth(systems: list[Linearised], which: NDArray, speeds: NDArray) -> N
         order = np.lexsort((values.real, values.imag), axis=1)
         means = np.take_along_axis(values, order, axis=1).mean(axis=0)
         fast = means[np.abs(means) > limit]
-        rate = np.where(np.abs(fast.real) > _MODULUS_ROUNDING * np.abs(fast), fast.real, 0.0)
+        rounding = _MODULUS_ROUNDING * np.abs(fast)
+        rate = np.where(np.abs(fast.real) > rounding, fast.real, 0.0)
         growth[i] = rate.max(initial=-math.inf)
-    return growth
+        error[i] = rounding.max(initial=0.0)
+    return growth, error
 
 
 def exponents(systems: list[Linearised], which: NDArray, speeds: NDArray) -> NDArray[np.complex128]:
     """Eigenvalues (b, d) [1/s] of systems with constant coefficients."""
-    steady = np.stack([s.steady for s in systems])
     result = np.empty((len(speeds), systems[0].size), complex)
     for start in range(0, len(speeds), _CHUNK):
         rows = slice(start, start + _CHUNK)
-        w = speeds[rows]
-        a = _harmonics_of(steady[which[rows]], w) * w[:, None, None]
-        result[rows] = np.linalg.eigvals(a)
+        result[rows] = np.linalg.eigvals(constant_matrices(systems, which[rows], speeds[rows]))
     return result
+
+
+def constant_matrices(
+    systems: list[Linearised], which: NDArray, speeds: NDArray
+) -> NDArray[np.float64]:
+    """Matrices A (b, d, d) [1/s] of systems with constant coefficients."""
+    steady = np.stack([s.steady for s in systems])[which]
+    matrices: NDArray = _harmonics_of(steady, speeds) * speeds[:, None, None]
+    return matrices
