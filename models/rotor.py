@@ -158,6 +158,17 @@ class LinearRotor:
                 "gravity: supports without stiffness cannot carry the rotor's weight"
             ) from None
 
+    def rest_position(self, speed: float) -> NDArray[np.float64]:
+        """The sag as x and y of every station (2, n) [m]; zero without gravity.
+
+        Raises:
+            ValueError: as `sag`.
+        """
+        if not self.gravity:
+            return np.zeros((2, self.stations))
+        sag = self.sag(speed)
+        return np.array([sag.real, sag.imag]) if self.isotropic else sag.reshape(2, -1)
+
     def refuse_sliders(self, what: str) -> None:
         """Raise ValueError, where the supports have dry friction, for what knows none."""
         if self.sliders:

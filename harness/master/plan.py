@@ -118,23 +118,18 @@ class Plan:
 def plan(scene: Scene) -> Plan:
     """The units a scene needs and no others, and their connections."""
     profile, motor = scene.profile(), scene.operation.motor
-    speed = motor.start if motor else profile.speed(0.0)
+    speed = scene.operation.start_speed
     drive = {"speed": speed, "acceleration": profile.acceleration(0.0)}
     planes = scene.rotor.unit_planes([balancer.at for balancer in scene.balancer])
-    start = {
-        f"{'' if name == 'angle' else prefix}{name}0": value
-        for name, value in scene.run.initial
-        for prefix in stations(len(scene.rotor.stations))
-    }
+    loaded = scene.assembly().loaded_rotor
     field = scene.operation.field
     gravity = {"gravity_x": field.real, "gravity_y": field.imag}
     rotor = UnitPlan(
         ROTOR,
         scene.rotor.model,
         scene.rotor.sizes(planes),
-        {**scene.rotor.start(planes), **gravity, **start, **drive},
+        {**scene.rotor.start(planes), **gravity, **_initial(scene, speed), **drive},
     )
-    loaded = scene.assembly().loaded_rotor
     balancers = [
         UnitPlan(
             balancer.label,
@@ -154,6 +149,22 @@ def plan(scene: Scene) -> Plan:
     if motor:
         units.append(_motor(motor, scene.run.initial.angle))
     return Plan(tuple(units), tuple(connections), number)
+
+
+def _initial(scene: Scene, speed: float) -> dict[str, float]:
+    """The rotor's start values: `run.initial`, counted from the sag under gravity."""
+    prefixes = stations(len(scene.rotor.stations))
+    start = {
+        f"{'' if name == 'angle' else prefix}{name}0": value
+        for name, value in scene.run.initial
+        for prefix in prefixes
+    }
+    if scene.operation.gravity:
+        sag = scene.assembly().loaded_rotor.rest_position(speed)
+        for axis, at_rest in zip("xy", sag.tolist(), strict=True):
+            for prefix, value in zip(prefixes, at_rest, strict=True):
+                start[f"{prefix}{axis}0"] += value
+    return start
 
 
 def about(unit: UnitPlan, scene: Scene) -> dict[str, Any]:

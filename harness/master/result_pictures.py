@@ -27,6 +27,8 @@ if TYPE_CHECKING:
         def __getitem__(self, name: str) -> NDArray[np.float64]: ...
 
         def summary(self) -> Summary: ...
+
+        def sag(self) -> dict[str, NDArray[np.float64]]: ...
 else:
     _Result = object
 
@@ -59,7 +61,7 @@ class Pictures(_Result):
         judged = self.summary() if self.scene else None
         title = self.scene_title or "run"
         try:
-            picture = history(self.time, self.signals, self.signal_units, title, judged)
+            picture = history(self.time, self.signals, self.signal_units, title, judged, self.sag())
             return picture if path is None else picture.save(path)
         except UserError as error:
             if path is None or str(path) in str(error):

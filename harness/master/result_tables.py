@@ -6,6 +6,7 @@ from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
 from ..output.table import Sheet
+from ..result.sag import from_sag
 from ..units import shown_in
 
 if TYPE_CHECKING:
@@ -13,13 +14,15 @@ if TYPE_CHECKING:
 
 
 def summary(result: Result) -> Sheet:
-    """Smallest, largest and last value of every signal."""
-    rows = []
-    for name, values in {"time": result.time, **result.signals}.items():
+    """Smallest, largest and last value of every signal, displacements from the sag."""
+    rows, sag = [], result.sag()
+    for name, values in {"time": result.time, **from_sag(result.signals, sag)}.items():
         unit = "s" if name == "time" else result.signal_units.get(name, "")
         unit, factor = shown_in(unit, name)
         numbers = (factor * values.min(), factor * values.max(), factor * values[-1])
-        rows.append([name, unit, *(f"{n:.6g}" for n in numbers)])
+        rows.append(
+            [f"{name}, from the sag" if name in sag else name, unit, *(f"{n:.6g}" for n in numbers)]
+        )
     columns = ["signal", "unit", "smallest", "largest", "at the end"]
     return Sheet(columns, rows, "llrrr", result.scene_title or "run")
 
@@ -53,5 +56,6 @@ def as_json(result: Result) -> dict[str, Any]:
         "left_out": result.left_out,
         "events": result.events,
         "summary": _summary(result),
+        "sag": {name: values[-1] for name, values in result.sag().items()},
         "signals": signals,
     }

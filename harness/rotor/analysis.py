@@ -31,6 +31,7 @@ from ..master.run import cosimulate
 from ..output.outcome import Outcome
 from ..output.picture import Picture
 from ..output.table import Sheet
+from ..result.sag import from_sag
 from ..scene import Scene
 from ..scene.quantities import LARGEST
 from ..units import in_both, si_number
@@ -64,7 +65,8 @@ class RunUpMotion:
 
     Attributes:
         seconds: duration of the rise.
-        run: with the balancers, speeds (m,) [rad/s] and sqrt(x^2 + y^2) (m, n) [m].
+        run: with the balancers, speeds (m,) [rad/s] and sqrt(x^2 + y^2), under gravity from
+            the sag, (m, n) [m].
         alone: the same without them; None where the scene has none.
     """
 
@@ -233,9 +235,10 @@ def _steady(units: Revolution, speed: float) -> NDArray[np.complexfloating]:
 
 
 def _displacement(rising: Scene) -> tuple[Array, Array]:
-    """Speeds (m,) and sqrt(x^2 + y^2) (m, n); each run has times of its own."""
+    """Speeds (m,) and sqrt(x^2 + y^2) from the sag (m, n); each run has times of its own."""
     count = len(rising.rotor.stations)
     outputs = [f"rotor.{name}" for name in _displacements(count)]
     result = cosimulate(rising, record=outputs)
-    x, y = np.split(np.stack([result[name] for name in outputs], axis=1), 2, axis=1)
+    moved = from_sag(result.signals, result.sag())
+    x, y = np.split(np.stack([moved[name] for name in outputs], axis=1), 2, axis=1)
     return rising.profile().speeds_at(result.time), np.hypot(x, y)

@@ -21,6 +21,7 @@ from ..output.picture import (
     unbroken,
 )
 from ..output.plot import metres
+from ..result.sag import FROM_SAG
 from .analysis import RotorAnalysis
 
 CRITICAL = "#D62728"
@@ -129,7 +130,8 @@ def run_up_curves(found: RotorAnalysis) -> Picture:
     largest = max(float(displacement.max()) for _, displacement in runs.values())
     factor, unit = metres(largest)
     ends = 0.0, 1.05 * factor * largest
-    upward = PlotAxis("displacement $\\sqrt{x^2 + y^2}$, 0-peak", unit, limits=ends)
+    called = FROM_SAG if found.scene.operation.gravity else "displacement"
+    upward = PlotAxis(f"{called} $\\sqrt{{x^2 + y^2}}$, 0-peak", unit, limits=ends)
     panels = []
     for name, (speeds, displacement) in runs.items():
         lines = _marked(found, ends)

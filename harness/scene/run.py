@@ -153,6 +153,11 @@ class Operation(Table):
             return complex(0.0, 0.0 - self.gravity)
         return rect(self.gravity, self.gravity_angle)
 
+    @property
+    def start_speed(self) -> float:
+        """At time 0 [rad/s]."""
+        return self.motor.start if self.motor else self.speeds().speed(0.0)
+
     def drive(self) -> SpeedProfile | MotorDriven:
         """The speed against time, or the motor that makes it."""
         motor = self.motor
@@ -232,12 +237,12 @@ class Coupling(Table):
 
 
 class Initial(Table):
-    """The rotor at the start: every station alike.  Default: at rest in the middle."""
+    """The rotor at the start: every station alike.  Default: at rest, under gravity in the sag."""
 
     x: Annotated[Real, SI("m")] = 0.0
-    """Displacement of every station along x."""
+    """Displacement of every station along x; under gravity from the sag."""
     y: Annotated[Real, SI("m")] = 0.0
-    """Displacement of every station along y."""
+    """Displacement of every station along y; under gravity from the sag."""
     vx: Annotated[Real, SI("m/s")] = 0.0
     """Velocity of every station along x."""
     vy: Annotated[Real, SI("m/s")] = 0.0

@@ -29,7 +29,8 @@ RightHandSide = Callable[[float, Array], "Array | list[float]"]
 class Start:
     """Motion at time 0: displacements and velocities per station (or of all), angle of the rotor.
 
-    `x`, `y` [m], `vx`, `vy` [m/s], `angle` [rad].  The weights' start is in their `Mounted`.
+    `x`, `y` [m], under gravity from the sag, `vx`, `vy` [m/s], `angle` [rad].  The weights' start
+    is in their `Mounted`.
     """
 
     x: float | Sequence[float] = 0.0
@@ -74,10 +75,13 @@ class Monolith:
         return self.angle + angle, speed, change
 
     def initial(self, start: Start = REST) -> Array:
-        """State at time 0, (size,)."""
+        """State at time 0, (size,): at rest in the sag unless `start` says otherwise."""
+        sag = self.assembly.loaded_rotor.rest_position(self.profile.speed(0.0))
         parts = [
-            np.broadcast_to(np.asarray(value, float), self.stations)
-            for value in (start.x, start.y, start.vx, start.vy)
+            np.broadcast_to(np.asarray(value, float), self.stations) + rest
+            for value, rest in zip(
+                (start.x, start.y, start.vx, start.vy), (*sag, 0.0, 0.0), strict=True
+            )
         ]
         angles: list[float] = []
         rates: list[float] = []

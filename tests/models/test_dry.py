@@ -48,6 +48,7 @@ def test_sliders_are_those_of_the_units_step(friction_of, gravity, ramp):
     run = simulate(Assembly(body), profile, times, initial=start, rtol=1e-11)
     method = friction_of(body)
     pairs = np.array([[start.x, start.y], [start.vx, start.vy]])
+    pairs[0] += body.rest_position(150.0)
     state = pairs.transpose(0, 2, 1).ravel()
     held, found = method.at_start(state), [state]
     for begin, end in pairwise(times):

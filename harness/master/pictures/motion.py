@@ -14,6 +14,7 @@ from scipy.interpolate import CubicSpline
 from ....models.arrays import Array
 from ...errors import UserError
 from ...output.picture import PlotAxis
+from ...result.sag import FROM_SAG, sag_of
 from ...scene import Scene
 from ...scene.balancer import WeightBalancer
 from ..names import stations
@@ -88,13 +89,31 @@ class Motion:
 
     @cached_property
     def displacement(self) -> Array:
-        """x and y of every station, (T, 2, n) [m].
+        """x and y of every station, under gravity from the sag, (T, 2, n) [m].
 
         Raises:
             UnknownSignalError: one was not recorded.
         """
-        both = [[self.recorded[f"{p}{axis}"] for p in self.prefixes] for axis in "xy"]
-        return np.moveaxis(np.array(both), 2, 0)
+        names = [[f"{p}{axis}" for p in self.prefixes] for axis in "xy"]
+        both = np.array([[self.recorded[name] for name in row] for row in names])
+        if sag := self._sag:
+            both -= np.array([[sag[name] for name in row] for row in names])
+        return np.moveaxis(both, 2, 0)
+
+    @property
+    def called(self) -> str:
+        """What `displacement` is, for an axis."""
+        return FROM_SAG if self.scene.operation.gravity else "displacement"
+
+    @property
+    def _sag(self) -> dict[str, Array]:
+        turned_by_shaft = self.scene.operation.motor and self.scene.operation.gravity
+        speed = self.speed if turned_by_shaft and self._has_internal_damping else None
+        return sag_of(self.scene, self.time, speed)
+
+    @property
+    def _has_internal_damping(self) -> bool:
+        return bool(self.scene.assembly().rotor.internal_damping.any())
 
     def weights(self) -> Iterator[tuple[WeightBalancer, Array]]:
         """Every balancer with weights, and their angles in the rotor (N, T) [rad].

@@ -216,7 +216,8 @@ def _curves(motion: Motion, times: Array, above: Any, below: Any) -> Callable[[i
     factor, unit = metres(float(size.max()))
     for j in range(size.shape[1]):
         above.plot(motion.time, size[:, j] * factor, color="black", lw=0.8, alpha=1.0 / (1 + j))
-    above.set_ylabel(f"vibration [{unit}]", fontsize="small")
+    from_sag = " from the sag" if motion.scene.operation.gravity else ""
+    above.set_ylabel(f"vibration{from_sag} [{unit}]", fontsize="small")
     above.tick_params(labelbottom=False)
     weights = [b for b in motion.scene.balancer if isinstance(b, WeightBalancer)]
     if weights:

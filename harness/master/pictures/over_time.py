@@ -11,6 +11,7 @@ from ....models.arrays import Array
 from ...errors import UserError
 from ...output.picture import GREY, Line, Panel, Picture, PlotAxis, colour, unbroken
 from ...output.plot import metres
+from ...result.sag import FROM_SAG, from_sag
 from ..names import ANGLE, quantity
 from .motion import Motion, station_names
 
@@ -28,6 +29,7 @@ def history(
     units: Mapping[str, str],
     title: str,
     judged: Summary | None = None,
+    sag: Mapping[str, Array] | None = None,
 ) -> Picture:
     """Time history of everything recorded: displacements, weights' angles, the rest by quantity.
 
@@ -38,10 +40,14 @@ def history(
         signals: (T,) each, by name.
         units: of measurement, by the signals' names.
         judged: what the run comes to, marked in the amplitudes.
+        sag: of displacements under gravity (T,) each [m], see `sag_of`: what is drawn is counted
+            from it.
 
     Raises:
         UserError: nothing was recorded.
     """
+    called = {"displacement": FROM_SAG} if sag else {}
+    signals = from_sag(signals, sag or {})
     groups: dict[tuple[str, str], list[str]] = {}
     for name in signals:
         unit = units.get(name, "")
@@ -49,7 +55,7 @@ def history(
     if not groups:
         raise UserError("nothing to draw: the run recorded no signal")
     panels = [
-        _panel(time, {name: signals[name] for name in names}, *heading)
+        _panel(time, {name: signals[name] for name in names}, *heading, called)
         for heading, names in groups.items()
     ]
     shown = [
@@ -60,11 +66,16 @@ def history(
         del pairs[_MOST_LINES:]
         sizes = [np.hypot(signals[f"{pair}x"], signals[f"{pair}y"]) for pair in pairs]
         place = 1 + [title for title, _ in groups].index("displacement")
-        panels.insert(place, _amplitudes(time, sizes, [pair[:-1] for pair in pairs], judged))
+        amplitudes = _amplitudes(
+            time, sizes, [pair[:-1] for pair in pairs], judged, *called.values()
+        )
+        panels.insert(place, amplitudes)
     return Picture(title, panels, height=2.4)
 
 
-def _panel(time: Array, signals: Mapping[str, Array], title: str, unit: str) -> Panel:
+def _panel(
+    time: Array, signals: Mapping[str, Array], title: str, unit: str, called: Mapping[str, str]
+) -> Panel:
     largest = max(float(np.max(np.abs(values), initial=0.0)) for values in signals.values())
     factor, shown = metres(largest) if unit == "m" else (1.0, unit)
     lines = []
@@ -79,14 +90,18 @@ def _panel(time: Array, signals: Mapping[str, Array], title: str, unit: str) -> 
         nothing = np.full(1, np.nan)
         label = f"and {len(signals) - _MOST_LINES} more, not drawn"
         lines.append(Line((nothing, nothing), label, "none"))
-    upward = ONE_TURN if title == ANGLE else PlotAxis(title, shown)
+    upward = ONE_TURN if title == ANGLE else PlotAxis(called.get(title, title), shown)
     return Panel((PlotAxis("time", "s"), upward), lines)
 
 
 def _amplitudes(
-    time: Array, sizes: Sequence[Array], names: Sequence[str], judged: Summary | None
+    time: Array,
+    sizes: Sequence[Array],
+    names: Sequence[str],
+    judged: Summary | None,
+    called: str = "displacement",
 ) -> Panel:
-    """Distances from the axis (T,) [m], logarithmic: a decay is a straight line."""
+    """Distances from the axis or the sag (T,) [m], logarithmic: a decay is a straight line."""
     alone, after = (judged.alone, judged.after) if judged and judged.balancers else (None, None)
     largest = max(alone or 0.0, *(float(size.max()) for size in sizes))
     factor, unit = metres(largest)
@@ -102,14 +117,14 @@ def _amplitudes(
     if after:
         label = f"balanced after {after:.3g} s"
         lines.append(Line((np.full(2, after), np.array([low, top])), label, "#000000", "dotted"))
-    upward = PlotAxis("displacement, 0-peak", unit, log=True, limits=(low, top))
+    upward = PlotAxis(f"{called}, 0-peak", unit, log=True, limits=(low, top))
     return Panel((PlotAxis("time", "s"), upward), lines)
 
 
 def motion_with_weights(motion: Motion, judged: Summary | None = None) -> Picture:
     """Displacement of every station, speed where it changes, and the angles of all weights."""
     size, time = np.hypot(motion.displacement[:, 0], motion.displacement[:, 1]), motion.time
-    panels = [_amplitudes(time, list(size.T), station_names(motion.scene), judged)]
+    panels = [_amplitudes(time, list(size.T), station_names(motion.scene), judged, motion.called)]
     axis = PlotAxis("time", "s")
     if motion.changes:
         panels.append(Panel((axis, PlotAxis("speed", "rad/s")), [Line((time, motion.speed))]))
