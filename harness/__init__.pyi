@@ -4,9 +4,9 @@ from .errors import SceneError as SceneError
 from .errors import SimulationError as SimulationError
 from .errors import UnitError as UnitError
 from .errors import UserError as UserError
-from .master.many import cosimulate_many as cosimulate_many
-from .master.result import Result as Result
-from .master.run import cosimulate as cosimulate
+from .result.many import cosimulate_many as cosimulate_many
+from .result.result import Result as Result
+from .result.run import cosimulate as cosimulate
 from .scene import Scene as Scene
 from .scene import bundled_scenes as bundled_scenes
 from .scene import load_scene as load_scene

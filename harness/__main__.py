@@ -31,11 +31,11 @@ def program() -> Typer:
     from .checks import command as check
     from .design import command as design
     from .drag import command as drag
+    from .export import command as build
     from .fit import command as fit
     from .manual import command as manual
-    from .master import build_command as build
-    from .master import run_command as run
     from .output.commands import Commands, with_common_options, without_command
+    from .result import command as run
     from .rotor import command as rotor
     from .scatter import command as scatter
     from .scene import cite_command as cite

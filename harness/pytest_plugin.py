@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 if TYPE_CHECKING:  # nothing heavy is loaded for tests that do not use the fixture
-    from .master.result import Result
+    from .result.result import Result
     from .scene import Scene
 
 
@@ -36,7 +36,7 @@ def cosim(request: pytest.FixtureRequest) -> Callable[..., Result]:
     ) -> Result:
         __tracebackhide__ = True  # of a refusal pytest shows the test's line and the message
         from .errors import SimulationError, UserError
-        from .master.run import cosimulate
+        from .result.run import cosimulate
         from .scene import Scene, load_scene
 
         try:

@@ -21,7 +21,7 @@ from tests.wheel import checkout, installed, wheel  # noqa: F401
 
 if TYPE_CHECKING:  # loaded where it is used: tests of the models alone need no harness
     from autobalancer.harness import Scene
-    from autobalancer.harness.master.result import Result
+    from autobalancer.harness.result.result import Result
     from tests.native.core import Core
     from tests.native.equations import Friction, Track
     from tests.native.packaging import Units

@@ -8,7 +8,7 @@ from scipy.integrate import cumulative_simpson
 from scipy.interpolate import CubicSpline
 
 from autobalancer.harness import Scene
-from autobalancer.harness.master.result import Result
+from autobalancer.harness.result.result import Result
 from autobalancer.harness.scene.balancer import WeightBalancer
 
 Array = NDArray[np.float64]

@@ -7,7 +7,7 @@ import math
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from autobalancer.harness.master.revolution import Revolution
+from autobalancer.harness.stability.revolution import Revolution
 from autobalancer.models.assembly import Assembly
 from autobalancer.models.linear.floquet import exponents, one_turn_multipliers
 from autobalancer.models.linear.linearised import linearise

@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 
 from autobalancer.harness import bundled_scenes, check
-from tests.omissions import calls, omissions
+from tests.studies.omissions import calls, omissions
 from tests.test_pages import NUMBER, blocks, run
 
 pytestmark = pytest.mark.slow

@@ -12,12 +12,12 @@ from autobalancer.harness.errors import SceneError as SceneError
 from autobalancer.harness.errors import SimulationError as SimulationError
 from autobalancer.harness.errors import UnitError as UnitError
 from autobalancer.harness.errors import UserError as UserError
+from autobalancer.harness.export.build import Built as Built
+from autobalancer.harness.export.build import build_files as build_files
 from autobalancer.harness.fit.study import Fit as Fit
-from autobalancer.harness.master.build import Built as Built
-from autobalancer.harness.master.build import build_files as build_files
-from autobalancer.harness.master.result import Result as Result
 from autobalancer.harness.output.machine import VERSION as __version__
 from autobalancer.harness.output.outcome import Outcome as Outcome
+from autobalancer.harness.result.result import Result as Result
 from autobalancer.harness.rotor.analysis import RotorAnalysis as RotorAnalysis
 from autobalancer.harness.scatter.study import Scatter as Scatter
 from autobalancer.harness.scene.balancer import Balls as Balls

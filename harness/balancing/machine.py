@@ -16,9 +16,9 @@ from ...models.linear.synchronous import synchronous
 from ..errors import SceneError, SimulationError
 from ..master.fmu import Closing
 from ..master.names import station
-from ..master.revolution import Revolution
 from ..scene import Scene
 from ..scene.balancing import Balancing
+from ..stability.revolution import Revolution
 
 UNSTABLE = 1e-6  # a multiplier beyond 1 + this grows; an undamped rotor has exactly 1
 DRIFT = 1e-8  # of the amplitude, between the halves of a measurement: more is no steady state

@@ -12,8 +12,8 @@ from ...models.papers import capacity as theory
 from ...models.papers.settling import plane_response
 from ..design.scenes import only_finite_weights
 from ..errors import SceneError
-from ..master.result import Result
-from ..master.run import cosimulate
+from ..result.result import Result
+from ..result.run import cosimulate
 from ..scene import Scene
 from .row import Row, Rows
 

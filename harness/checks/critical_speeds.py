@@ -9,7 +9,7 @@ import numpy as np
 
 from ...models.stability import growth_rates
 from ..errors import SceneError
-from ..master.run import cosimulate
+from ..result.run import cosimulate
 from ..scene import Scene
 from ..scene.check import CriticalSpeedsCheck
 from ..stability.boundaries import speeds

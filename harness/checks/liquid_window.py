@@ -15,9 +15,9 @@ from scipy.optimize import brentq
 
 from ...models.papers.window import OPEN_END, LiquidWindow
 from ..errors import SceneError, SimulationError
-from ..master.revolution import Revolution
 from ..scene import Scene
 from ..stability.main_motion import MainMotion
+from ..stability.revolution import Revolution
 from .proved import window_rows
 from .row import Row, Rows
 

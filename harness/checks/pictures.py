@@ -9,10 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...models.papers.window import OPEN_END
-from ..master.revolution import Revolution
 from ..output.picture import GREY, Line, Panel, Picture, PlotAxis, Style, colour
 from ..output.plot import metres
 from ..scene import Scene
+from ..stability.revolution import Revolution
 from .liquid_window import steady_displacement, window_of
 from .rig_picture import plot_rig
 from .sommerfeld import WITHIN, run_with, variants_of

@@ -16,9 +16,9 @@ from numpy.typing import NDArray
 
 from ...models.arrays import Array
 from ..errors import SimulationError
-from ..master.many import cosimulate_many
 from ..master.names import station_residuals
-from ..master.run import cosimulate
+from ..result.many import cosimulate_many
+from ..result.run import cosimulate
 from ..scene import Scene
 from ..scene.balancer import WeightBalancer
 from ..units import RPM

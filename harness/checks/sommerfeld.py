@@ -8,8 +8,8 @@ import numpy as np
 
 from ...models.sommerfeld import Resonance
 from ..errors import SceneError
-from ..master.result import Result
-from ..master.run import cosimulate
+from ..result.result import Result
+from ..result.run import cosimulate
 from ..scene import Scene
 from .row import Row, Rows
 

@@ -13,8 +13,8 @@ import numpy as np
 from ...models.arrays import Array
 from ..errors import UserError
 from ..input_files import read_csv
-from ..master.alike import refuse_unvaried
 from ..master.names import station_residuals
+from ..result.alike import refuse_unvaried
 from ..scene import Scene
 from ..units import si_number
 from .parameters import value_at

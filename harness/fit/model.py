@@ -13,9 +13,9 @@ from numpy.typing import NDArray
 from ...models.arrays import Array
 from ...models.harmonic_balance import NoResponse, largest_displacement, unbalance_response
 from ..errors import SimulationError, UserError
-from ..master.alike import table_of
-from ..master.many import cosimulate_many
 from ..master.names import station_residuals
+from ..result.alike import table_of
+from ..result.many import cosimulate_many
 from ..scene import Scene
 from .measured import AMPLITUDE, LARGEST, SPEED, MeasuredAmplitudes
 from .parameters import Parameter

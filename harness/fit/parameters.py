@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from ..errors import SceneError, UserError
-from ..master.alike import refuse_unvaried
+from ..result.alike import refuse_unvaried
 from ..scene import Scene
 from ..scene.replace import in_full
 from ..units import si_number

@@ -3,19 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 from ...models.constants import LOOSE_RESIDUAL, STATED_ERROR
 from ..errors import LoopError
 from ..scene import Scene
 from ..scene.run import LOOSEST_TOLERANCE
-from .left_out import left_out
-from .recorder import Recorder
-from .result import Result
-from .velocity import velocities, with_velocities
 
-NO_CALLS = "calls of FMI (the one file's units are coupled in C, from memory to memory)"
 NOT_ESTIMATED = (
     "the error of separate units in given steps is not estimated: use a tolerance, or one file"
 )
@@ -51,31 +46,6 @@ class Facts:
     worst_residual: float
     estimated_error: float = 0.0
     unresolved: int = 0
-
-
-def result(recorder: Recorder, facts: Facts, seconds: float, names: Sequence[str]) -> Result:
-    """Signals by these names, and velocities if there are any, with the facts of the run."""
-    time, signals = recorder.columns()
-    units = recorder.signal_units
-    return Result(
-        scene_title=facts.scene.title,
-        time=time,
-        signals=with_velocities(facts.scene, names, time, signals),
-        velocity=with_velocities(
-            facts.scene, velocities(facts.scene) if names else [], time, signals
-        ),
-        seconds=seconds,
-        left_out=(*left_out(facts.scene, names), *([] if facts.calls else [NO_CALLS])),
-        units=facts.files,
-        events=tuple(events(facts)),
-        steps=facts.steps,
-        passes=facts.passes,
-        calls=dict(facts.calls),
-        unconverged=facts.unconverged,
-        estimated_error=facts.estimated_error,
-        signal_units={name: units.get(name, "m/s") for name in names},
-        scene=facts.scene,
-    )
 
 
 def exchanging(scene: Scene) -> bool:

@@ -3,19 +3,13 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable
-from dataclasses import replace
-from pathlib import Path
 
-from ...fmus.composite.build import build_composite
 from ...fmus.composite.composition import Composition, Part
-from ...models.harmonic_balance import NoResponse
 from ..errors import SceneError
 from ..scene import Scene
 from .plan import ROTOR, plan
 from .runtime import runtime
 from .schedule import as_run, end_time, step_size
-from .summary import BALANCED, vibration_alone
 
 
 def composition(scene: Scene) -> Composition:
@@ -113,52 +107,3 @@ def drive(scene: Scene) -> dict[str, float]:
         "acceleration": profile.acceleration(0.0),
         **own,
     }
-
-
-def _limit(scene: Scene) -> float:
-    """Vibration below which a run of the scene counts as balanced [m]; 0 where it is not known."""
-    try:
-        return BALANCED * vibration_alone(scene, scene.profile().end, end_time(scene))
-    except NoResponse:
-        return 0.0
-
-
-def build_one_file(
-    scene: Scene,
-    path: Path,
-    fmi: int = 2,
-    platforms: Iterable[str] | None = None,
-    *,
-    plain: bool = False,
-    flat: bool = False,
-    reference: bool = False,
-) -> Path:
-    """Build a scene's composite FMU; its model is named after the scene.
-
-    Args:
-        fmi, platforms: as `build_composite`.
-        plain, flat: as `Composition`.
-        reference: with `reference_files`.
-
-    Raises:
-        SceneError: as `composition`.
-        SimulationError: as `reference_files`.
-        ValueError, NotCompiled, OSError: as `build_composite`.
-    """
-    made = composition(scene)
-    made = replace(
-        made,
-        start={**made.start, "vibration_limit": _limit(scene)},
-        title=scene.heading,
-        source=scene.source,
-        plain=plain,
-        flat=flat,
-    )
-    extra = None
-    if reference:
-        from ..accuracy.reference_files import reference_files
-
-        extra = reference_files(scene, made.described(scene.name).label)
-    return build_composite(
-        made, path, name=model_name(scene), fmi=fmi, platforms=platforms, extra=extra
-    )

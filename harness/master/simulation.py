@@ -1,19 +1,20 @@
-"""What the two engines have in common: `CoSimulation` of separate FMUs, `OneFileRun` in C."""
+"""What steps a scene: `CoSimulation` of separate FMUs, and `OneFileRun` in C."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple, TypeAlias
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 
 from ..errors import SceneError
 from ..scene import Scene
 from ..scene.run import UNCORRECTED
-from .recorder import Signal
+from .recorder import Recorder, Signal
 
 if TYPE_CHECKING:
-    from .cosimulation import CoSimulation
-    from .one_file_run import OneFileRun
+    from typing_extensions import Self
 
-Simulation: TypeAlias = "CoSimulation | OneFileRun"
+    from ..output.workers import Progress
+    from .facts import Facts
 
 
 class Repeated(NamedTuple):
@@ -28,6 +29,38 @@ class Repeated(NamedTuple):
     times: Signal
     parts: int
     residual: float
+
+
+class Simulation(Protocol):
+    """The coupled units of a scene, restarted and run as often as wanted.
+
+    Attributes:
+        units: what is recorded of them, by name.
+        coupled: whether there is a loop.
+        meets_events: whether steps end where weights collide or stick, or supports stick.
+        estimates_errors: whether each step estimates its error.
+    """
+
+    scene: Scene
+    coupled: bool
+    meets_events: bool
+    estimates_errors: bool
+
+    @property
+    def units(self) -> Mapping[str, Any]: ...
+
+    def __enter__(self) -> Self: ...
+
+    def __exit__(self, *_exception: object) -> None: ...
+
+    def start(self, *, attempt: int | None = None, again: Repeated | None = None) -> None:
+        """Restart from the scene's start values; arguments as of `CoSimulation.start`."""
+
+    def record(self, recorder: Recorder, progress: Progress | None) -> None:
+        """Run to the end; a row at the start and after every step."""
+
+    def facts(self) -> Facts:
+        """What the run since the last start did."""
 
 
 def refuse_loose_tolerance(scene: Scene) -> None:

@@ -1,1 +1,1 @@
-"""What a run comes to: its verdict, and what is read from its signals."""
+"""What a run comes to: its signals, verdict, tables, pictures and files."""

@@ -26,14 +26,14 @@ from ...models.linear.synchronous import synchronous
 from ...models.papers.influence import influence
 from ..errors import UserError
 from ..master.names import stations
-from ..master.revolution import Revolution
-from ..master.run import cosimulate
 from ..output.outcome import Outcome
 from ..output.picture import Picture
 from ..output.table import Sheet
+from ..result.run import cosimulate
 from ..result.sag import from_sag
 from ..scene import Scene
 from ..scene.quantities import LARGEST
+from ..stability.revolution import Revolution
 from ..units import in_both, si_number
 
 CURVE_POINTS = 400
@@ -207,7 +207,7 @@ def draw(found: RotorAnalysis, path: Path | None, kind: Kind = "campbell") -> Pa
     Raises:
         UserError: the kind is unknown, or the rotor has nothing of it to show.
     """
-    from ..master.pictures.in_space import mode_shapes
+    from ..result.in_space import mode_shapes
     from . import plot
 
     if kind not in get_args(Kind):

@@ -9,7 +9,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...models.arrays import Array
-from ..master.pictures.motion import station_names
 from ..output.picture import (
     GREY,
     Line,
@@ -21,6 +20,7 @@ from ..output.picture import (
     unbroken,
 )
 from ..output.plot import metres
+from ..result.motion import station_names
 from ..result.sag import FROM_SAG
 from .analysis import RotorAnalysis
 

@@ -14,8 +14,6 @@ import tomli_w
 from numpy.typing import NDArray
 
 from ..errors import SceneError, SimulationError
-from ..master.alike import table_of
-from ..master.many import cosimulate_many
 from ..master.merged import merged, names_of_states
 from ..master.one_file import composition
 from ..master.schedule import end_time
@@ -23,6 +21,8 @@ from ..output.outcome import Outcome
 from ..output.store import open_store
 from ..output.table import Sheet
 from ..output.workers import Progress, Workers, in_order
+from ..result.alike import table_of
+from ..result.many import cosimulate_many
 from ..scene import Scene
 from ..scene.grade import moments, residual_unbalance
 from .vary import Variation, drawn, refuse_drawn, refuse_wrong

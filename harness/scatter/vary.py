@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import SceneError, UserError
-from ..master.alike import refuse_unvaried
+from ..result.alike import refuse_unvaried
 from ..scene import Scene
 from ..scene.balancer import WeightBalancer
 from ..scene.replace import in_full

@@ -17,8 +17,8 @@ if TYPE_CHECKING:
     from ..balancing.cycles import BalancingReport
     from ..checks.runner import SceneReport
     from ..design.choices import Design
+    from ..export.build import Built
     from ..fit.study import Fit
-    from ..master.build import Built
     from ..output.workers import ItemProgress, Progress, Workers
     from ..scatter.study import Scatter
     from ..show.page import Page
@@ -316,7 +316,7 @@ class Methods:
         >>> [path.name for path in built.files]
         ['RotorOnSupports.fmu', 'BallBalancer-weights-2.fmu']
         """
-        from ..master.build import build_files
+        from ..export.build import build_files
 
         form: dict[str, Any] = {"python": python, "one_file": one_file, "ssp": ssp}
         form |= {"plain": plain, "flat": flat, "reference": reference}

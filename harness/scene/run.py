@@ -18,8 +18,8 @@ from ...models.reference.driven import MotorDriven
 from .quantities import SI, Angle, NotNegative, Positive, Real, Table, Text, Whole, refusal
 
 if TYPE_CHECKING:
-    from ..master.result import Result
     from ..output.workers import Progress
+    from ..result.result import Result
 
 DEFAULT_TOLERANCE = 1e-4  # of the motion: no picture shows it
 UNCORRECTED = ("jacobi", "gauss-seidel", "compensated")  # schemes that take one pass
@@ -294,7 +294,7 @@ class Run(Table):
         >>> run["rotor.x"].shape == run.time.shape, list(run.to_pandas())
         (True, ['rotor.x'])
         """
-        from ..master.run import cosimulate
+        from ..result.run import cosimulate
 
         form: dict[str, Any] = {"fmus": fmus, "separate": separate}
         return cosimulate(self._owner, record=record, progress=progress, **form)
@@ -319,6 +319,6 @@ class Run(Table):
         >>> short.run.many({"rotor.stiffness[x]": np.linspace(0.9, 1.1, 4)})["residual"].shape
         (4,)
         """
-        from ..master.many import DEFAULTS, cosimulate_many
+        from ..result.many import DEFAULTS, cosimulate_many
 
         return cosimulate_many(self._owner, table, results=results or DEFAULTS, threads=threads)

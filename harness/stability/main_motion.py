@@ -29,8 +29,8 @@ from ...models.linear.balanced import (
 )
 from ..errors import SimulationError
 from ..master.fmu import Closing
-from ..master.revolution import RANK, Matrix, Revolution, Vector, derivative
 from ..scene import Scene
+from .revolution import RANK, Matrix, Revolution, Vector, derivative
 
 Outcome = TypeVar("Outcome")
 

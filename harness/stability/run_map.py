@@ -11,12 +11,12 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from ..master.alike import refuse_unvaried, table_of
-from ..master.many import cosimulate_many
 from ..master.one_file import composition
 from ..output.table import Sheet
 from ..output.words import kinds_of
 from ..output.workers import Progress, Workers, in_order
+from ..result.alike import refuse_unvaried, table_of
+from ..result.many import cosimulate_many
 from ..scene import Scene
 from .axis import Axis, Map, refuse_axes
 from .map_store import open_map

@@ -10,9 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import UserError
-from ..master.many import cosimulate_many
 from ..master.names import station_residuals, weight
 from ..output.words import kinds_of
+from ..result.many import cosimulate_many
 from ..scene import Scene
 from ..scene.replace import SPEED
 

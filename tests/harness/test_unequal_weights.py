@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from autobalancer.harness.errors import SceneError, UserError
-from autobalancer.harness.master.run import cosimulate
+from autobalancer.harness.result.run import cosimulate
 from autobalancer.harness.scatter.study import scatter
 from autobalancer.harness.scatter.vary import Variation
 from autobalancer.harness.scene import Scene

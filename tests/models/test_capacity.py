@@ -34,11 +34,7 @@ from autobalancer.models.papers.settling import (
 from autobalancer.models.rotor import LinearRotor
 from autobalancer.models.spacing import closest
 from autobalancer.models.weights import Weights, alignment
-from tests.papers import (
-    completed_angles,
-    fan_angles,
-    slow_roots,
-)
+from tests.studies.papers import completed_angles, fan_angles, slow_roots
 
 
 def test_errata_of_table_1():

@@ -14,7 +14,7 @@ from autobalancer.models.papers.tables import TABLE_1, TABLE_2
 from autobalancer.models.papers.window import LiquidWindow
 from autobalancer.models.rotor import LinearRotor
 from autobalancer.models.weights import Weights
-from tests.papers import coefficients, positive_roots
+from tests.studies.papers import coefficients, positive_roots
 
 LIQUID = Liquid(chamber_radius=0.1, float_radius=0.08, height=0.1, density=1000.0)
 

@@ -14,7 +14,7 @@ from autobalancer.models.papers.influence import (
     unbalance_from_response,
 )
 from autobalancer.models.rotor import LinearRotor
-from tests.papers import inverse_dynamic_stiffness, left_plane, right_plane
+from tests.studies.papers import inverse_dynamic_stiffness, left_plane, right_plane
 
 MASS, INERTIA, SPAN, LEFT, RIGHT = 12.0, 0.7, 0.8, 0.15, 0.1
 STIFFNESS = ((2e5, 6e5), (3e5, 4e5))

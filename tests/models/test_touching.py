@@ -21,7 +21,7 @@ from autobalancer.models.rotor import LinearRotor
 from autobalancer.models.steps.weights import advance as point_advance
 from autobalancer.models.steps.weights import reaction as point_reaction
 from autobalancer.models.weights import Weights, alignment
-from tests.papers import completed_angles
+from tests.studies.papers import completed_angles
 
 ALPHA = 0.25
 SPEED = 30.0

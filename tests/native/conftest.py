@@ -10,7 +10,7 @@ import pytest
 from fmpy import platform_tuple
 
 from autobalancer.harness import Scene
-from autobalancer.harness.master.one_file import build_one_file
+from autobalancer.harness.export.one_file import build_one_file
 
 
 @pytest.fixture

@@ -16,8 +16,8 @@ from autobalancer.fmus.native.build.compile import stamp
 from autobalancer.fmus.native.build.layout import hashed
 from autobalancer.fmus.xml.archive import unzipped, zipped
 from autobalancer.harness import Scene, bundled_scenes, cosimulate, load_scene
+from autobalancer.harness.export.one_file import build_one_file
 from autobalancer.harness.master.cosimulation import CoSimulation
-from autobalancer.harness.master.one_file import build_one_file
 from autobalancer.harness.master.schedule import at_fixed_steps
 
 RANGE = 1e-11  # of a signal's range

@@ -18,8 +18,9 @@ from lxml import etree
 
 from autobalancer.fmus.unit import LONGEST_NAME
 from autobalancer.harness import load_scene
-from autobalancer.harness.accuracy.reference_files import FOLDER
-from autobalancer.harness.master.one_file import build_one_file, composition
+from autobalancer.harness.export.one_file import build_one_file
+from autobalancer.harness.export.reference_files import FOLDER
+from autobalancer.harness.master.one_file import composition
 
 SCENES = ["two_balls", "sommerfeld"]
 

@@ -12,7 +12,8 @@ from fmpy.fmi1 import FMICallException
 
 from autobalancer.harness import Scene, cosimulate, load_scene
 from autobalancer.harness.errors import SimulationError
-from autobalancer.harness.master.one_file import build_one_file, composition
+from autobalancer.harness.export.one_file import build_one_file
+from autobalancer.harness.master.one_file import composition
 from autobalancer.models.constants import STATED_ERROR
 
 

@@ -7,10 +7,10 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from autobalancer.harness import Scene, UserError, cosimulate, cosimulate_many
-from autobalancer.harness.master.alike import table_of
 from autobalancer.harness.master.schedule import end_time
+from autobalancer.harness.result.alike import table_of
 from autobalancer.models.monolith import simulate
-from tests.truth.judge import deviations, motion
+from tests.studies.truth.judge import deviations, motion
 
 RANGE = 1e-11
 MOTOR = {"inertia": 0.01, "stall_torque": 1.0, "no_load_speed": 200.0, "from": 20.0}

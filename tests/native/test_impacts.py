@@ -18,7 +18,7 @@ from hypothesis import strategies as st
 from scipy.optimize import nnls
 
 from autobalancer.harness import Scene
-from autobalancer.harness.master.one_file import build_one_file
+from autobalancer.harness.export.one_file import build_one_file
 from tests.native.core import Complex
 from tests.native.packaging import Host, compile_units
 

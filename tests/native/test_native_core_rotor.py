@@ -12,7 +12,7 @@ import pytest
 from autobalancer.harness import Scene
 from autobalancer.models.rotor import LinearRotor
 from autobalancer.models.steps.propagator import step_matrix
-from tests.truth.draw import draw
+from tests.studies.truth.draw import draw
 
 KINDS = ("planar", "two_support", "flexible")
 STIFFER = 1e4  # at most, than the rotors that are drawn: up to 1e14 N/m
@@ -23,7 +23,7 @@ def _log(random, low, high):
 
 
 class Draw:
-    """A random rotor of a kind as of `tests.truth`, with masses at its planes.
+    """A random rotor of a kind as of `tests.studies.truth`, with masses at its planes.
 
     Attributes:
         python: the description; `native`, the same matrices in C.

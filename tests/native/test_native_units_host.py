@@ -8,7 +8,7 @@ import subprocess
 
 import pytest
 
-from tests.host import COMPOSITES, UNITS, compiled, run
+from tests.studies.host import COMPOSITES, UNITS, compiled, run
 
 pytestmark = pytest.mark.slow
 

@@ -8,7 +8,7 @@ import struct
 import pytest
 
 from autobalancer.harness import load_scene
-from autobalancer.harness.master.one_file import build_one_file
+from autobalancer.harness.export.one_file import build_one_file
 
 pytestmark = pytest.mark.slow
 

@@ -9,9 +9,9 @@ from fmpy import platform_tuple
 from autobalancer.fmus.build import build, contents, is_present_build, written
 from autobalancer.fmus.native.build.layout import identity_of
 from autobalancer.harness import cosimulate, load_scene
+from autobalancer.harness.export.ssp.build import build_ssp
+from autobalancer.harness.export.start import start_values
 from autobalancer.harness.master.plan import about, plan
-from autobalancer.harness.master.ssp.build import build_ssp
-from autobalancer.harness.master.start import start_values
 
 SCENES = ["two_balls", "sommerfeld"]
 

@@ -23,7 +23,7 @@ from autobalancer.harness.checks.rig_sweeps import gained, lost
 from autobalancer.harness.units import RPM
 from autobalancer.models.harmonic_balance import largest_displacement, unbalance_response
 from autobalancer.models.papers.influence import influence
-from tests.rig import quantities
+from tests.studies.rig import quantities
 
 pytestmark = pytest.mark.slow
 
@@ -100,7 +100,7 @@ def test_what_was_fitted_to_one_and_three_washers_holds_for_the_others(monkeypat
     """Which quantities do not, and what is known of them: harness/manual/results/bristol.md.
 
     Every tenth speed, and the first mode; the others and with balls: `python -m
-    tests.rig.quantities`.
+    tests.studies.rig.quantities`.
     """
     some, grid, last = quantities.WHOLE[::10], quantities.GRID, BANDS["cylindrical y"][1]
     monkeypatch.setattr(quantities, "WHOLE", some)

@@ -4,10 +4,10 @@ import pytest
 from scipy.interpolate import CubicSpline
 
 from autobalancer.harness.errors import SimulationError
-from autobalancer.harness.master.run import cosimulate
+from autobalancer.harness.result.run import cosimulate
 from autobalancer.harness.scene import Scene
-from tests.truth.draw import draw
-from tests.truth.judge import RTOLS, deviations, motion, referred
+from tests.studies.truth.draw import draw
+from tests.studies.truth.judge import RTOLS, deviations, motion, referred
 
 pytestmark = pytest.mark.slow
 

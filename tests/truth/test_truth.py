@@ -10,16 +10,10 @@ import typer
 from autobalancer.harness import load_scene
 from autobalancer.harness.scene import Scene
 from autobalancer.models.stability import growth_rates
-from tests.truth.__main__ import command, counts
-from tests.truth.draw import FAMILIES, draw
-from tests.truth.judge import (
-    Verdict,
-    classify,
-    deviations,
-    growth,
-    judge,
-)
-from tests.truth.study import misses, table, verdicts
+from tests.studies.truth.__main__ import command, counts
+from tests.studies.truth.draw import FAMILIES, draw
+from tests.studies.truth.judge import Verdict, classify, deviations, growth, judge
+from tests.studies.truth.study import misses, table, verdicts
 
 pytestmark = pytest.mark.slow
 
@@ -65,7 +59,7 @@ def test_a_disturbance_grows_at_the_rate_of_the_linearised_motion():
 @pytest.mark.parametrize("separate", [True, False])
 def test_an_altered_motion_is_found_out(monkeypatch, separate):
     """A run whose rotor moves ten times as far is gross, and nothing else is."""
-    from tests.truth import judge as module
+    from tests.studies.truth import judge as module
 
     honest = judge("planar", 3, 4, separate=separate)
     assert honest.outcome == "right"
@@ -122,7 +116,7 @@ def test_the_table_has_the_share_of_runs_that_estimate_their_errors_rightly():
 
 
 def test_an_error_estimated_too_small_is_found_out(monkeypatch):
-    from tests.truth import judge as module
+    from tests.studies.truth import judge as module
 
     run = module.cosimulate
     for factor in (1.0, 1e-3):

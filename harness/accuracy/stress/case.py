@@ -14,8 +14,8 @@ from ....models.constants import STATED_ERROR
 from ....models.monolith import reference
 from ....models.reference.oscillator import forced_motion
 from ...errors import SimulationError
-from ...master.result import Result
-from ...master.run import cosimulate
+from ...result.result import Result
+from ...result.run import cosimulate
 from ...scene import Scene, load_scene
 
 UNEVEN = (2, 4, 6, 8, 10, 12, 14)  # powers of ten of the stiffness along y, 1e2 N/m along x

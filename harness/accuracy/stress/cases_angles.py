@@ -10,7 +10,7 @@ import numpy as np
 
 from ....models.reference.oscillator import forced_motion
 from ...master.cosimulation import CoSimulation
-from ...master.run import cosimulate
+from ...result.run import cosimulate
 from ...scene import load_scene
 from .case import ROTOR_AND_MOMENT, Case, Outcome, deviation, planar_scene
 

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from ...master.run import cosimulate
+from ...result.run import cosimulate
 from ...scene import Scene
 from .case import (
     BOTH_WAYS,

@@ -11,11 +11,16 @@ import pytest
 from autobalancer.harness import SceneError, SimulationError, load_scene
 from autobalancer.harness.balancing.cycles import balance, support_levers
 from autobalancer.harness.balancing.machine import Machine
-from autobalancer.harness.master.revolution import Revolution
 from autobalancer.harness.scene import Scene
 from autobalancer.harness.scene.grade import permissible
+from autobalancer.harness.stability.revolution import Revolution
 from autobalancer.models.linear.synchronous import synchronous
-from tests.papers import balancing_cycles, inverse_dynamic_stiffness, left_plane, right_plane
+from tests.studies.papers import (
+    balancing_cycles,
+    inverse_dynamic_stiffness,
+    left_plane,
+    right_plane,
+)
 
 STIFFNESS, DAMPING = ((3e4, 2e5), (3.4e4, 1e5)), ((250.0, 300.0), (200.0, 150.0))
 MASS, INERTIA, SPAN, LEFT, RIGHT = 14.0, 1.9, 1.1, 0.08, -0.05

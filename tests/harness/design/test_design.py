@@ -29,7 +29,7 @@ from autobalancer.harness.design.settling import (
 from autobalancer.harness.errors import SceneError, SimulationError
 from autobalancer.models.spacing import closest
 from autobalancer.models.weights import alignment
-from tests.papers import fan_angles
+from tests.studies.papers import fan_angles
 
 pytestmark = pytest.mark.slow
 

@@ -12,7 +12,7 @@ from autobalancer.harness import UserError, cosimulate, load_scene
 from autobalancer.harness.fit.measured import read_measured
 from autobalancer.harness.fit.parameters import parse_free
 from autobalancer.harness.fit.study import fit
-from autobalancer.harness.master.many import cosimulate_many
+from autobalancer.harness.result.many import cosimulate_many
 from autobalancer.models.harmonic_balance import largest_displacement, unbalance_response
 
 pytestmark = pytest.mark.slow

@@ -9,11 +9,11 @@ from autobalancer.harness import load_scene
 from autobalancer.harness.master.cosimulation import CoSimulation
 from autobalancer.harness.master.one_file_run import OneFileRun
 from autobalancer.harness.master.recorder import Recorder, recorded
-from autobalancer.harness.master.run import cosimulate
 from autobalancer.harness.master.simulation import Repeated
+from autobalancer.harness.result.run import cosimulate
 from autobalancer.harness.scene import Scene
 from autobalancer.models.monolith import reference, simulate
-from tests.truth.judge import deviations, motion
+from tests.studies.truth.judge import deviations, motion
 
 pytestmark = pytest.mark.slow
 

@@ -6,7 +6,7 @@ import pytest
 from autobalancer.harness import cosimulate
 from autobalancer.harness.errors import SceneError
 from autobalancer.harness.scene import Scene
-from tests.truth.judge import deviations, motion
+from tests.studies.truth.judge import deviations, motion
 
 pytestmark = pytest.mark.slow
 

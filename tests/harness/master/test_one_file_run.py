@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from autobalancer.harness import SceneError, SimulationError, UserError, cosimulate, load_scene
-from autobalancer.harness.master.run import refuse_separate
+from autobalancer.harness.result.run import refuse_separate
 
 
 def test_what_separate_units_refuse_is_refused_in_the_same_words():

@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 from autobalancer.harness import Scene, SceneError, cosimulate, load_scene
-from autobalancer.harness.master.many import cosimulate_many
 from autobalancer.harness.master.one_file import composition
 from autobalancer.harness.master.schedule import end_time, milestones
+from autobalancer.harness.result.many import cosimulate_many
 from autobalancer.harness.scene.trace import TraceNote
 from autobalancer.models.monolith import reference
 from tests.energy import balance, signals

@@ -13,7 +13,7 @@ from autobalancer.harness.checks.rig_data import with_washers
 from autobalancer.harness.master.cosimulation import CoSimulation
 from autobalancer.harness.master.schedule import end_time
 from autobalancer.models.monolith import simulate
-from tests.rig.quantities import with_fitted_balls
+from tests.studies.rig.quantities import with_fitted_balls
 
 pytestmark = pytest.mark.slow
 

@@ -10,10 +10,10 @@ import pytest
 
 from autobalancer.harness import SceneError, cosimulate, load_scene
 from autobalancer.harness.design.scenes import weights_of
-from autobalancer.harness.master.many import cosimulate_many
+from autobalancer.harness.export.ssp.structure import separate
 from autobalancer.harness.master.one_file import composition
 from autobalancer.harness.master.schedule import end_time, milestones
-from autobalancer.harness.master.ssp.structure import separate
+from autobalancer.harness.result.many import cosimulate_many
 from autobalancer.harness.scene.plausible import implausible
 from autobalancer.models.monolith import reference
 from autobalancer.models.papers.settling import critical_drag_factor, slow_root

@@ -29,7 +29,7 @@ def test_a_write_protected_file_is_refused_before_the_run_and_kept(tmp_path, mon
     def never(*_arguments, **_options):
         raise AssertionError("work begun for an output that cannot be written")
 
-    monkeypatch.setattr("autobalancer.harness.master.run.cosimulate", never)
+    monkeypatch.setattr("autobalancer.harness.result.run.cosimulate", never)
     kept = tmp_path / "kept.csv"
     kept.write_text("a year's work", encoding="utf-8")
     kept.chmod(0o444)
@@ -46,7 +46,7 @@ def test_a_place_that_takes_no_file_is_refused_before_the_run(place, monkeypatch
     def never(*_arguments, **_options):
         raise AssertionError("work begun for an output that cannot be written")
 
-    monkeypatch.setattr("autobalancer.harness.master.run.cosimulate", never)
+    monkeypatch.setattr("autobalancer.harness.result.run.cosimulate", never)
     outcome = CliRunner().invoke(program(), [*SHORT, "-o", place])
     assert outcome.exit_code == 2, outcome.output
     assert f"{place}: cannot be written" in outcome.stderr

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from autobalancer.harness import load_scene
-from autobalancer.harness.master.revolution import Revolution
+from autobalancer.harness.stability.revolution import Revolution
 from autobalancer.models.papers.window import LiquidWindow
 from tests.floquet import multipliers, units_multipliers
 

@@ -21,7 +21,7 @@ from autobalancer.harness.stability.exact import Tables, tolerances  # noqa: E40
 from autobalancer.harness.stability.proved import Band, Proof, prove  # noqa: E402
 from autobalancer.models.linear.boundaries import balancing_boundaries  # noqa: E402
 from autobalancer.models.stability import growth_rates  # noqa: E402
-from tests.truth.draw import draw  # noqa: E402
+from tests.studies.truth.draw import draw  # noqa: E402
 
 
 def proof_of(scene, low: float, high: float, **options) -> Proof:

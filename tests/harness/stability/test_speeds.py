@@ -8,9 +8,9 @@ import pytest
 
 from autobalancer.harness import SimulationError, UserError, check, load_scene, speeds
 from autobalancer.harness.checks.critical_speeds import needed_revolutions
-from autobalancer.harness.master.revolution import Revolution
 from autobalancer.harness.stability.crossings import crossings, nodes_around
 from autobalancer.harness.stability.main_motion import MainMotion, NoMainMotion
+from autobalancer.harness.stability.revolution import Revolution
 from autobalancer.harness.stability.speeds import Speeds
 from autobalancer.models.linear.balanced import balanced_angles
 from autobalancer.models.linear.boundaries import Crossing

@@ -19,7 +19,7 @@ from autobalancer.harness.errors import SimulationError
 from autobalancer.harness.master import facts
 from autobalancer.harness.master.cosimulation import CoSimulation, doubling_steps
 from autobalancer.harness.master.recorder import recorded
-from autobalancer.harness.master.run import cosimulate
+from autobalancer.harness.result.run import cosimulate
 from autobalancer.harness.scene.balancer import WeightBalancer
 from autobalancer.models.constants import REFUSED_ERROR, STATED_ERROR
 from autobalancer.models.monolith import reference

@@ -1,0 +1,1 @@
+"""A scene in files for other tools: FMUs, one-file FMUs, packages, releases, reference results."""

@@ -1,1 +1,0 @@
-"""Pictures of a run, from what it recorded and its scene."""

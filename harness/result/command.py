@@ -1,0 +1,118 @@
+"""`autobalancer run`: one co-simulation from a scene file to signals."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from ..errors import UserError
+from ..output import options
+from ..output.files import write_json
+from ..output.terminal import progress_bar, say, say_facts, show
+from ..scene.changes import changed_scene
+from . import run_pictures as drawings
+from .tables import as_json, summary
+
+
+def command(
+    scene: Annotated[str, options.SCENE],
+    output: Annotated[
+        Path | None, options.output(".csv", "Write the signals as CSV.", "--output", "-o")
+    ] = None,
+    plot: Annotated[Path | None, options.picture("Draw the signals (png, svg, pdf).")] = None,
+    changes: Annotated[list[str] | None, options.changes("rotor.unbalance=0.1")] = None,
+    fmus: Annotated[
+        Path | None,
+        typer.Option(metavar="DIR", help="Use the FMUs in this folder instead of building them."),
+    ] = None,
+    json_file: Annotated[Path | None, options.json("facts and signals")] = None,
+    separate: Annotated[
+        bool,
+        typer.Option("--separate", help="Couple separate FMUs in Python instead of in C; slower."),
+    ] = False,
+    one_file: Annotated[
+        bool, typer.Option("--one-file", hidden=True, help="Deprecated: the default now.")
+    ] = False,
+    report: Annotated[Path | None, options.REPORT] = None,
+    verbose: Annotated[
+        bool, typer.Option("--verbose", help="Also print which units ran, and what was left out.")
+    ] = False,
+    weights: Annotated[
+        Path | None, options.picture("Displacement and angles of all weights against time.")
+    ] = None,
+    waterfall: Annotated[
+        Path | None, options.picture("Spectra over the speed of a run-up.")
+    ] = None,
+    polar: Annotated[
+        Path | None, options.picture("Synchronous amplitude and phase (Nyquist).")
+    ] = None,
+    orbits: Annotated[
+        Path | None, options.picture("Last orbits along the shaft, in space.")
+    ] = None,
+    movie: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="FILE.gif",
+            help="Moving picture: gif, webp, mp4.",
+            callback=drawings.check_movie,
+        ),
+    ] = None,
+    movie_seconds: Annotated[
+        float, options.quantity("s", "Length of the movie, s.", "--movie-seconds")
+    ] = 8.0,
+) -> None:
+    """Run a scene by co-simulation.
+
+    Pictures are png, svg or pdf.
+    """
+    from ..output.report import Report
+    from .run import refuse_separate
+
+    wanted = {"weights": weights, "waterfall": waterfall, "polar": polar, "orbits": orbits}
+    pictures = {kind: path for kind, path in wanted.items() if path is not None}
+    loaded = changed_scene(scene, changes)
+    if fmus is not None and not fmus.is_dir():
+        raise UserError(f"{fmus}: is not a directory with FMUs")
+    if one_file:
+        refuse_separate(loaded, fmus)
+        say("NOTE: --one-file is the default now, and deprecated", style="bold yellow", error=True)
+    if movie is not None:
+        from .movie import refuse_unseen
+
+        refuse_unseen(loaded, movie_seconds)
+    drawings.refuse_pictures(loaded, pictures)
+    record = drawings.record(loaded) if pictures or movie else loaded.run.record
+    if plot is not None and record == ():
+        raise UserError("--plot: nothing to draw: run.record = []")
+    with progress_bar(f"running {loaded.name}") as progress:
+        result = loaded.run(record=record, fmus=fmus, progress=progress, separate=separate)
+    page = Report(report, loaded.heading, [loaded])
+    with page.keeping():
+        show(summary(result))
+        say(str(result.summary()))
+    if verbose:
+        ran_as = "FMUs loaded" if result.calls else "Coupled in C, as one file"
+        say_facts(result.units, result.left_out, ran_as)
+        calls = sum(result.calls.values())
+        say(
+            f"{result.steps} steps, {result.passes} passes, {calls} FMI calls in "
+            f"{result.seconds:.3f} s; estimated error {result.estimated_error:.1g}"
+        )
+    for event in result.events:
+        say(f"NOTE: {event}", style="bold yellow", error=True)
+    if output is not None:
+        say(f"Signals: {result.to_csv(output)}")
+    if json_file is not None:
+        write_json(as_json(result), json_file)
+    if plot is not None:
+        say(f"Picture: {result.plot(plot)}")
+    if drawn := page.picture(loaded.name) if result.signals else None:
+        result.plot(drawn)
+    page.write()
+    drawings.draw(result, pictures)
+    if movie is not None:
+        with progress_bar(f"drawing {movie.name}") as progress:
+            result.movie(movie, movie_seconds, progress)
+        say(f"Movie: {movie}")

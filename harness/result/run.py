@@ -1,0 +1,141 @@
+"""A scene run from its start to its end, as its coupling asks."""
+
+from __future__ import annotations
+
+import time as clock
+import warnings
+from collections.abc import Iterable, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from ..errors import UserError
+from ..master.cosimulation import CoSimulation
+from ..master.facts import Facts, events
+from ..master.global_error import Controlled
+from ..master.left_out import left_out
+from ..master.merged import merged_now
+from ..master.one_file import why_separate
+from ..master.recorder import Recorder, recorded
+from ..master.simulation import Simulation
+from ..scene import Scene, load_scene
+from ..scene.plausible import warn
+from .result import Result
+from .velocity import recorded_for, velocities, with_velocities
+
+if TYPE_CHECKING:
+    from ..output.workers import Progress
+
+NO_CALLS = "calls of FMI (the one file's units are coupled in C, from memory to memory)"
+
+
+def cosimulate(
+    scene: Scene | str | Path,
+    *,
+    record: Iterable[str] | None = None,
+    fmus: Path | None = None,
+    progress: Progress | None = None,
+    separate: bool = False,
+    one_file: bool | None = None,
+) -> Result:
+    """Run a scene and return what it recorded.
+
+    The units are coupled in C, as the scene's one file couples them.  Separate FMUs, coupled in
+    Python, run instead if `separate` or `fmus` is given, and for what one file does not have:
+    scheme "jacobi", "gauss-seidel" or "compensated", order 0 or 1, units in Python.
+
+    Args:
+        scene: a scene, the path of a scene file, or the name of a bundled scene.
+        record: signals such as `rotor.x`; by default the scene's, an empty list records nothing.
+        fmus: directory of ready-made FMUs instead of building them.
+        progress: called with the finished fraction now and then.
+        separate: couple separate FMUs in Python.
+        one_file: deprecated, the default; True refuses a scene that one file does not cover.
+
+    Raises:
+        UserError: the scene or an FMU is wrong.
+        SimulationError: the run cannot be completed correctly.
+
+    Warns:
+        ImplausibleWarning: a value is probably in another unit than it is taken to be.
+    """
+    if not isinstance(scene, Scene):
+        scene = load_scene(scene)
+    warn(scene)
+    names = list(recorded(scene) if record is None else record)
+    if one_file is not None:
+        warnings.warn(
+            "one_file: one file is the default now; separate=True couples separate FMUs",
+            DeprecationWarning,
+            stacklevel=2,
+        )
+    if one_file:
+        refuse_separate(scene, fmus)
+    separate = separate or fmus is not None or one_file is False
+    with load(scene, fmus, separate) as simulation:
+        return _run(simulation, scene, names, progress)
+
+
+def refuse_separate(scene: Scene, fmus: Path | None) -> None:
+    """Raise UserError where only separate units can run a scene, and one file is wanted."""
+    if fmus is not None:
+        raise UserError(f"{fmus}: holds separate FMUs, and one file is to run: give one of them")
+    if why := why_separate(scene):
+        raise UserError(why)
+
+
+def load(scene: Scene, fmus: Path | None = None, separate: bool = False) -> Simulation:
+    """What steps a scene: its one file, or its separate units, see `cosimulate`."""
+    if separate or why_separate(scene):
+        return CoSimulation(scene, fmus=fmus)
+    from ..master.one_file_run import OneFileRun  # compiles where it has to
+
+    return OneFileRun(scene)
+
+
+def _run(
+    simulation: Simulation, scene: Scene, names: list[str], progress: Progress | None
+) -> Result:
+    """A scene run as its coupling asks, recording `names`, see `cosimulate`."""
+    own, made_of = recorded_for([*names, *velocities(scene)] if names else [])
+    start_time, controlled = clock.perf_counter(), None
+    if simulation.scene.coupling.tolerance is not None and simulation.coupled:
+        controlled = Controlled(simulation, own, made_of)
+        recorder = controlled.run(progress)
+    else:
+        recorder = Recorder(simulation.units, own, made_of)
+        simulation.start()
+        simulation.record(recorder, progress)
+    seconds = clock.perf_counter() - start_time
+    if progress:
+        progress(1.0)
+    facts = simulation.facts()
+    if controlled:
+        facts = replace(facts, estimated_error=controlled.error)
+    messages = (*facts.messages, *merged_now(simulation.scene, simulation.units))
+    return result(recorder, replace(facts, messages=messages), seconds, names)
+
+
+def result(recorder: Recorder, facts: Facts, seconds: float, names: Sequence[str]) -> Result:
+    """Signals by these names, and velocities if there are any, with the facts of the run."""
+    time, signals = recorder.columns()
+    units = recorder.signal_units
+    return Result(
+        scene_title=facts.scene.title,
+        time=time,
+        signals=with_velocities(facts.scene, names, time, signals),
+        velocity=with_velocities(
+            facts.scene, velocities(facts.scene) if names else [], time, signals
+        ),
+        seconds=seconds,
+        left_out=(*left_out(facts.scene, names), *([] if facts.calls else [NO_CALLS])),
+        units=facts.files,
+        events=tuple(events(facts)),
+        steps=facts.steps,
+        passes=facts.passes,
+        calls=dict(facts.calls),
+        unconverged=facts.unconverged,
+        estimated_error=facts.estimated_error,
+        signal_units={name: units.get(name, "m/s") for name in names},
+        scene=facts.scene,
+    )
