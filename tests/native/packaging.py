@@ -77,7 +77,7 @@ class Host:
 
     Args:
         messages: the list that becomes the attribute; for an instance that is refused.
-        kind: of FMI 2.0, for co-simulation or model exchange.
+        kind: fmpy's class of the instance; by default for co-simulation.
         library: in place of the FMU's own.
         options: of the instantiation in FMI 3.0.
 
@@ -90,7 +90,7 @@ class Host:
         path: Path | str,
         name: str = "unit",
         messages: list[tuple[int, str]] | None = None,
-        kind: type = fmi2.FMU2Slave,
+        kind: type | None = None,
         library: Path | None = None,
         **options: bool,
     ) -> None:
@@ -100,7 +100,8 @@ class Host:
         self._unpacked = TemporaryDirectory()
         is_two = self.description.fmiVersion == "2.0"
         interface = self.description.coSimulation or self.description.modelExchange
-        self.slave = (kind if is_two else fmi3.FMU3Slave)(
+        kind = kind or (fmi2.FMU2Slave if is_two else fmi3.FMU3Slave)
+        self.slave = kind(
             guid=self.description.guid,
             unzipDirectory=fmpy.extract(str(path), self._unpacked.name, _is_needed),
             modelIdentifier=interface.modelIdentifier,

@@ -147,7 +147,7 @@ def test_a_time_that_is_not_that_of_the_coupled_units_is_refused(hosted, time):
     data[at : at + 8] = struct.pack("<d", time)
     data[-8:] = fnv(bytes(data[:-8]))
     host.slave.setFMUState(host.slave.deserializeFMUState(bytes(data)))
-    assert "its motion stands at 1.2" in host.refused(lambda: host.slave.doStep(time, 0.3))
+    assert "its motion stands at 1.2" in host.refused(lambda: host.slave.doStep(host.time, 0.3))
 
 
 def test_a_state_of_one_file_brings_the_unbalance_of_its_time_back(packaging, tmp_path):

@@ -129,7 +129,7 @@ static int refuse_step(Unit *unit, double step, double error, double residual)
     c->loop_failed = 1;
     return unit_fail(unit, "tolerance %6 cannot be met at t = %6 s: the error of steps of %3 s is "
                      "still %3, loop residual %3", c->course->adaptive.allowed,
-                     c->course->clock.time, step, error, residual);
+                     unit_host_time(unit, c->course->clock.time), step, error, residual);
 }
 
 int adaptive_step(Unit *unit, double longest)

@@ -22,8 +22,7 @@ int composite_run_step(Unit *unit, double step)
     const double begin = course->clock.time;
     double ends = begin + step;
     c->loop_failed = 0;
-    if (composite_next_jump(c) > 0.0 && course->clock.time >= composite_next_jump(c) &&
-        composite_pass_jump(unit)) {
+    if (course->clock.time >= composite_next_jump(c) && composite_pass_jump(unit)) {
         return 1;
     }
     do {

@@ -246,11 +246,11 @@ static int await_change(Unit *unit)
     const double *change = unit->real + c->changes + OF_CHANGE * behind;
     const int most = composite_rotor(c)->unbalances;
     const double before = drive->next_change;
-    drive->next_change = 0.0;
+    drive->next_change = NONE_AHEAD;
     if (behind == c->change_count || !(change[0] > 0.0)) {
         return 0;
     }
-    drive->next_change = drive->began + change[0];
+    drive->next_change = change[0];
     if (drive->next_change < before) {
         return unit_fail(unit, "unbalance_change[k].time: must not fall; 0 s: not used, nor those "
                          "behind");
@@ -273,14 +273,14 @@ static int begin_drive(Unit *unit)
     drive->speed = drive->first_speed = unit->real[c->drive];
     drive->acceleration = drive->first_acceleration = unit->real[c->drive + 1];
     drive->steepest = absolute(drive->acceleration);
-    drive->began = unit->time;
+    drive->next_corner = NONE_AHEAD;
     if (await_change(unit)) {
         return 1;
     }
     if (!(time > 0.0)) {
         return 0;
     }
-    drive->next_corner = unit->time + time;
+    drive->next_corner = time;
     speed = drive->speed + time * drive->acceleration;
     drive->fastest = larger(drive->fastest, absolute(speed));
     for (k = 0; k < c->corner_count && corner[0] > 0.0; k++, corner += 2) {
@@ -304,6 +304,7 @@ static int start(Unit *unit)
     memset(c->forces, 0, (size_t)c->unknowns * sizeof(Signal));
     memset(c->accelerations, 0, (size_t)c->planes * sizeof(Signal));
     course->drive.fastest = unit->real[c->top_speed];
+    course->drive.next_corner = course->drive.next_change = NONE_AHEAD;
     course->clock.begin = course->clock.time = course->drive.set_at = unit->time;
     if (!c->motor && begin_drive(unit)) {
         return 1;
@@ -553,7 +554,7 @@ static int show_time(Unit *unit, double time, int end)
 double composite_next_jump(const Composite *c)
 {
     const double corner = c->course->drive.next_corner, change = c->course->drive.next_change;
-    return corner > 0.0 && change > 0.0 ? smaller(corner, change) : larger(corner, change);
+    return smaller(corner < 0.0 ? infinity() : corner, change < 0.0 ? infinity() : change);
 }
 
 static void pass_corner(Unit *unit)
@@ -564,10 +565,11 @@ static void pass_corner(Unit *unit)
     const double *next = unit->real + c->rise + 1 + 2 * passed, time = drive->next_corner;
     /* where corners say the speed, rounding of the line up to it must not add up */
     drive->speed = passed ? next[-1] : composite_speed(c, time);
-    drive->acceleration = drive->next_corner = 0.0;
+    drive->acceleration = 0.0;
+    drive->next_corner = NONE_AHEAD;
     drive->set_at = time;
     if (passed < c->corner_count && next[0] > 0.0) {
-        drive->next_corner = drive->began + next[0];
+        drive->next_corner = next[0];
         drive->acceleration = (next[1] - drive->speed) / (drive->next_corner - time);
     }
     drive->passed += 1.0;
@@ -625,7 +627,7 @@ static int stands_elsewhere(Unit *unit)
     if (clock->started > 0.0 && !(unit->time >= clock->begin - clock->length &&
                                   unit->time <= clock->time + clock->length)) {
         return unit_fail(unit, "the state that was restored has the time %6 s, its motion stands at %6 s",
-                         unit->time, clock->time);
+                         unit_host_time(unit, unit->time), unit_host_time(unit, clock->time));
     }
     return 0;
 }

@@ -12,6 +12,8 @@
 #include "units/rotor.h"
 #include "units/weights.h"
 
+#define NONE_AHEAD (-1.0) /* no time: times of a course are counted from the start */
+
 typedef enum { SCHEME_AUTO, SCHEME_ITERATED } Scheme;
 
 enum { UNTIL_CONVERGED = -1 }; /* corrections */
@@ -46,7 +48,7 @@ typedef struct {
     size_t observed; /* and of its first output */
 } Part;
 
-/* Of composite.c: where the units stand. */
+/* Of composite.c: where the units stand, in time since the start. */
 typedef struct {
     double started;             /* whether forces and accelerations agree yet */
     double begin, time, length; /* ends of the last step, and its length [s] */
@@ -59,8 +61,8 @@ typedef struct {
     double set_at, speed, acceleration; /* time of the drive [s], and what it was then */
     double fastest;                   /* speed so far, and that of the parameter [rad/s] */
     double first_speed, first_acceleration;
-    double began, next_corner, passed; /* of a profile that the rotor follows by itself: its start [s], the
-                                          corner ahead [s], 0: none, and how many are behind */
+    double next_corner, passed; /* of a profile that the rotor follows by itself: the corner ahead [s],
+                                   NONE_AHEAD, and how many are behind */
     double steepest;                   /* acceleration of the profile [rad/s^2] */
     double next_change, changed; /* of the unbalance: as next_corner, and how many changes are behind */
 } DriveSignal;
@@ -215,7 +217,7 @@ size_t composite_memory(Composite *c, double *memory);
 /* One step of the coupling, from its end to the next; 1 with the reason. */
 int composite_go_on(Unit *unit);
 /* Time of the next corner of a profile that the rotor follows by itself, or of the next change of its
-   unbalance [s]; 0: none is ahead. */
+   unbalance [s]; infinite where none is ahead. */
 double composite_next_jump(const Composite *c);
 /* Begin a step there; 1 with the reason. */
 int composite_pass_jump(Unit *unit);

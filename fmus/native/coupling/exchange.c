@@ -84,22 +84,27 @@ Status exchange_derivative(Unit *unit, size_t state, double *value)
     return STATUS_OK;
 }
 
+/* Whether the host has come to a time since the start, or to what is that time among its own numbers. */
+static int is_due(const Unit *unit, double time)
+{
+    return time <= unit->time * (1.0 + TIME_ROUNDING) || unit_host_time(unit, time) <= unit->point;
+}
+
 /* Pass the time events that are due; when the next is. */
 static int pass_events(Unit *unit, double *next)
 {
     const Composite *c = unit->own;
-    const double now = unit->time + TIME_ROUNDING * absolute(unit->time);
     double jump;
     if (unit_refresh(unit, OBSERVED)) {
         return 1;
     }
-    for (jump = composite_next_jump(c); jump > 0.0 && jump <= now; jump = composite_next_jump(c)) {
+    for (jump = composite_next_jump(c); is_due(unit, jump); jump = composite_next_jump(c)) {
         unit->stale = COMPUTED;
         if (composite_pass_jump(unit)) {
             return 1;
         }
     }
-    *next = jump > 0.0 ? jump : infinity();
+    *next = unit_host_time(unit, jump);
     return 0;
 }
 
@@ -130,7 +135,7 @@ static int call_on(Unit *unit, ExchangeCall call, double *values)
     case ENTER_MODE:
         return 0;
     case SET_TIME:
-        unit->time = *values;
+        unit_go_to(unit, *values);
         break;
     default:
         wrong = unit_refresh(unit, call == SET_STATES ? COMPUTED : OBSERVED); /* begun, at least */

@@ -155,8 +155,8 @@ int iterated_judge(Unit *unit)
         composite_name_signal(c, k, &forces);
     }
     return unit_fail(unit, "the loop did not converge at t = %6 s: %s still changes by %2 of the "
-                     "largest force; use smaller steps or more corrections", course->clock.time,
-                     words, residual);
+                     "largest force; use smaller steps or more corrections",
+                     unit_host_time(unit, course->clock.time), words, residual);
 }
 
 int iterated_accept(Unit *unit, double step)

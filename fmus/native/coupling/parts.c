@@ -36,8 +36,9 @@ int composite_advance(Unit *unit, Part *part, double step)
 {
     Unit *own = part->unit;
     own->time = ((Composite *)unit->own)->course->clock.begin;
+    own->start = unit->start;
     return unit_advance(own, step) && unit_fail(unit, "%s at t = %6 s: a step of %6 s failed: %s",
-                                                own->name, own->time, step, own->reason.at);
+                                                own->name, unit_host_time(unit, own->time), step, own->reason.at);
 }
 
 int composite_eventful(Unit *unit)

@@ -211,7 +211,7 @@ static int refuse_steps(Unit *unit, int signal, const char *before, const char *
     const Composite *c = unit->own;
     Text *reason = unit_reason(unit);
     text_format(reason, "coupling steps of %3 s are too long at t = %6 s: %s",
-                c->course->resolution.judged_step, c->course->clock.time, before);
+                c->course->resolution.judged_step, unit_host_time(unit, c->course->clock.time), before);
     composite_name_signal(c, signal, reason);
     text_format(reason, what, number);
     text_put(reason, "; use more coupling.steps_per_rev, or a tolerance");

@@ -98,7 +98,8 @@ int autobalancer_run_start(Run *shown, const Steps *steps)
 
 static void stand(Unit *unit, double time)
 {
-    unit->time = ((Composite *)unit->own)->course->clock.time = time;
+    unit_go_to(unit, time);
+    ((Composite *)unit->own)->course->clock.time = time;
     unit->stale = OBSERVED;
 }
 

@@ -230,7 +230,7 @@ int composite_accept(Unit *unit, const Knot *accelerations, const Knot *forces, 
             composite_name_signal(c, k, reason);
             text_format(reason,
                         " is not finite at t = %6 s: the coupling diverged; use smaller steps",
-                        c->course->clock.time + step);
+                        unit_host_time(unit, c->course->clock.time + step));
             return 1;
         }
         signal_move(c->forces + k, forces + k, step);

@@ -41,7 +41,7 @@ static size_t run_one(Unit *unit, const Batch *batch, const double *values, doub
     for (k = 1; k <= batch->points && !(own && unit->time > end - sliver); k++) {
         const double time = own ? end : end * ((double)k / (double)batch->points);
         signals += width(batch);
-        if (unit_step(unit, unit->time, time - unit->time) ||
+        if (unit_step(unit, unit->point, time - unit->time) ||
             unit_read(unit, level, batch->outputs, batch->asked, signals + own)) {
             return k;
         }

@@ -223,7 +223,7 @@ EXPORT fmi2Status fmi2GetRealStatus(fmi2Component c, const fmi2StatusKind kind, 
     if (!c || !value || kind != fmi2LastSuccessfulTime) {
         return no_status(c);
     }
-    *value = ((Unit *)c)->time;
+    *value = ((Unit *)c)->point;
     return fmi2OK;
 }
 

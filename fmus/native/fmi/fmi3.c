@@ -123,7 +123,7 @@ EXPORT fmi3Status fmi3GetFloat64(fmi3Instance instance, const fmi3ValueReference
         if (k == count || vr[k] == time_reference(unit)) {
             status = unit_get_reals(unit, vr + from, k - from, values + from);
             if (k < count) {
-                values[k] = unit->time;
+                values[k] = unit->point;
             }
             from = k + 1;
         }
@@ -222,7 +222,7 @@ EXPORT fmi3Status fmi3DoStep(fmi3Instance instance, fmi3Float64 time, fmi3Float6
         *early_return = !status && unit->made < step;
     }
     if (last_successful_time) {
-        *last_successful_time = unit->time;
+        *last_successful_time = unit->point;
     }
     return status;
 }

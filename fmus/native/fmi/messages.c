@@ -26,9 +26,14 @@ int unit_failed(Unit *unit, const Failure *failure)
 Status unit_report(Unit *unit, Status status, const char *what)
 {
     Text text = text_in(unit->message_buffer, sizeof unit->message_buffer);
-    text_format(&text, "%s at t = %v s: %s: %s", unit->name, unit->time, what, unit->reason.at);
+    text_format(&text, "%s at t = %v s: %s: %s", unit->name, unit->point, what, unit->reason.at);
     unit->log(unit->host, unit->name, status, text.at);
     return status;
+}
+
+double unit_host_time(const Unit *unit, double time)
+{
+    return unit->start + time;
 }
 
 void unit_warn_once(Unit *unit, int bit, double time, const char *words)
@@ -36,7 +41,7 @@ void unit_warn_once(Unit *unit, int bit, double time, const char *words)
     if (!(unit->warned & bit)) {
         Text text = text_in(unit->message_buffer, sizeof unit->message_buffer);
         unit->warned |= bit;
-        text_format(&text, "%s at t = %v s: %s", unit->name, time, words);
+        text_format(&text, "%s at t = %v s: %s", unit->name, unit_host_time(unit, time), words);
         unit->log(unit->host, unit->name, STATUS_WARNING, text.at);
     }
 }

@@ -11,7 +11,7 @@ enum { CHECKSUM_SIZE = 8 };
    first, with a checksum behind. */
 typedef struct {
     char token[TOKEN_SIZE];
-    double time;
+    double time, time_left, start, point;
     int32_t phase, stale;
     double values[1];
 } State;
@@ -61,6 +61,9 @@ Status unit_save(Unit *unit, void **state)
     }
     memcpy(saved->token, unit->token, sizeof saved->token);
     saved->time = unit->time;
+    saved->time_left = unit->time_left;
+    saved->start = unit->start;
+    saved->point = unit->point;
     saved->phase = unit->phase;
     saved->stale = unit->stale;
     memcpy(saved->values, unit->real, unit_values_size(unit));
@@ -81,6 +84,9 @@ Status unit_restore(Unit *unit, const void *given)
         unit->stale == BEGINNING || memcmp(unit->boolean, flags, unit->layout.boolean_count) ||
         memcmp(unit->real, state->values, unit->layout.parameters.count * sizeof(double));
     unit->time = state->time;
+    unit->time_left = state->time_left;
+    unit->start = state->start;
+    unit->point = state->point;
     unit->phase = state->phase;
     unit->stale = state->stale;
     memcpy(unit->real, state->values, unit_values_size(unit));

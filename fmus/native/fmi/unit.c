@@ -41,7 +41,7 @@ void unit_reset(Unit *unit)
     memcpy(unit->real, unit->starts, unit->layout.real_count * sizeof(double));
     memcpy(unit->boolean, unit->flags, unit->layout.boolean_count);
     memset(unit->memory, 0, unit->memory_count * sizeof(double));
-    unit->time = 0.0;
+    unit->time = unit->time_left = unit->start = unit->point = 0.0;
     unit->stop = infinity();
     unit->phase = INSTANTIATED;
     unit->stale = BEGINNING;
@@ -54,9 +54,26 @@ Status unit_setup(Unit *unit, double start, double stop)
         return unit_refuse(unit, "set-up failed", "start time = %v s, stop time = %v s: must be "
                            "finite numbers, the stop time not before the start time", start, stop);
     }
-    unit->time = start;
+    unit->start = unit->point = start;
+    unit->time = unit->time_left = 0.0;
     unit->stop = stop;
     return STATUS_OK;
+}
+
+void unit_go_to(Unit *unit, double point)
+{
+    unit->point = point;
+    unit->time = point - unit->start;
+    unit->time_left = 0.0;
+}
+
+/* Add a step to the time since the start, by compensated summation: no more is lost than a rounding of the
+   sum, however many steps, and nothing of it depends on where the host's time begins. */
+static void pass_time(Unit *unit, double step)
+{
+    const double added = step + unit->time_left, sum = unit->time + added;
+    unit->time_left = added - (sum - unit->time);
+    unit->time = sum;
 }
 
 Status unit_exit_initialisation(Unit *unit)
@@ -71,10 +88,10 @@ Status unit_exit_initialisation(Unit *unit)
 /* 0, or 1 and why a step may not be made from here or as far as that. */
 static int out_of_place(Unit *unit, double time, double step)
 {
-    const double rounding = POINT_OF_STEP * step + POINT_OF_TIME * absolute(unit->time);
-    if (!(absolute(time - unit->time) <= rounding)) {
+    const double rounding = POINT_OF_STEP * step + POINT_OF_TIME * absolute(unit->point);
+    if (!(absolute(time - unit->point) <= rounding)) {
         return unit_fail(unit, "communication point = %v s: must be where the unit is, %v s", time,
-                         unit->time);
+                         unit->point);
     }
     if (time + step > unit->stop + rounding) {
         return unit_fail(unit, "end of the step = %v s: must not be beyond the stop time, %v s",
@@ -138,7 +155,8 @@ Status unit_step(Unit *unit, double time, double step)
         text_format(&what, "step of %v s failed", step);
         return unit_report(unit, STATUS_ERROR, words);
     }
-    unit->time = time + unit->made;
+    pass_time(unit, unit->made);
+    unit->point = time + unit->made;
     unit->stale = OBSERVED;
     return STATUS_OK;
 }

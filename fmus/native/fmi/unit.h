@@ -92,9 +92,12 @@ struct Unit {
     double *kept; /* and what the instance holds while it is found */
     const unsigned *asked; /* outputs that are read, where others need not be computed; else NULL */
     size_t asked_count;
-    double time;    /* communication point reached [s] */
-    double made;    /* length of the last step, less than asked where it ended early [s] */
-    double stop;    /* infinite when not defined [s] */
+    /* `time` is that since the start, the sum of the steps, with what rounding has left of it: equations
+       know no other, so that a run is the same wherever the host's time begins [s] */
+    double time, time_left;
+    double start, point, stop; /* of the host: its start, the communication point reached, and the end of the
+                                  experiment, infinite when not defined [s] */
+    double made;               /* length of the last step, less than asked where it ended early [s] */
     size_t first_boolean; /* value reference, as the version of FMI has it */
     int own_steps; /* whether a composite's step ends with the first of its own */
     int may_end_early; /* whether the host takes a step that ends early, */
@@ -133,6 +136,8 @@ void unit_free(Unit *unit);
 /* As new: start values, no state, all of the above kept. */
 void unit_reset(Unit *unit);
 Status unit_setup(Unit *unit, double start, double stop);
+/* Model exchange: the host goes to a time, later or earlier [s]. */
+void unit_go_to(Unit *unit, double point);
 /* Check every parameter and start the equations. */
 Status unit_exit_initialisation(Unit *unit);
 /* One communication step; STATUS_ERROR with the reason logged when it fails: hosts repeat what is
@@ -179,7 +184,9 @@ Text *unit_reason(Unit *unit);
 int unit_fail(Unit *unit, const char *format, ...);
 /* The same for a failure of the core. */
 int unit_failed(Unit *unit, const Failure *failure);
-/* Log a warning the first time it applies in this instance: `bit` says which. */
+/* The host's time of a time since the start [s]. */
+double unit_host_time(const Unit *unit, double time);
+/* Log a warning the first time it applies in this instance: `bit` says which; `time` since the start. */
 void unit_warn_once(Unit *unit, int bit, double time, const char *words);
 /* Log an error with what was attempted and the reason, and return the status. */
 Status unit_report(Unit *unit, Status status, const char *what);

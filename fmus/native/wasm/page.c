@@ -76,5 +76,5 @@ EXPORTED("get") Status page_get(Unit *unit, const unsigned *references, size_t c
 /* Step to a time [s]. */
 EXPORTED("advance") Status page_advance(Unit *unit, double until)
 {
-    return unit_step(unit, unit->time, until - unit->time);
+    return unit_step(unit, unit->point, until - unit->point);
 }
