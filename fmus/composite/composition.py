@@ -161,7 +161,7 @@ class Composition:
         return self.plain and figure and variable.causality == "output"
 
     def token(self, stamp: str) -> str:
-        """Text from which the library makes the composite: coupling/token.c has the form.
+        """Text from which the library makes the composite: coupling/composition.c has the form.
 
         Args:
             stamp: of the C sources.

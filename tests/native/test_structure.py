@@ -1,4 +1,4 @@
-"""The C files as a building: each stands above what it uses."""
+"""The C files as a building: each stands above what it uses, under a name of its own."""
 
 from __future__ import annotations
 
@@ -40,3 +40,10 @@ def test_no_files_use_each_other_in_a_circle():
     files["rotor/propagator.c"] += "\nint propagator_terms(void)\n{\n    return 0;\n}\n"
     with pytest.raises(ValueError, match="base/matrix"):
         TopologicalSorter(_uses(files)).prepare()
+
+
+def test_every_file_has_a_name_of_its_own():
+    stems = {name.rpartition(".")[0] for name in texts()}
+    names = [stem.rpartition("/")[2] for stem in stems]
+    assert len(names) > 40
+    assert {name for name in names if names.count(name) > 1} == set()

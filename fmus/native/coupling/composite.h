@@ -9,8 +9,8 @@
 
 #include "base/cubic.h"
 #include "fmi/unit.h"
-#include "units/rotor.h"
-#include "units/weights.h"
+#include "units/rotor_unit.h"
+#include "units/weights_unit.h"
 
 #define NONE_AHEAD (-1.0) /* no time: times of a course are counted from the start */
 
@@ -67,7 +67,7 @@ typedef struct {
     double next_change, changed; /* of the unbalance: as next_corner, and how many changes are behind */
 } DriveSignal;
 
-/* Of shaft.c: the motor. */
+/* Of motor_shaft.c: the motor. */
 typedef struct {
     double spin_scale;                   /* what makes a force of its acceleration [kg m] */
     double speed_reached;                /* in the step that is being tried [rad/s] */
@@ -201,10 +201,10 @@ typedef struct {
     double *square, *work;         /* (4 e, 4 e), 2 (4 e, 4 e) */
     double *masses;                /* (rotor's planes,) */
     double *decay;                 /* 2 (4 n, 4 n) for n stations */
-    struct Impacts *impacts;       /* of impacts.c */
+    struct Impacts *impacts;       /* of machine_impacts.c */
 } Composite;
 
-/* -- token.c ----------------------------------------------------------------------- */
+/* -- composition.c ----------------------------------------------------------------------- */
 
 int composite_named(const char *token);
 /* Parts, layout and start values of a composite; 1 with the reason. */
@@ -279,7 +279,7 @@ void composite_drive(Unit *unit, double time);
 int composite_accept(Unit *unit, const Knot *accelerations, const Knot *forces, double step);
 void composite_drop_past(Composite *c);
 
-/* -- shaft.c -------------------------------------- */
+/* -- motor_shaft.c -------------------------------------- */
 
 /* Take the motor's speed over, and tell it to all units. */
 int shaft_begin(Unit *unit);
@@ -374,7 +374,7 @@ int iterated_go_on(Unit *unit, double step, int met);
 /* A negligible step over a jump of an input. */
 int iterated_cross(Unit *unit, double step);
 
-/* -- impacts.c ---------------------------------------------------------------------- */
+/* -- machine_impacts.c ---------------------------------------------------------------------- */
 
 /* Memory for the impacts of weights; 1 when there is none. */
 int impacts_allocate(Unit *unit);

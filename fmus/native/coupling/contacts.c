@@ -2,7 +2,7 @@
 
    Weights collide, part, stick or slide; dry supports stick, let go or turn round.  The step before an
    event ends a moment earlier.  Steps so brief that their error is lost in rounding lead up to an impact,
-   which lies between two of them (impacts.c), or over any other event; what follows starts
+   which lies between two of them (machine_impacts.c), or over any other event; what follows starts
    without a past. */
 #include <string.h>
 

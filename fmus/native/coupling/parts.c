@@ -1,6 +1,6 @@
 /* A part's step and what is said about it. */
 #include "coupling/composite.h"
-#include "units/weights.h"
+#include "units/weights_unit.h"
 
 Rotor *composite_rotor(const Composite *c)
 {

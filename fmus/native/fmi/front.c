@@ -4,7 +4,7 @@
 #include <string.h>
 
 #include "fmi/resource.h"
-#include "fmi/token.h"
+#include "fmi/unit_token.h"
 
 /* The text that an identity is the hash of; NULL with the reason. */
 static char *composition(const char *token, const char *resources, Text *reason)

@@ -10,7 +10,7 @@
 #include <stdint.h>
 
 #include "base/failure.h"
-#include "fmi/token.h"
+#include "fmi/unit_token.h"
 #include "fmi/variables.h"
 
 #define TIME_ROUNDING 1e-12 /* of a time or a step: less is no step */

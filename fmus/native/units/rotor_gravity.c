@@ -1,5 +1,5 @@
 /* Gravity in the step of the rotor's unit: the sag about which it moves, and what its planes feel. */
-#include "units/rotor.h"
+#include "units/rotor_unit.h"
 
 /* Sag at the present speed and added masses in own->sag. */
 static int find_sag(Unit *unit)

@@ -3,7 +3,7 @@
 
 #include "base/elementary.h"
 #include "constants.h"
-#include "units/rotor.h"
+#include "units/rotor_unit.h"
 
 int rotor_kind(const Layout *layout)
 {

@@ -1,7 +1,7 @@
 /* What is made for a speed and the masses that the planes carry, and how it is laid out. */
 #include <string.h>
 
-#include "units/rotor.h"
+#include "units/rotor_unit.h"
 
 static const double *added_masses(const Unit *unit)
 {

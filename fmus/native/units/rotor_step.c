@@ -4,7 +4,7 @@
 #include "base/elementary.h"
 #include "base/matrix.h"
 #include "base/spin.h"
-#include "units/rotor.h"
+#include "units/rotor_unit.h"
 
 enum { MOST_STRETCHES_WITHIN = 24 }; /* within a step: more cost as much as a matrix for that time */
 

@@ -2,7 +2,7 @@
 #include <string.h>
 
 #include "base/elementary.h"
-#include "units/weights.h"
+#include "units/weights_unit.h"
 
 double *weights_impulses(const Unit *unit)
 {

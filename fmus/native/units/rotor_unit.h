@@ -1,6 +1,6 @@
 /* What the files of the rotor's unit share. */
-#ifndef AUTOBALANCER_UNIT_ROTOR_H
-#define AUTOBALANCER_UNIT_ROTOR_H
+#ifndef AUTOBALANCER_ROTOR_UNIT_H
+#define AUTOBALANCER_ROTOR_UNIT_H
 
 #include "base/elementary.h"
 #include "fmi/unit.h"

@@ -10,8 +10,8 @@
 
    Value references and the bits of what they start from; Booleans that are true.  The identity is then
    BallBalancer/<hash of the text>, which tools use as a name of files; so it is of a composite. */
-#ifndef AUTOBALANCER_TOKEN_H
-#define AUTOBALANCER_TOKEN_H
+#ifndef AUTOBALANCER_UNIT_TOKEN_H
+#define AUTOBALANCER_UNIT_TOKEN_H
 
 #include "fmi/variables.h"
 

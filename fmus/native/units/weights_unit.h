@@ -1,6 +1,6 @@
 /* What the files of the balls' unit share. */
-#ifndef AUTOBALANCER_UNIT_WEIGHTS_H
-#define AUTOBALANCER_UNIT_WEIGHTS_H
+#ifndef AUTOBALANCER_WEIGHTS_UNIT_H
+#define AUTOBALANCER_WEIGHTS_UNIT_H
 
 #include "contact/motion.h"
 #include "fmi/unit.h"

@@ -1,7 +1,7 @@
 /* The rotor on its supports as a unit: forces on its planes in, accelerations of the planes out. */
 #include <string.h>
 
-#include "units/rotor.h"
+#include "units/rotor_unit.h"
 #include "base/elementary.h"
 #include "constants.h"
 #include "base/matrix.h"

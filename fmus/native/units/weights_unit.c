@@ -1,7 +1,7 @@
 /* The balancer with balls, rollers or pendulums, Filimonikhina 2017 (4), as a unit. */
 #include <string.h>
 
-#include "units/weights.h"
+#include "units/weights_unit.h"
 #include "base/elementary.h"
 #include "constants.h"
 #include "contact/pulse.h"

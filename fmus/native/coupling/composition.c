@@ -7,7 +7,7 @@
 
    A part: name, plane of the rotor from 1, s where it exchanges force and v where it follows its plane's
    place, token.  The rotor is the first part and a motor the last; both have plane 0 and no letters.
-   `start` and `flags` are of the part before them, as fmi/token.h has them; `own` are the start values of
+   `start` and `flags` are of the part before them, as fmi/unit_token.h has them; `own` are the start values of
    the composite's own variables. */
 #include <string.h>
 

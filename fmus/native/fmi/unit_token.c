@@ -1,4 +1,4 @@
-#include "fmi/token.h"
+#include "fmi/unit_token.h"
 
 #include <string.h>
 
