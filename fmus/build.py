@@ -102,6 +102,7 @@ def contents(
         raise ValueError(f"backend = {backend!r}: must be one of 'python', 'native'")
     if backend == "native":
         can = Capabilities(
+            interpolation=True,
             time_derivatives=True,
             directional_derivatives=True,
             early_return=sized.returns_early,

@@ -45,7 +45,7 @@ def build_composite(
         composition.described(name),
         name,
         identity_of(text),
-        Capabilities(),
+        Capabilities(interpolation=True),
         fmi,
         platforms,
         page(composition, name),

@@ -157,8 +157,9 @@ class Composition:
         """Whether descriptions leave a variable out: what the coupling sets itself, figures."""
         if variable.name.split(".")[-1] in ("track_mobility", "shortest_stopped_step"):
             return True
-        figure = variable.name.startswith(("der(", "coupling."))
-        return self.plain and figure and variable.causality == "output"
+        slope = variable.name.startswith("der(")
+        figure = variable.name.startswith("coupling.") and variable.causality == "output"
+        return self.plain and (slope or figure)
 
     def token(self, stamp: str) -> str:
         """Text from which the library makes the composite: coupling/composition.c has the form.

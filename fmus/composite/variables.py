@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 from functools import cache
 
 from ..unit import SizedUnit, Sizes, Unit, count, one_of
-from ..variables import Variable, output, parameter, plain_input
+from ..variables import Variable, output, parameter, plain_input, signal_inputs
 
 VIBRATION = "Half the largest travel of a station along x or y in the last complete revolution"
 RESIDUAL = "Static unbalance of rotor and weights together, the sum of all planes"
@@ -70,16 +70,7 @@ def own_variables(sizes: CompositeSizes) -> list[Variable]:
             quantity="Displacement",
         ),
         *(_drive(sizes) if sizes.kind == "prescribed" else []),
-        *(
-            plain_input(
-                f"rotor.plane[{i}].F_{axis}",
-                0.0,
-                "N",
-                "Force from outside on the plane, along a fixed axis, held over the step",
-            )
-            for i in range(1, sizes.planes + 1)
-            for axis in "xy"
-        ),
+        *_outer_forces(sizes),
         output("rotor.speed", "rad/s", "Speed of the rotor", observed=True),
         output(
             "coupling.loop_gain",
@@ -100,6 +91,17 @@ def own_variables(sizes: CompositeSizes) -> list[Variable]:
         output("capacity_used", "1", CAPACITY, observed=True),
         output("balanced", "", BALANCED, observed=True, variability="discrete"),
     ]
+
+
+def _outer_forces(sizes: CompositeSizes) -> list[Variable]:
+    """Forces from outside: all values, then all first derivatives, and so on to the third.
+
+    Derivatives are not declared as such: some tools take them for those of states.
+    """
+    planes = range(1, sizes.planes + 1)
+    names = [f"rotor.plane[{i}].F_{axis}" for i in planes for axis in "xy"]
+    text = "Force from outside on the plane, along a fixed axis"
+    return [replace(v, derivative_of="", quantity="") for v in signal_inputs(names, "force", text)]
 
 
 def _drive(sizes: CompositeSizes) -> list[Variable]:
@@ -172,7 +174,6 @@ def _of_part(name: str, variable: Variable) -> Variable:
         variable,
         name=_named(name, variable.name),
         description=f"{variable.description} ({name})",
-        variability={"tunable": "fixed"}.get(variable.variability, variable.variability),
         derivative_of=variable.derivative_of and _named(name, variable.derivative_of),
         depends=(),
         begins=(),

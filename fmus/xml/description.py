@@ -31,12 +31,14 @@ class Capabilities:
     """What an implementation of a unit offers beyond stepping, saving and restoring its state.
 
     Attributes:
-        time_derivatives: whether it takes those of inputs, by FMI 2.0, and gives those of outputs.
+        interpolation: whether it takes derivatives of inputs by time, by FMI 2.0.
+        time_derivatives: whether it gives those of outputs.
         directional_derivatives: whether it gives them.
         early_return: whether a step may end early (FMI 3.0).
         sources: names of the C files in `sources/` that make the library (FMI 2.0).
     """
 
+    interpolation: bool = False
     time_derivatives: bool = False
     directional_derivatives: bool = False
     early_return: bool = False
@@ -74,7 +76,7 @@ def interfaces(
         "maxOutputDerivativeOrder": str(int(can.time_derivatives)),
     }
     if fmi == 2:
-        steps["canInterpolateInputs"] = flag(can.time_derivatives)
+        steps["canInterpolateInputs"] = flag(can.interpolation)
     kinds = {"ModelExchange": shared, "CoSimulation": shared | steps}
     return [
         SubElement(root, kind, about)

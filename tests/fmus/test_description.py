@@ -240,7 +240,7 @@ def test_fmi_3_description_is_valid_and_says_the_same(unit, options, description
 
 def test_capabilities_and_sources_stand_in_the_description():
     sized = CATALOGUE["LiquidBalancer"].sized()
-    can = Capabilities(True, True, True, ("liquid.c", "unit.c"))
+    can = Capabilities(True, True, True, True, ("liquid.c", "unit.c"))
     two = ElementTree.fromstring(fmi2.model_description(sized, "Liquid", "token", "1", can))
     element = two.find("CoSimulation")
     assert element.get("canInterpolateInputs") == "true"

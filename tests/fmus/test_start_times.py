@@ -11,7 +11,7 @@ from fmpy import platform_tuple
 
 from autobalancer.harness import Scene, load_scene
 from tests.native.packaging import Host
-from tests.start_times import STARTS, study
+from tests.studies.start_times import STARTS, study
 
 CHANGING = {
     "operation.speed": None,
@@ -25,7 +25,7 @@ CHANGING = {
     ("scene", "fmi"), [("run_up", 2), ("run_up", 3), ("balls_and_liquid", 3), ("finite_weights", 2)]
 )
 def test_every_start_time_gives_the_same_result_shifted(scene, fmi):
-    """The sample of `python -m tests.start_times`."""
+    """The sample of `python -m tests.studies.start_times`."""
     short = {"run.revolutions": 20} if scene == "finite_weights" else {}
     rows = list(study([load_scene(scene).replace(short)], [fmi]))
     assert [row.start for row in rows] == list(STARTS)

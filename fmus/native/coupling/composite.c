@@ -13,6 +13,7 @@ static const double MOST_STEPS = 1e8, MOST_MOVES = 1e7; /* within a step of the 
 static const double LOOSEST = 0.1; /* tolerance */
 /* Values of a change of the unbalance: its time is the first. */
 enum { NUMBER = 1, AMOUNT, OF_CHANGE = 4 };
+static const size_t REMADE = (size_t)-1; /* changes that a rotor is made with which is to be made anew */
 
 /* -- memory ---------------------------------------------------------------------------------- */
 
@@ -24,8 +25,7 @@ static size_t signal_doubles(size_t count)
 size_t composite_memory(Composite *c, double *memory)
 {
     enum { BLOCKS = 11 };
-    const size_t e = (size_t)c->unknowns, p = (size_t)c->planes;
-    const size_t outer = 2 * (size_t)c->parts->unit->layout.sizes.planes;
+    const size_t e = (size_t)c->unknowns, p = (size_t)c->planes, outer = outside_count(c);
     const size_t square = UNKNOWN_REALS * UNKNOWN_REALS * e * e;
     const size_t counts[BLOCKS] = {
         sizeof(Course) / sizeof(double), outer, signal_doubles(e), signal_doubles(p),
@@ -97,16 +97,44 @@ static int composite_allocate(Unit *unit)
 /* -- the start ------------------------------------------------------------------------------- */
 
 /* Let the one of tolerance and steps count that a host has set; the other is 0 then, which is what a
-   host reads. */
+   host reads.  The tolerance of the experiment counts where it has set neither. */
 static void choose_given(Unit *unit)
 {
     const Composite *c = unit->own;
     const size_t given[] = {c->tolerance, c->steps_per_rev};
-    int k;
+    int k, as_built = 1;
+    for (k = 0; k < 2; k++) {
+        as_built &= unit->real[given[k]] == unit->starts[given[k]];
+    }
+    if (unit->asks_tolerance && as_built) {
+        unit->real[c->tolerance] = unit->tolerance;
+        unit->real[c->steps_per_rev] = 0.0;
+    }
     for (k = 0; k < 2 && unit->real[c->tolerance] > 0.0; k++) {
         if (unit->real[given[1 - k]] > 0.0 && unit->real[given[k]] == unit->starts[given[k]]) {
             unit->real[given[k]] = 0.0;
         }
+    }
+}
+
+/* Among the rotor's parameters, where the amount of the unbalance that a change is of stands, and behind it
+   its angle. */
+static size_t changed_amount(const Composite *c, const double *change)
+{
+    const Layout *layout = &c->parts->unit->layout;
+    const size_t alone = layout_index(layout, "unbalance", 1);
+    const size_t first = alone < layout->real_count ? alone : layout_index(layout, "unbalance[#].amount", 1);
+    return first + 3 * ((size_t)change[NUMBER] - 1); /* position, amount and angle of each */
+}
+
+/* Give a part its parameters, but for the one that the coupling sets itself. */
+static void give_parameters(Unit *unit, const Part *part)
+{
+    Unit *own = part->unit;
+    const double brief = part->brief >= 0 ? own->real[part->brief] : 0.0;
+    memcpy(own->real, unit->real + part->first, own->layout.parameters.count * sizeof(double));
+    if (part->brief >= 0 && brief > 0.0) {
+        own->real[part->brief] = brief;
     }
 }
 
@@ -115,23 +143,37 @@ static int follow_changes(Unit *unit)
 {
     Composite *c = unit->own;
     Unit *rotor = c->parts->unit;
-    const Layout *layout = &rotor->layout;
-    const size_t changed = (size_t)c->course->drive.changed, alone = layout_index(layout, "unbalance", 1);
-    const size_t first = alone < layout->real_count ? alone : layout_index(layout, "unbalance[#].amount", 1);
+    const size_t changed = (size_t)c->course->drive.changed;
     const double *change = unit->real + c->changes;
     size_t k;
     if (c->made_with == changed) {
         return 0;
     }
-    memcpy(rotor->real, unit->real + c->parts->first, layout->parameters.count * sizeof(double));
+    give_parameters(unit, c->parts);
     for (k = 0; k < changed; k++, change += OF_CHANGE) {
-        const size_t behind = 3 * ((size_t)change[NUMBER] - 1); /* position, amount and angle of each */
-        memcpy(rotor->real + first + behind, change + AMOUNT, 2 * sizeof(double));
+        memcpy(rotor->real + changed_amount(c, change), change + AMOUNT, 2 * sizeof(double));
     }
     if (rotor->equations->parameters(rotor)) {
         return composite_part_failed(unit, c->parts);
     }
     c->made_with = changed;
+    return 0;
+}
+
+/* 1 with the reason where a change has already set this unbalance. */
+static int composite_untunable(Unit *unit, size_t reference)
+{
+    const Composite *c = unit->own;
+    const double *change = unit->real + c->changes;
+    size_t k;
+    for (k = 0; k < (size_t)c->course->drive.changed; k++, change += OF_CHANGE) {
+        if (reference - c->parts->first - changed_amount(c, change) < 2) {
+            layout_name(&unit->layout, reference, unit_reason(unit));
+            text_format(&unit->reason, ": unbalance_change[%u] has set it at t = %v s; set it before, or leave "
+                        "out the change", (unsigned long)k + 1, unit_host_time(unit, *change));
+            return 1;
+        }
+    }
     return 0;
 }
 
@@ -155,7 +197,7 @@ static int composite_parameters(Unit *unit)
     for (k = 0; k < c->part_count; k++) {
         Part *part = c->parts + k;
         Unit *own = part->unit;
-        memcpy(own->real, unit->real + part->first, own->layout.parameters.count * sizeof(double));
+        give_parameters(unit, part);
         if (own->equations->parameters(own)) {
             return composite_part_failed(unit, part);
         }
@@ -183,8 +225,7 @@ static void take_inputs(Unit *unit)
     if (!c->motor) {
         course->drive.fastest = larger(course->drive.fastest, absolute(course->drive.speed));
     }
-    memcpy(c->outer_forces, unit->real + c->outer,
-           2 * (size_t)c->parts->unit->layout.sizes.planes * sizeof(double));
+    outside_take(unit);
 }
 
 /* All parts at their start, and the balancers' masses on the rotor. */
@@ -360,12 +401,15 @@ static void begin_anew(Unit *unit, double time)
     composite_drop_past(c);
 }
 
-/* Whether the forces from outside have changed. */
-static int pushed_anew(const Unit *unit)
+/* Another unbalance of the rotor from now on. */
+static int composite_tune(Unit *unit)
 {
-    const Composite *c = unit->own;
-    const size_t outer = 2 * (size_t)c->parts->unit->layout.sizes.planes;
-    return memcmp(c->outer_forces, unit->real + c->outer, outer * sizeof(double)) != 0;
+    Composite *c = unit->own;
+    if (c->course->clock.started > 0.0 && !unit->exchanges) {
+        begin_anew(unit, unit->time);
+    }
+    c->made_with = REMADE;
+    return follow_changes(unit);
 }
 
 /* Look at what the host has set; 1 with the reason where it may not. */
@@ -378,7 +422,7 @@ static int meet_inputs(Unit *unit)
     const int rises = unit->real[c->rise] > 0.0;
     const int same = rises || (drive[1] == course->drive.acceleration &&
                                absolute(drive[0] - extrapolated_speed) <= SAME_SPEED * course->drive.fastest);
-    const int jumps = !same || pushed_anew(unit);
+    const int jumps = !same || outside_jumps(unit);
     if (rises && (drive[0] != course->drive.first_speed || drive[1] != course->drive.first_acceleration)) {
         return unit_fail(unit, "speed, acceleration: the rotor speeds up by itself, as rise_time "
                          "is above 0 s");
@@ -396,7 +440,7 @@ static int meet_inputs(Unit *unit)
 static int meet_host(Unit *unit)
 {
     const Composite *c = unit->own;
-    if (c->motor && pushed_anew(unit)) {
+    if (c->motor && outside_jumps(unit)) {
         take_inputs(unit);
         begin_anew(unit, unit->time);
     } else if (!c->motor && meet_inputs(unit)) {
@@ -725,6 +769,13 @@ static int composite_is_torque(const Unit *unit, size_t reference)
     return 0;
 }
 
+/* Inputs that are cubics: forces from outside. */
+static size_t composite_signals(const Layout *layout, size_t *first)
+{
+    *first = layout_index(layout, "rotor.plane[#].F_x", 1);
+    return 2 * (size_t)layout->sizes.planes;
+}
+
 static int composite_verdict(const Unit *unit)
 {
     const Composite *c = unit->own;
@@ -733,7 +784,7 @@ static int composite_verdict(const Unit *unit)
 
 const Equations COMPOSITE_EQUATIONS = {
     .name = "Composite", .allocate = composite_allocate,
-    .parameters = composite_parameters, .begin = composite_begin, .step = composite_step_unit,
+    .parameters = composite_parameters, .untunable = composite_untunable, .tune = composite_tune, .begin = composite_begin, .step = composite_step_unit,
     .outputs = composite_outputs, .observe = composite_observe,
     .observe_torques = composite_observe_torques, .is_torque = composite_is_torque,
-    .verdict = composite_verdict};
+    .signals = composite_signals, .verdict = composite_verdict};

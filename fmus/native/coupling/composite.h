@@ -61,6 +61,7 @@ typedef struct {
     double set_at, speed, acceleration; /* time of the drive [s], and what it was then */
     double fastest;                   /* speed so far, and that of the parameter [rad/s] */
     double first_speed, first_acceleration;
+    double pushed_at; /* when forces from outside were told last [s] */
     double next_corner, passed; /* of a profile that the rotor follows by itself: the corner ahead [s],
                                    NONE_AHEAD, and how many are behind */
     double steepest;                   /* acceleration of the profile [rad/s^2] */
@@ -184,7 +185,7 @@ typedef struct {
     /* in the unit's memory */
     Course *course;
     double *extent;       /* (2 n, 2) least and largest x, y of n stations in this revolution [m] */
-    double *outer_forces; /* (rotor's planes, 2) as told last [N] */
+    double *outer_forces; /* (4, rotor's planes, 2) value and derivatives as told last [N, N/s, N/s^2, N/s^3] */
     Signal *forces, *accelerations; /* (unknowns,), (planes,) */
     double *learned;  /* (4 e, 4 e) for e unknowns: `solution` before an event */
     double *solution; /* (4 e, 4 e): inverse of 1 - dG/du */
@@ -221,6 +222,16 @@ int composite_go_on(Unit *unit);
 double composite_next_jump(const Composite *c);
 /* Begin a step there; 1 with the reason. */
 int composite_pass_jump(Unit *unit);
+
+/* -- outside.c ------------------------------------------------------------------------------- */
+
+/* Numbers that say the forces from outside. */
+size_t outside_count(const Composite *c);
+/* Take them over as the host says them now; whether they are another course than that taken over before. */
+void outside_take(const Unit *unit);
+int outside_jumps(const Unit *unit);
+/* Force on a plane over a step, in axes that turn with it; 0 where there is none. */
+int outside_signal(const Composite *c, int plane, double step, Complex *signal);
 
 /* -- communication_step.c ---------------------------------- */
 

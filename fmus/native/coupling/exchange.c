@@ -6,8 +6,6 @@
 #include "coupling/composite.h"
 #include "units/angle.h"
 
-static const char FAILED[] = "model exchange failed";
-
 Status exchange_begin(Unit *unit)
 {
     if (unit->equations != &COMPOSITE_EQUATIONS) {
@@ -165,5 +163,5 @@ Status exchange_call(Unit *unit, const char *function, ExchangeCall call, double
             return unit_refuse(unit, function, "values must be finite numbers");
         }
     }
-    return call_on(unit, call, values) ? unit_report(unit, STATUS_ERROR, FAILED) : STATUS_OK;
+    return call_on(unit, call, values) ? unit_report(unit, STATUS_ERROR, function) : STATUS_OK;
 }

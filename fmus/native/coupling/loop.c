@@ -239,6 +239,12 @@ static int respond_at_start(Unit *unit, const double *u, double step, double *an
     return 0;
 }
 
+/* What comes into agreement: at the start, or wherever model exchange has gone. */
+static const char *agreeing(const Composite *c)
+{
+    return c->course->clock.started > 0.0 ? "forces and accelerations" : "start values";
+}
+
 /* Solve u = G(u) from the Jacobian in c->square. */
 static int solve_start(Unit *unit, double step)
 {
@@ -274,9 +280,9 @@ static int solve_start(Unit *unit, double step)
             return 1;
         }
     }
-    return unit_fail(unit, "consistent start values were not found in %u iterations: forces still "
-                     "change by %3 N of %3 N; loop gain %3", (unsigned long)START_ITERATIONS, left,
-                     size, course->loop.gain);
+    return unit_fail(unit, "consistent %s were not found in %u iterations: forces still "
+                     "change by %3 N of %3 N; loop gain %3", agreeing(c), (unsigned long)START_ITERATIONS,
+                     left, size, course->loop.gain);
 }
 
 int loop_consistent_start(Unit *unit, double step)
@@ -296,7 +302,7 @@ int loop_consistent_start(Unit *unit, double step)
     }
     for (i = 0; i < count * count; i++) {
         if (!is_finite(c->square[i])) {
-            return unit_fail(unit, "start values: the forces of the balancers are not finite");
+            return unit_fail(unit, "%s: the forces of the balancers are not finite", agreeing(c));
         }
     }
     c->course->loop.gain = loop_gain(c, c->square);

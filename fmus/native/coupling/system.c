@@ -2,33 +2,9 @@
 
 #include "base/elementary.h"
 #include "base/matrix.h"
-#include "base/spin.h"
 #include "coupling/composite.h"
 
 /* -- forces and accelerations ---------------------------------------------------------------- */
-
-/* Force from outside on a plane of the rotor over a step, in axes that turn with it. */
-static void outer_signal(const Composite *c, int plane, double step, Complex *signal)
-{
-    const Unit *rotor = c->parts->unit;
-    const double *drive = rotor->real + c->parts->drive;
-    const Spin start = spin_of(rotor->memory[REST], drive[0], drive + SPIN_UP);
-    const Complex force = complex_of(c->outer_forces[2 * plane], c->outer_forces[2 * plane + 1]);
-    const Spin spins[2] = {start, spin_after(&start, step)};
-    Knot ends[2];
-    int k;
-    for (k = 0; k < 2; k++) {
-        const Complex seen = complex_product(force, rect(1.0, -spins[k].angle));
-        const double speed = spins[k].speed;
-        ends[k].value = seen;
-        ends[k].slope = complex_of(speed * seen.im, -speed * seen.re);
-    }
-    if (step > 0.0) {
-        knot_hermite(ends, ends + 1, step, signal);
-    } else {
-        knot_from_start(ends, signal);
-    }
-}
 
 static void add_signal(const Composite *c, size_t first, int plane, const Complex *signal)
 {
@@ -56,8 +32,7 @@ void composite_set_forces(Unit *unit, const Complex *forces, double step)
     }
     for (k = 0; k < planes; k++) {
         Complex signal[SIGNAL_ORDERS];
-        if (c->outer_forces[2 * k] != 0.0 || c->outer_forces[2 * k + 1] != 0.0) {
-            outer_signal(c, k, step, signal);
+        if (outside_signal(c, k, step, signal)) {
             add_signal(c, first, k, signal);
         }
     }

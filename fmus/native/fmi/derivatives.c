@@ -38,8 +38,9 @@ static size_t derivative_input(const Unit *unit, size_t reference, int order)
     if (reference - first < count) {
         return reference + (size_t)order * count;
     }
-    if (text_equal(name, "acceleration")) {
-        return reference + (size_t)order;
+    if (text_equal(name, "acceleration")) { /* a composite's is the same over a step */
+        const char *behind = unit->layout.reals[reference + 1].declared->name;
+        return text_equal(behind, "der(acceleration)") ? reference + (size_t)order : reference;
     }
     return text_equal(name, "speed") && order == 1 ? reference + 1 : reference;
 }

@@ -60,7 +60,9 @@ EXPORT fmi2Status fmi2SetupExperiment(fmi2Component c, fmi2Boolean tolerance_def
                                       fmi2Real tolerance, fmi2Real start, fmi2Boolean stop_defined,
                                       fmi2Real stop)
 {
-    const Status status = front_allowed(c, "fmi2SetupExperiment", INSTANTIATED);
+    const char *function = "fmi2SetupExperiment";
+    Status status = front_allowed(c, function, INSTANTIATED);
+    status = status ? status : unit_set_tolerance(c, function, tolerance_defined, tolerance);
     return status ? status : unit_setup(c, start, stop_defined ? stop : infinity());
 }
 

@@ -80,6 +80,7 @@ EXPORT fmi3Status fmi3EnterInitializationMode(fmi3Instance instance, fmi3Boolean
 {
     const char *function = "fmi3EnterInitializationMode";
     Status status = front_allowed(instance, function, INSTANTIATED);
+    status = status ? status : unit_set_tolerance(instance, function, tolerance_defined, tolerance);
     status = status ? status : unit_setup(instance, start, stop_defined ? stop : infinity());
     if (!status) {
         ((Unit *)instance)->phase = INITIALISING;

@@ -43,6 +43,7 @@ void unit_reset(Unit *unit)
     memset(unit->memory, 0, unit->memory_count * sizeof(double));
     unit->time = unit->time_left = unit->start = unit->point = 0.0;
     unit->stop = infinity();
+    unit->asks_tolerance = 0;
     unit->phase = INSTANTIATED;
     unit->stale = BEGINNING;
     unit->warned = 0;
@@ -57,6 +58,16 @@ Status unit_setup(Unit *unit, double start, double stop)
     unit->start = unit->point = start;
     unit->time = unit->time_left = 0.0;
     unit->stop = stop;
+    return STATUS_OK;
+}
+
+Status unit_set_tolerance(Unit *unit, const char *function, int defined, double tolerance)
+{
+    if (defined && !(tolerance > 0.0 && is_finite(tolerance))) {
+        return unit_refuse(unit, function, "tolerance = %v: must be a finite number above 0", tolerance);
+    }
+    unit->asks_tolerance = defined != 0;
+    unit->tolerance = tolerance;
     return STATUS_OK;
 }
 

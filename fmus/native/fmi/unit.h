@@ -38,6 +38,10 @@ typedef struct {
     int (*allocate)(Unit *unit);
     /* Make the physical model from the parameters. */
     int (*parameters)(Unit *unit);
+    /* Whether a tunable parameter may be set now, 0, or 1 with the reason; NULL: it may. */
+    int (*untunable)(Unit *unit, size_t reference);
+    /* Go on with tunable parameters that have changed; NULL: `parameters`. */
+    int (*tune)(Unit *unit);
     /* Set `memory` to the initial state. */
     int (*begin)(Unit *unit);
     /* Move `memory` and the computed outputs to the end of the step [s]; one that ends early says
@@ -97,6 +101,8 @@ struct Unit {
     double time, time_left;
     double start, point, stop; /* of the host: its start, the communication point reached, and the end of the
                                   experiment, infinite when not defined [s] */
+    double tolerance; /* that the host asks for, where it does; relative */
+    int asks_tolerance;
     double made;               /* length of the last step, less than asked where it ended early [s] */
     size_t first_boolean; /* value reference, as the version of FMI has it */
     int own_steps; /* whether a composite's step ends with the first of its own */
@@ -136,6 +142,8 @@ void unit_free(Unit *unit);
 /* As new: start values, no state, all of the above kept. */
 void unit_reset(Unit *unit);
 Status unit_setup(Unit *unit, double start, double stop);
+/* The tolerance of the experiment, where one is defined; `function`: that says so. */
+Status unit_set_tolerance(Unit *unit, const char *function, int defined, double tolerance);
 /* Model exchange: the host goes to a time, later or earlier [s]. */
 void unit_go_to(Unit *unit, double point);
 /* Check every parameter and start the equations. */

@@ -26,11 +26,22 @@ static int unknown(Unit *unit, const unsigned *references, size_t count, size_t 
     return wrong;
 }
 
-/* Whether it may be set between steps: a parameter of a unit that stands alone. */
+/* Whether it is a parameter that may be set between steps. */
 static int is_tunable(const Unit *unit, size_t reference)
 {
-    const Variable *variable = unit->layout.reals + reference;
-    return !variable->owner && variable->declared->flags & TUNABLE;
+    return unit->layout.reals[reference].declared->flags & TUNABLE;
+}
+
+/* 0, or 1 with the reason where one of these may not be tuned as things are. */
+static int refuse_tuning(Unit *unit, const unsigned *references, size_t count, const double *values)
+{
+    int wrong = 0;
+    size_t k;
+    for (k = 0; k < count && unit->equations->untunable && !wrong; k++) {
+        wrong = references[k] < unit->layout.inputs.first && unit->real[references[k]] != values[k] &&
+                unit->equations->untunable(unit, references[k]);
+    }
+    return wrong;
 }
 
 /* 1 and the names of these variables, but the tunable ones, followed by why they are refused. */
@@ -121,11 +132,13 @@ static int not_settable(Unit *unit, const unsigned *references, size_t count,
            refuse_values(unit, references, count, outputs, ": outputs cannot be set") ||
            (unit->phase == RUNNING && refuse_values(unit, references, count, layout->parameters,
                                                     ": fixed once initialisation has ended")) ||
-           unit_check(unit, references, count, values);
+           unit_check(unit, references, count, values) ||
+           (unit->phase == RUNNING && refuse_tuning(unit, references, count, values));
 }
 
 Status unit_set_reals(Unit *unit, const unsigned *references, size_t count, const double *values)
 {
+    const Equations *equations = unit->equations;
     int tuned = 0;
     size_t k;
     if (not_settable(unit, references, count, values)) {
@@ -138,10 +151,10 @@ Status unit_set_reals(Unit *unit, const unsigned *references, size_t count, cons
         } else if (unit->stale < COMPUTED) {
             unit->stale = COMPUTED;
         }
-        tuned |= is_parameter && unit->phase == RUNNING;
+        tuned |= is_parameter && unit->phase == RUNNING && unit->real[references[k]] != values[k];
         unit->real[references[k]] = values[k];
     }
-    if (tuned && unit->stale < BEGINNING && unit->equations->parameters(unit)) {
+    if (tuned && unit->stale < BEGINNING && (equations->tune ? equations->tune : equations->parameters)(unit)) {
         return unit_report(unit, STATUS_ERROR, "setting failed");
     }
     return STATUS_OK;

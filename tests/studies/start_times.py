@@ -1,6 +1,6 @@
 """Runs that start at other times than 0: the same motion, shifted.
 
-`python -m tests.start_times [SCENE ...]` runs every bundled scene as one FMU, FMI 2.0 and 3.0, as
+`python -m tests.studies.start_times [SCENE ...]` runs every bundled scene as one FMU, FMI 2.0 and 3.0, as
 co-simulation and, where it has no events, as model exchange, from each of `STARTS`.  Three
 comparisons with the run from 0:
 

@@ -1,0 +1,110 @@
+/* Forces from outside on the planes of the rotor: along fixed axes, each a cubic from when the host told it,
+   by its value and its derivatives of order 1 to 3. */
+#include <string.h>
+
+#include "base/elementary.h"
+#include "base/spin.h"
+#include "coupling/composite.h"
+
+static const double SAME_COURSE = 1e-9; /* of a force: a cubic that misses the one before by less goes on */
+
+/* Components: of every plane two. */
+static size_t components(const Composite *c)
+{
+    return 2 * (size_t)c->parts->unit->layout.sizes.planes;
+}
+
+size_t outside_count(const Composite *c)
+{
+    return SIGNAL_ORDERS * components(c);
+}
+
+void outside_take(const Unit *unit)
+{
+    const Composite *c = unit->own;
+    memcpy(c->outer_forces, unit->real + c->outer, outside_count(c) * sizeof(double));
+    c->course->drive.pushed_at = unit->time;
+}
+
+/* Whether a component goes on `time` after it was told as the host says now; `stride` between its orders. */
+static int goes_on(const double *before, const double *now, size_t stride, double time)
+{
+    const double f0 = before[0], f1 = before[stride], f2 = before[2 * stride], f3 = before[3 * stride], t = time;
+    const double here[SIGNAL_ORDERS] = {f0 + t * (f1 + t * (f2 / 2.0 + t * f3 / 6.0)),
+                                        f1 + t * (f2 + t * f3 / 2.0), f2 + t * f3, f3};
+    const double size = absolute(f0) + t * (absolute(f1) + t * (absolute(f2) / 2.0 + t * absolute(f3) / 6.0));
+    const int varies = f1 != 0.0 || f2 != 0.0 || f3 != 0.0;
+    double scale = varies ? SAME_COURSE * size : 0.0; /* and for each order less a time */
+    int k;
+    for (k = 0; k < SIGNAL_ORDERS; k++, scale /= t > 0.0 ? t : 1.0) {
+        if (absolute(now[stride * (size_t)k] - here[k]) > scale) {
+            return 0;
+        }
+    }
+    return 1;
+}
+
+int outside_jumps(const Unit *unit)
+{
+    const Composite *c = unit->own;
+    const size_t count = components(c);
+    const double *now = unit->real + c->outer, time = unit->time - c->course->drive.pushed_at;
+    size_t k;
+    for (k = 0; k < count; k++) {
+        if (!goes_on(c->outer_forces + k, now + k, count, time)) {
+            return 1;
+        }
+    }
+    return 0;
+}
+
+/* Force on a plane at a time since it was told, and its slope, as axes see it that turn with the rotor. */
+static Knot seen_at(const Composite *c, int plane, double time, const Spin *spin)
+{
+    const size_t stride = components(c);
+    const double *told = c->outer_forces + 2 * (size_t)plane;
+    const Complex turn = rect(1.0, -spin->angle);
+    Complex cubic[SIGNAL_ORDERS], fixed[2];
+    Knot seen;
+    int k;
+    for (k = 0; k < SIGNAL_ORDERS; k++, told += stride) {
+        cubic[k] = complex_of(told[0], told[1]);
+    }
+    cubic_at(cubic, time, fixed);
+    seen.value = complex_product(fixed[0], turn);
+    /* (F e^{-i beta})' = (F' - i w F) e^{-i beta} */
+    seen.slope = complex_sum(complex_product(fixed[1], turn),
+                             complex_of(spin->speed * seen.value.im, -spin->speed * seen.value.re));
+    return seen;
+}
+
+static int pushes(const Composite *c, int plane)
+{
+    const size_t stride = components(c);
+    const double *told = c->outer_forces + 2 * (size_t)plane;
+    int k, found = 0;
+    for (k = 0; k < SIGNAL_ORDERS; k++, told += stride) {
+        found |= told[0] != 0.0 || told[1] != 0.0;
+    }
+    return found;
+}
+
+int outside_signal(const Composite *c, int plane, double step, Complex *signal)
+{
+    const Unit *rotor = c->parts->unit;
+    const double *drive = rotor->real + c->parts->drive, since = c->course->clock.time - c->course->drive.pushed_at;
+    const Spin start = spin_of(rotor->memory[REST], drive[0], drive + SPIN_UP);
+    const Spin end = spin_after(&start, step);
+    Knot ends[2];
+    if (!pushes(c, plane)) {
+        return 0;
+    }
+    ends[0] = seen_at(c, plane, since, &start);
+    ends[1] = seen_at(c, plane, since + step, &end);
+    if (step > 0.0) {
+        knot_hermite(ends, ends + 1, step, signal);
+    } else {
+        knot_from_start(ends, signal);
+    }
+    return 1;
+}
