@@ -28,6 +28,7 @@ def program() -> Typer:
     from .accuracy.precision import command as precision
     from .accuracy.stress import command as stress
     from .balancing import command as balance
+    from .capture import command as capture
     from .checks import command as check
     from .design import command as design
     from .drag import command as drag
@@ -55,6 +56,7 @@ def program() -> Typer:
     app.callback(invoke_without_command=True)(without_command)
     features = {"check": check, "build": build, "run": run, "speeds": speeds, "map": map_command}
     features |= {"balance": balance, "rotor": rotor, "design": design, "scatter": scatter}
+    features |= {"capture": capture}
     features |= {"fit": fit, "drag": drag, "precision": precision}
     features |= {"show": show, "new": new, "cite": cite, "stress": stress, "manual": manual}
     for name, feature in features.items():

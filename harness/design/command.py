@@ -61,7 +61,7 @@ def command(
     """Find number and size of balls or rollers for a rotor."""
     from ..output.report import Report
     from ..scene.changes import changed_scene
-    from .recommendation import words
+    from .recommendation import left_behind, words
 
     loaded = changed_scene(scene, changes)
     page = Report(report, f"Design: {loaded.heading}", [loaded])
@@ -83,6 +83,8 @@ def command(
             show(details_table(data))
         for line in words(data):
             say(line)
+        if said := left_behind(data):
+            say(said)
         if not loaded.balancer:
             from .scenes import ASSUMED_RATE
 

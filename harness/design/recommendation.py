@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ...models.papers.touching import critical_unbalance
+from ..capture.captured import captured_or_none
 from .scenes import weights_of
 
 if TYPE_CHECKING:
@@ -59,6 +60,15 @@ def _recommendation(data: Design) -> list[str]:
         when = f"and settle in {fewest.median:.3g} s" if settles else "but usually do not settle"
         lines.append(f"{fewest.count} have the capacity {when}.")
     return lines
+
+
+def left_behind(data: Design) -> str:
+    """Whether the weights that are recommended can be left behind; empty without any."""
+    timed = rivals(data) if data.with_capacity else []
+    if not timed or math.isinf(timed[0].median):
+        return ""
+    found = captured_or_none(min(timed, key=lambda c: c.count).scene)
+    return found.sentence() if found else ""
 
 
 def by_measure(data: Design) -> list[Choice]:

@@ -7,6 +7,7 @@ from typing import Annotated
 
 import typer
 
+from ..capture.captured import left_behind
 from ..errors import UserError
 from ..output import options
 from ..output.files import write_json
@@ -92,6 +93,8 @@ def command(
     with page.keeping():
         show(summary(result))
         say(str(result.summary()))
+        if said := left_behind(loaded):
+            say(said)
     if verbose:
         ran_as = "FMUs loaded" if result.calls else "Coupled in C, as one file"
         say_facts(result.units, result.left_out, ran_as)

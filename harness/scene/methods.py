@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any, cast
 if TYPE_CHECKING:
     from ..accuracy.precision.measure import Precision
     from ..balancing.cycles import BalancingReport
+    from ..capture.captured import Captured
     from ..checks.runner import SceneReport
     from ..design.choices import Design
     from ..export.build import Built
@@ -76,6 +77,33 @@ class Methods:
         names = [name.strip() for name in asked if name.strip()]
         options: dict[str, Any] = {"progress": progress, "within": within}
         return speeds(self._scene, (low, high), names, narrowest=narrowest, **options)
+
+    def capture(self, speed: float | str | None = None) -> Captured:
+        """Whether weights can be left behind at a natural frequency; closed form, without a run.
+
+        Args:
+            speed: of the rotor [rad/s]; default: the scene's operating speed.
+
+        Returns:
+            Drag from which on they cannot, release speeds, frequency and amplitude meanwhile;
+            `sentence()`, `limits()`.
+
+        Raises:
+            SceneError: there are no weights, or the supports have dry friction.
+            UserError: the speed is not positive.
+
+        >>> found = ab.load("two_balls").replace({"weights.drag": 1e-4}).capture()
+        >>> found.found.all_pass, len(found.found.natural)
+        (False, 1)
+        """
+        from ..capture.captured import captured
+        from ..errors import UserError
+        from ..units import si_number
+
+        wanted = None if speed is None else si_number(speed, "rad/s", "speed")
+        if wanted is not None and not wanted > 0.0:
+            raise UserError(f"speed {speed}: must be positive")
+        return captured(self._scene, wanted)
 
     def map(
         self,

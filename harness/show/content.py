@@ -11,6 +11,7 @@ from typing import Any
 
 from ...fmus.composite.composition import Composition
 from ...fmus.native.build.compile import page_library, stamp
+from ..capture.captured import captured_or_none
 from ..errors import SceneError
 from ..master.one_file import composition
 from ..master.plan import plan
@@ -52,6 +53,7 @@ def content(scene: Scene) -> dict[str, Any]:
     page_library()  # the stamp is that of the sources it is made from
     made, profile = composition(scene), scene.profile()
     bands = window(scene.replace({"operation.unbalance_changes": None}))  # of the first unbalance
+    said = captured_or_none(scene)
     return {
         "units": {symbol: shown_in(symbol) for symbol in ("rad/s", "m", "kg m")},
         "tracks": _tracks(scene),
@@ -70,6 +72,7 @@ def content(scene: Scene) -> dict[str, Any]:
             "kinds": bands.kinds,
             "words": bands.words,
         },
+        "left_behind": "" if said is None else said.sentence(),
         "scene": document(scene),
         "sliders": list(_sliders(scene, made)),
         "pace": max(1.0, scene.revolutions / SHOWN_IN),

@@ -114,7 +114,7 @@ const KINDS = {
 };
 
 /* The strip of what is stable, and its words; moves its marker. */
-function strip({ window: { low, high, ends, kinds, words }, balancers }) {
+function strip({ window: { low, high, ends, kinds, words }, balancers, left_behind }) {
   const part = (speed) => `${(100 * (speed - low)) / (high - low)}%`;
   const marker = make("div", { className: "marker" });
   const box = make("div", { id: "strip", role: "img" });
@@ -134,6 +134,7 @@ function strip({ window: { low, high, ends, kinds, words }, balancers }) {
     make("span", { className: "meaning" }, make("span", { className: `key ${kind}` }), meanings[kind]));
   const note = make("span", { textContent: "" });
   said.append(...(ends.length ? [`By ${words}: `, ...keys, note] : [`No stability known: ${words}.`]));
+  if (left_behind) said.append(make("br", {}), left_behind);
   box.setAttribute("aria-label", spans.join("; ") || words);
   box.hidden = !ends.length;
   let shownAt = null;

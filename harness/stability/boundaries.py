@@ -26,6 +26,7 @@ from ...models.criteria import Criterion
 from ...models.linear.balanced import CannotBalance, balanced_angles
 from ...models.linear.boundaries import balancing_boundaries
 from ...models.stability import growth_rates
+from ..capture.captured import captured_or_none
 from ..errors import SimulationError, UserError
 from ..output.workers import Progress
 from ..scene import Scene
@@ -89,7 +90,7 @@ def speeds(
             f"narrowest = {narrowest:g} rad/s: requires {(high - low) / narrowest:.3g} speeds from "
             f"{low:g} to {high:g} rad/s; must be {width:.3g} rad/s or more: at most {MOST_SPEEDS}"
         )
-    result = Speeds(scene.name, (low, high))
+    result = Speeds(scene.name, (low, high), captured=captured_or_none(scene))
     if "criterion" in wanted:
         _by_criterion(scene, result)
     if "floquet" in wanted:

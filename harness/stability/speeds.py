@@ -12,6 +12,7 @@ from .crossings import Side
 from .whirl import Whirls
 
 if TYPE_CHECKING:
+    from ..capture.captured import Captured
     from .proved import Proof
 
 
@@ -28,6 +29,8 @@ class Speeds(Outcome):
         whirl: what remains where the weights cannot balance; None where they can, or without the
             method floquet.
         proof: what the method proved proves; None where it was not asked or gives no answer.
+        captured: whether weights can be left behind at the operating speed; None without weights,
+            or where the closed form does not apply.
     """
 
     drawn_by: ClassVar[str] = "..stability.plot:plot_speeds"
@@ -39,6 +42,7 @@ class Speeds(Outcome):
     refused: dict[str, str] = field(default_factory=dict)
     whirl: Whirls | None = None
     proof: Proof | None = None
+    captured: Captured | None = None
 
     def table(self) -> Sheet:
         """A row for every crossing of every method."""
@@ -63,6 +67,7 @@ class Speeds(Outcome):
             "below_first": dict(self.lowest),
             "not_applicable": dict(self.refused),
             "whirl": None if self.whirl is None else self.whirl.as_json(),
+            "capture": None if self.captured is None else self.captured.as_json(),
         }
 
     def rows(self) -> list[dict[str, Crossing]]:

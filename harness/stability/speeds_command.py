@@ -84,6 +84,8 @@ def command(
             show(whirl_table(result.whirl))
     if "cosim" in result.methods:
         say(f"cosim: {_looked(result, narrowest)}")
+    if result.captured is not None:
+        say(result.captured.sentence())
     if json_file is not None:
         write_json(result.as_json(), json_file)
 

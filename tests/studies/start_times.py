@@ -1,7 +1,7 @@
 """Runs that start at other times than 0: the same motion, shifted.
 
-`python -m tests.studies.start_times [SCENE ...]` runs every bundled scene as one FMU, FMI 2.0 and 3.0, as
-co-simulation and, where it has no events, as model exchange, from each of `STARTS`.  Three
+`python -m tests.studies.start_times [SCENE ...]` runs every bundled scene as one FMU, FMI 2.0 and
+3.0, as co-simulation and, where it has no events, as model exchange, from each of `STARTS`.  Three
 comparisons with the run from 0:
 
 * equal steps: the host says the same length of every step.  The same bits.

@@ -1,0 +1,116 @@
+"""Sentences about weights that are left behind."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ...models.capture.capture import SHARE_OF_CAPACITY, STRONG_DAMPING
+from ..units import brief, in_both
+
+if TYPE_CHECKING:
+    from .captured import Captured
+
+_EARLY = 1.0  # of 2 Om sqrt(A_u/(kappa R))/(Om - w): the unbalance can catch weights earlier
+
+
+def sentence(data: Captured) -> str:
+    """Whether weights can be left behind at the rotor's speed, and from which drag on not."""
+    found, called = data.found, data.called
+    at = in_both(data.speed, "rad/s")
+    if found.unstable:
+        return (
+            f"Closed form: not judged at {at}: the rotor itself is unstable (its internal damping)."
+        )
+    if not found.natural:
+        why = "no natural frequency below that speed brakes them"
+        return f"Closed form: no {called} can be left behind at {at}: {why}."
+    if found.all_pass:
+        let_go = in_both(found.release_speed, "rad/s")
+        return (
+            f"Closed form: no {called} can be left behind at {at}; a slow run-up lets all go by "
+            f"{let_go}{_drag(data, 'left behind only below drag')}."
+        )
+    natural, motion = max(found.motions, key=lambda pair: (pair[1].weights, pair[1].drag_ratio))
+    several = f"{motion.weights} of {found.count}"
+    size = data.amplitude(motion)
+    largest = f"{brief(1e3 * size)} to {brief(1e3 * (size + data.unbalance_amplitude))} mm"
+    until = (
+        f"let go at {in_both(motion.release_speed, 'rad/s')}"
+        if math.isfinite(motion.release_speed)
+        else "not let go at higher speeds"
+    )
+    return (
+        f"Closed form: {several} {called} can be left behind at {at}: they then turn at "
+        f"{in_both(motion.frequency, 'rad/s')} beside the natural frequency "
+        f"{in_both(natural.frequency, 'rad/s')}, vibration {largest}, {until}"
+        f"{_drag(data, 'never from drag')}. How often: `autobalancer motions`."
+    )
+
+
+def _drag(data: Captured, words: str) -> str:
+    limits = {name: f"{value:.3g}" for name, value in data.drag.items()}
+    if len(set(limits.values())) == 1:
+        value = f"{next(iter(limits.values()))} N s/m"
+    else:
+        value = ", ".join(f"{v} N s/m of {name}" for name, v in limits.items())
+    ratio = f" ({data.found.drag_ratio:.2g} times the present one)" if data.drag_given else ""
+    if not data.found.drag_ratio:
+        return ""
+    return f"; {words} {value}{ratio}{' on' if words.startswith('never') else ''}"
+
+
+def limits(data: Captured) -> list[str]:
+    """What the closed form does not cover here."""
+    found, said = data.found, []
+    strongest = max((n.damping_ratio for n in found.natural), default=0.0)
+    if strongest >= STRONG_DAMPING:
+        said.append(
+            f"Damping ratio {strongest:.2g}: at {STRONG_DAMPING:g} weights were let go between "
+            "0.95 and 1.03 times the release speed."
+        )
+    if found.unbalance_share >= SHARE_OF_CAPACITY:
+        said.append(
+            f"Unbalance is {100.0 * found.unbalance_share:.0f} % of the capacity: from "
+            f"{100.0 * SHARE_OF_CAPACITY:.0f} % on weights can be let go earlier than the release "
+            "speed says."
+        )
+    if _catches_early(data):
+        said.append(
+            "The unbalance can catch the weights near resonance: they may be let go earlier than "
+            "the release speed says."
+        )
+    for _, motion in found.motions:
+        if data.amplitude(motion) > min(data.radii):
+            said.append(
+                f"The vibration of weights left behind, {brief(1e3 * data.amplitude(motion))} mm, "
+                "exceeds a track radius: stops or nonlinear supports will limit it."
+            )
+            break
+    if data.gravity:
+        said.append("Gravity is left out: it swings the weights in every revolution.")
+    if data.can_stick:
+        said.append("Rolling resistance is left out: it pulls the weights along as drag does.")
+    if data.scene.operation.motor:
+        said.append("A motor must be able to turn on against the torque of the weights.")
+    if data.scene.operation.unbalance_changes:
+        said.append("The unbalance is that of the start.")
+    if not data.drag_given:
+        said.append("No drag is given: limits are those of equal drag of all weights.")
+    return said
+
+
+def _catches_early(data: Captured) -> bool:
+    """2 Om sqrt(A_u/(kappa R))/(Om - w) of about 1 or more, over the motions that are possible."""
+    kappas = [mounted.device.kappa for mounted in data.scene.assembly().weights]  # type: ignore[union-attr]
+    size = float(np.max(data.found.unbalance_amplitude)) / min(
+        kappa * radius for kappa, radius in zip(kappas, data.radii, strict=True)
+    )
+    if not math.isfinite(size):
+        return True
+    return any(
+        2.0 * data.speed * math.sqrt(size) >= _EARLY * (data.speed - motion.frequency)
+        for _, motion in data.found.motions
+    )

@@ -1,0 +1,233 @@
+"""The brake of weights near each natural frequency of the rotor, while it turns at one speed.
+
+Below a natural frequency the lag that the vibration can hold rises with the speed w of the weights,
+up to a peak (w_p, L_p); motions on this side are stable, those beyond it are not: there the brake
+falls, and bunched weights repel each other.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..arrays import Array
+from .groups import Lag, ordered_numbers
+from .receptance import Poles, Receptance
+
+Indices = NDArray[np.intp]
+_ABOVE = np.array([0.0, 0.12, 0.3, 0.6, 1.0, 1.6, 2.4, 3.4])  # half widths, beyond a pole
+_NEAR_BELOW = np.array([0.12, 0.3, 0.6, 1.0, 1.6, 2.4])
+_POINTS_BELOW = 16
+_LOWEST = 0.03  # of a natural frequency: how far down motions are looked for
+_NARROWEST = 1e-7  # half width over frequency, of undamped rotors too
+_SMALLEST_LAG = 1e-3  # of a peak's speed: weights that lag less are let go at once
+_FARTHEST_PEAK = 3.0  # half widths between a pole and its peak
+_SAME_PEAK = 0.05  # half widths: peaks so near are one
+_REFINEMENTS, _END_REFINEMENTS = 6, 3
+_CONVERGED = 1e-9
+
+
+@dataclass(frozen=True, eq=False)
+class Branches:
+    """Lag over speed of the weights near every natural frequency.
+
+    b rows: a natural frequency and a combination of weights each.
+
+    Attributes:
+        speed: of the rotor [rad/s].
+        pole: (b,) index of the natural frequency.
+        numbers: (b, c) of weights left behind, by group.
+        peak, lag: (b,) speed of the weights at the peak, and how far they can lag there [rad/s];
+            NaN where there is none.
+        frequency, lags: (b, j) points along the brake, ascending [rad/s].
+        phases: (b, j, c) of the groups there [rad].
+        top: (b,) index of the point nearest to the peak.
+    """
+
+    speed: float
+    poles: Poles
+    pole: Indices
+    numbers: Array
+    peak: Array
+    lag: Array
+    frequency: Array
+    lags: Array
+    phases: Array
+    top: Indices
+
+
+def find_branches(receptance: Receptance, lag: Lag, speed: float) -> Branches:
+    """Branches of every natural frequency below the rotor's speed, for k = 1 to N weights."""
+    poles = receptance.poles(speed)
+    below = poles.frequency < speed
+    poles = Poles(poles.frequency[below], poles.decay[below], poles.shapes[below])
+    shapes = poles.shapes[:, lag.planes]
+    numbers = [ordered_numbers(lag.groups, lag.drags, reach) for reach in np.abs(shapes)]
+    ways = 1 if len(lag.groups) == 1 else 2
+    every = np.array([n[..., way] for n in numbers for way in range(ways)])
+    every = every.reshape(-1, len(lag.groups))
+    count, many = len(numbers), ways * sum(group.count for group in lag.groups)
+    pole = np.repeat(np.arange(count), many)
+    frequency = _grid(poles)
+    points = frequency.shape[1]
+    g = receptance.between_planes(frequency.reshape(-1), speed)
+    g = g.reshape(count, points, *g.shape[1:])
+    start = np.repeat(np.angle(shapes).astype(float)[pole], points, axis=0)
+    lags, phases = lag.solve(
+        frequency[pole].reshape(-1),
+        g[pole].reshape(-1, *g.shape[2:]),
+        np.repeat(every, points, axis=0),
+        start,
+    )
+    lags, phases = lags.reshape(-1, points), phases.reshape(len(pole), points, -1)
+    peak, held, top = _peaks(frequency[pole], lags, poles, pole)
+    found = Branches(speed, poles, pole, every, peak, held, frequency[pole], lags, phases, top)
+    ends = np.flatnonzero(~np.isnan(peak) & np.isnan(lags[range(len(top)), top + 1]))
+    for row in ends if len(lag.groups) > 1 else ():
+        _refine_end(found, receptance, lag, int(row))
+    return found
+
+
+def _refine_end(branches: Branches, receptance: Receptance, lag: Lag, row: int) -> None:
+    """Move the peak of a motion that ends between two points to its end."""
+    top, numbers = int(branches.top[row]), branches.numbers[row]
+    low, high = branches.frequency[row, top], branches.frequency[row, top + 1]
+    phases = branches.phases[row, top]
+    for _ in range(_END_REFINEMENTS):
+        w = np.linspace(low, high, 8)
+        both = [np.broadcast_to(a, (len(w), len(a))) for a in (numbers, phases)]
+        lags, turned = lag.solve(w, receptance.between_planes(w, branches.speed), *both)
+        ended = np.flatnonzero(np.isnan(lags))
+        last = max(0, int(ended[0]) - 1) if len(ended) else len(w) - 1
+        low, high, phases = w[last], w[min(last + 1, len(w) - 1)], turned[last]
+        best = int(np.nanargmax(lags[: last + 1])) if not np.isnan(lags[0]) else 0
+        if lags[best] > branches.lag[row]:
+            branches.peak[row], branches.lag[row] = w[best], lags[best]
+
+
+def follow(
+    branches: Branches, receptance: Receptance, lag: Lag, rows: Array
+) -> tuple[Array, Array]:
+    """Where weights turn below the peak while the rotor turns at its speed.
+
+    Args:
+        rows: indices (r,) of branches.
+
+    Returns:
+        Their speed (r,), NaN where they cannot be left behind, and the phases (r, c).
+    """
+    frequency, phases = np.full(len(rows), np.nan), branches.phases[rows, branches.top[rows]]
+    for k, row in enumerate(rows):
+        started = _bracket(branches, int(row))
+        if started is None:
+            continue
+        low, high, phases[k] = started
+        frequency[k] = _crossing(branches, receptance, lag, int(row), low, high, phases[k])
+    return frequency, phases
+
+
+def _grid(poles: Poles) -> Array:
+    """Points (m, j) about each pole, ascending [rad/s]."""
+    centre = poles.frequency[:, None]
+    width = np.maximum(poles.decay, _NARROWEST * poles.frequency)[:, None]
+    farthest = (1.0 - _LOWEST) * centre / width
+    start = np.minimum(4.0, 0.5 * farthest)
+    far = start * (farthest / start) ** np.linspace(0.0, 1.0, _POINTS_BELOW)
+    near = _NEAR_BELOW * np.minimum(1.0, start / 4.0)
+    below = np.hstack([near, far])[:, ::-1]
+    return np.hstack([centre - width * below, centre + width * _ABOVE])
+
+
+def _peaks(
+    frequency: Array, lags: Array, poles: Poles, pole: Indices
+) -> tuple[Array, Array, Indices]:
+    """Local maximum of each row that is nearest to its pole, by the inverse of a resonance."""
+    width = np.maximum(poles.decay, _NARROWEST * poles.frequency)[pole]
+    away = np.abs(frequency - poles.frequency[pole, None]) / width[:, None]
+    peak, held, top = find_peaks(frequency, lags, np.where(away > _FARTHEST_PEAK, np.inf, away))
+    small = ~(held > _SMALLEST_LAG * peak) | ~(poles.decay[pole] > 0.0)
+    peak, held = np.where(small, np.nan, peak), np.where(small, np.nan, held)
+    return (*_without_twins(peak, held, width, pole), top)
+
+
+def find_peaks(frequency: Array, lags: Array, away: Array) -> tuple[Array, Array, Indices]:
+    """Local maximum of each row (b, j) with the least `away`: place, height, nearest point.
+
+    Near a resonance 1/lag is a parabola.  Where the motion ends beside the highest point, that
+    point is the maximum.
+
+    Returns:
+        NaN where there is none within the row.
+    """
+    at = np.where(lags > 0.0, lags, 0.0)  # NaN: no motion
+    highest = (at[:, 1:-1] > at[:, :-2]) & (at[:, 1:-1] >= at[:, 2:]) & (at[:, :-2] > 0.0)
+    away = np.where(highest, away[:, 1:-1], np.inf)
+    top, every = away.argmin(axis=1) + 1, np.arange(len(lags))
+    found = np.isfinite(away[every, top - 1])
+    x = np.stack([frequency[every, top + k] for k in (-1, 0, 1)])
+    with np.errstate(divide="ignore", invalid="ignore"):
+        y = 1.0 / np.stack([at[every, top + k] for k in (-1, 0, 1)])
+        left, right = (y[1] - y[0]) / (x[1] - x[0]), (y[2] - y[1]) / (x[2] - x[1])
+        bend = (right - left) / (x[2] - x[0])
+        place = 0.5 * (x[0] + x[1]) - 0.5 * left / bend
+        height = 1.0 / (y[1] + (place - x[1]) * (left + bend * (place - x[0])))
+    smooth = np.isfinite(y).all(axis=0) & np.isfinite(place) & np.isfinite(height)
+    place, height = np.where(smooth, place, x[1]), np.where(smooth, height, at[every, top])
+    return np.where(found, place, np.nan), np.where(found, height, np.nan), top
+
+
+def _without_twins(peak: Array, held: Array, width: Array, pole: Indices) -> tuple[Array, Array]:
+    """One peak that several poles share is that of the first of them."""
+    many = int((pole == 0).sum()) or 1
+    table, wide = peak.reshape(-1, many), width.reshape(-1, many)
+    for k in range(1, len(table)):
+        with np.errstate(invalid="ignore"):
+            same = (np.abs(table[k] - table[:k]) <= _SAME_PEAK * wide[k]).any(axis=0)
+        table[k, same] = np.nan
+    peak = table.reshape(-1)
+    return peak, np.where(np.isnan(peak), np.nan, held)
+
+
+def _bracket(branches: Branches, row: int) -> tuple[float, float, Array] | None:
+    """Points of the rising side between which w + lag passes the rotor's speed."""
+    peak, held, speed = branches.peak[row], branches.lag[row], branches.speed
+    if not peak < speed < peak + held:
+        return None
+    w, lags = branches.frequency[row], branches.lags[row]
+    high = float(peak)
+    for j in range(int(np.searchsorted(w, peak)) - 1, -1, -1):
+        if np.isnan(lags[j]):
+            return None
+        if w[j] + lags[j] <= speed:
+            return float(w[j]), high, branches.phases[row, j].copy()
+        if j and w[j - 1] + lags[j - 1] > w[j] + lags[j]:
+            return None  # a trough: the side of a lower natural frequency begins
+        high = float(w[j])
+    return None
+
+
+def _crossing(
+    branches: Branches,
+    receptance: Receptance,
+    lag: Lag,
+    row: int,
+    low: float,
+    high: float,
+    phases: Array,
+) -> float:
+    """Root of w + lag = Om between two points, by bisection of several at once."""
+    numbers = branches.numbers[row]
+    for _ in range(_REFINEMENTS):
+        w = np.linspace(low, high, 10)
+        g = receptance.between_planes(w, branches.speed)
+        both = [np.broadcast_to(a, (len(w), len(a))) for a in (numbers, phases)]
+        lags, turned = lag.solve(w, g, *both)
+        beyond = np.flatnonzero(~(w + lags <= branches.speed))
+        at = max(1, int(beyond[0])) if len(beyond) else len(w) - 1
+        low, high = float(w[at - 1]), float(w[at])
+        phases[:] = np.where(np.isnan(turned[at - 1]), phases, turned[at - 1])
+        if high - low <= _CONVERGED * high:
+            break
+    return 0.5 * (low + high)

@@ -1,0 +1,83 @@
+"""What is said of weights that are left behind: sentence, table, JSON, picture, refusals."""
+
+import json
+
+import pytest
+
+from autobalancer.harness import Scene, load_scene
+from autobalancer.harness.errors import SceneError
+
+ROTOR = {"kind": "planar", "mass": 1.0, "stiffness": 1.0, "damping": 0.1, "unbalance": 0.01}
+BALLS = {"name": "balls", "kind": "balls", "count": 2, "mass": 0.0327, "track_radius": 1.0}
+
+
+def scene(drag=0.006, speed=4.0, balancer=None, **rotor):
+    balls = {**BALLS, "drag": drag} if drag else BALLS
+    return Scene(rotor={**ROTOR, **rotor}, balancer=[balancer or balls], speed=speed)
+
+
+def test_the_sentence_says_from_which_drag_on_none_is_left_behind():
+    low, high = scene(0.006).capture(), scene(0.0075).capture()
+    assert low.sentence().startswith("Closed form: 2 of 2 balls can be left behind at 4 rad/s")
+    assert "never from drag 0.00646 N s/m (1.1 times the present one) on" in low.sentence()
+    assert "no balls can be left behind" in high.sentence()
+    assert "left behind only below drag 0.00646 N s/m" in high.sentence()
+
+
+def test_without_drag_the_limit_is_that_of_equal_drag():
+    found = scene(drag=None).capture()
+    assert found.drag["balls"] == pytest.approx(0.006457, rel=1e-3)
+    assert any("No drag is given" in line for line in found.limits())
+
+
+def test_large_unbalance_and_strong_damping_are_named_as_limits():
+    said = " ".join(scene(unbalance=0.05, damping=0.5).capture().limits())
+    assert "76 % of the capacity" in said
+    assert "Damping ratio" in said
+    assert not scene(0.0075, unbalance=0.001).capture().limits()
+
+
+def test_json_holds_drag_release_and_every_motion(invoke, tmp_path):
+    path = scene(0.006).save(tmp_path / "machine.toml")
+    target = tmp_path / "found.json"
+    outcome = invoke("capture", path, "--json", target, "-o", tmp_path / "brake.png")
+    assert outcome.exit_code == 0, outcome.output
+    document = json.loads(target.read_text(), parse_constant=pytest.fail)
+    assert document["all_pass"] is False
+    assert document["drag"]["balls"] == pytest.approx(0.006457, rel=1e-3)
+    (natural,) = document["natural_frequencies"]
+    assert [m["weights"] for m in natural["motions"]] == [1, 2]
+    assert (tmp_path / "brake.png").stat().st_size > 10_000
+
+
+def test_speeds_states_it_and_writes_it(invoke, tmp_path):
+    target = tmp_path / "speeds.json"
+    outcome = invoke(
+        "speeds", "two_balls", "--range", "0.5", "5", "--method", "criterion", "--json", target
+    )
+    assert "Closed form: no pendulums can be left behind" in outcome.output
+    assert json.loads(target.read_text())["capture"]["all_pass"] is True
+
+
+def test_a_run_that_ends_with_balls_left_behind_states_it(invoke, tmp_path):
+    path = scene(0.006).replace({"run.revolutions": 2}).save(tmp_path / "machine.toml")
+    assert "can be left behind at 4 rad/s" in invoke("run", path).output
+    safe = scene(0.0075).replace({"run.revolutions": 2}).save(tmp_path / "safe.toml")
+    assert "left behind" not in invoke("run", safe).output
+
+
+@pytest.mark.parametrize(
+    ("name", "says"),
+    [("liquid_touch", "only liquid"), ("bristol_friction", "no balancer")],
+)
+def test_what_has_no_weights_is_refused_with_what_applies(name, says):
+    with pytest.raises(SceneError, match=says):
+        load_scene(name).capture()
+
+
+def test_dry_friction_is_refused(invoke, tmp_path):
+    friction = [{"support": 1, "limit": [0.1, 0.1]}]
+    path = scene(friction=friction).save(tmp_path / "dry.toml")
+    outcome = invoke("capture", path)
+    assert outcome.exit_code == 2
+    assert "rotor.friction" in outcome.stderr

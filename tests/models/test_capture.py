@@ -1,0 +1,227 @@
+"""Weights that are left behind: the closed form against integrations that share no code with it.
+
+The measured values are of fixed-step Runge-Kutta integrations of the planar and the two-support
+rotor, from random starts, in slow run-ups and at constant speed.
+"""
+
+import math
+
+import numpy as np
+import pytest
+
+from autobalancer.models.assembly import Assembly, Mounted
+from autobalancer.models.capture import capture
+from autobalancer.models.capture.groups import Lag, _balance, groups_of
+from autobalancer.models.rotor import LinearRotor
+from autobalancer.models.weights import Weights
+
+GREEN = {"damping": 0.02, "drag": 0.001}  # a light ball balancer of the literature
+
+
+def planar(damping=0.1, drag=0.0101, count=2, mass=0.0327, stiffness=1.0, radius=0.0, **more):
+    rotor = LinearRotor.planar(1.0, stiffness, damping, unbalance=0.01, **more)
+    device = Weights(count, mass, 1.0, drag, 1.4, radius)
+    return Assembly(rotor, (Mounted("balls", device, 0, (0.0,) * count),))
+
+
+def two_planes(drag, count=2, second=1.0):
+    """A short rotor on two supports that are alike, a balancer at each quarter of its length."""
+    rotor = LinearRotor.two_support(
+        mass=1.0, inertia=0.04, polar_inertia=0.02, span=1.0,
+        stiffness=((0.5, 0.5), (0.5, 0.5)), damping=((0.01, 0.01), (0.01, 0.01)),
+        planes=(0.25, 0.75), unbalances=((0.0, 0.004, 0.0), (1.0, 0.002, 0.0)),
+    )  # fmt: skip
+    drags = (drag, drag * second)
+    return Assembly(
+        rotor,
+        tuple(
+            Mounted(name, Weights(count, 0.02, 1.0, b, 1.4), plane, (0.0,) * count)
+            for plane, (name, b) in enumerate(zip("ab", drags, strict=True))
+        ),
+    )
+
+
+def motion(found, weights, beside):
+    """The motion of so many weights near a natural frequency."""
+    nearest = min(found.natural, key=lambda one: abs(one.frequency - beside))
+    return next(m for m in nearest.motions if m.weights == weights)
+
+
+def test_captured_balls_turn_as_fast_as_an_integration_finds():
+    assembly = planar(0.02, 0.001, mass=0.03267)
+    found = capture(assembly, 3.0)
+    assert motion(found, 2, 0.97).frequency == pytest.approx(0.9128, rel=5e-4)
+    assert motion(found, 1, 0.97).frequency == pytest.approx(0.929, rel=5e-3)
+
+
+def test_their_vibration_lies_between_theirs_alone_and_that_with_the_unbalance_added():
+    found = capture(planar(0.02, 0.001, mass=0.03267), 3.0)
+    own, added = motion(found, 2, 0.97).amplitude[0], found.unbalance_amplitude[0]
+    assert own < 0.488 < 1.01 * (own + added)
+
+
+def test_balls_are_let_go_where_a_slow_run_up_lets_them_go():
+    found = capture(planar(), 4.08)
+    assert motion(found, 2, 0.97).release_speed == pytest.approx(2.914, rel=0.01)
+    assert found.all_pass
+    assert found.release_speed == pytest.approx(2.908, rel=1e-3)
+
+
+def test_no_ball_is_left_behind_beyond_the_drag_limit():
+    found = capture(planar(drag=0.0075), 4.0)
+    assert found.all_pass
+    assert found.drag_ratio * 0.0075 == pytest.approx(0.006457, rel=1e-3)
+    assert not capture(planar(drag=0.006), 4.0).all_pass
+
+
+def test_two_natural_frequencies_of_unequal_supports_both_hold_balls():
+    found = capture(planar((0.1, 0.2), 0.006, stiffness=(1.0, 4.0)), 4.0)
+    assert motion(found, 2, 1.94).frequency == pytest.approx(1.83, rel=5e-3)
+    assert len(found.natural) == 2
+
+
+@pytest.mark.parametrize(
+    ("drag", "translation", "tilt"),
+    [(0.0025, 0.94, 2.70), (0.005, 0.95, 2.81), (0.01, 0.95, 2.92), (0.02, None, 3.03),
+     (0.04, None, 3.12), (0.0012, None, 2.52)],
+)  # fmt: skip
+def test_balls_on_two_planes_of_a_gyroscopic_rotor_turn_as_an_integration_finds(
+    drag, translation, tilt
+):
+    found = capture(two_planes(drag), 4.0)
+    assert motion(found, 4, 3.4).frequency == pytest.approx(tilt, rel=0.012)
+    if translation:
+        assert motion(found, 4, 0.96).frequency == pytest.approx(translation, rel=0.006)
+
+
+def test_a_tilting_mode_that_rises_with_the_speed_never_lets_go():
+    found = capture(two_planes(0.02), 4.0)
+    assert motion(found, 4, 3.4).release_speed == math.inf
+    assert motion(found, 4, 0.96).release_speed < 5.0
+
+
+def test_light_damping_gives_the_release_speed_of_the_formula():
+    mass, damping, drag = 0.01, 0.002, 0.01
+    found = capture(planar(damping, drag, mass=mass, count=3), 2.0)
+    natural = 1.0 / math.sqrt(1.03)
+    for k in (1, 2, 3):
+        expected = natural + k * mass**2 * natural**3 / (damping * drag)
+        assert motion(found, k, natural).release_speed == pytest.approx(expected, rel=2e-3)
+
+
+def test_track_radius_and_rolling_inertia_make_no_difference():
+    small = Assembly(
+        LinearRotor.planar(1.0, 1.0, 0.1, unbalance=0.01),
+        (Mounted("p", Weights(2, 0.0327, 0.2, 0.0101, 1.0), 0, (0.0, 0.0)),),
+    )
+    assert capture(small, 4.08).release_speed == pytest.approx(
+        capture(planar(), 4.08).release_speed, rel=1e-9
+    )
+
+
+def test_internal_damping_takes_from_the_brake_what_the_closed_form_of_one_mass_says():
+    """Circular motion at w: the rotor's damping acts as c w - c_i (Om - w)."""
+    c, ci, k, m, h = 0.1, 0.002, 1.0, 0.0327, 0.006
+    assembly = planar(c, h, internal_damping=ci)
+    found = motion(capture(assembly, 3.0), 2, 0.97)
+    total = 1.0 + 2.0 * m
+    w = np.linspace(0.5, 1.2, 200001)
+
+    def lag(speed):
+        damping = c * w - ci * (speed - w)
+        return 2.0 * m**2 * w**4 * damping / ((k - total * w**2) ** 2 + damping**2) / h
+
+    brake = lag(3.0)
+    lower = w < w[brake.argmax()]
+    assert found.frequency == pytest.approx(
+        float(w[lower][np.argmin(np.abs(w + brake - 3.0)[lower])]), rel=1e-4
+    )
+    release = found.release_speed
+    brake = lag(release)
+    assert release == pytest.approx(float(w[brake.argmax()] + brake.max()), rel=1e-4)
+
+
+def test_internal_damping_that_makes_the_brake_grow_never_lets_go():
+    found = capture(planar(0.1, 0.006, internal_damping=0.01), 3.0)
+    assert motion(found, 2, 0.97).release_speed == math.inf
+
+
+def test_an_unstable_rotor_is_not_judged():
+    assert capture(planar(0.01, internal_damping=0.1), 3.0).unstable
+
+
+def test_balls_that_touch_brake_as_much_as_their_static_moment_says():
+    found = capture(planar(radius=0.3, count=3), 1.5)
+    points = capture(planar(count=3), 1.5)
+    alpha = math.asin(0.3)
+    share = (math.sin(3 * alpha) / (3 * math.sin(alpha))) ** 2
+    one, other = (motion(c, 3, 0.97).peak[1] for c in (found, points))
+    assert one / other == pytest.approx(share, rel=1e-9)
+
+
+def test_two_groups_in_closed_form_agree_with_newtons_method():
+    assembly = two_planes(0.01, second=1.3)
+    groups = groups_of(assembly)
+    random = np.random.default_rng(3)
+    torque = random.normal(size=(40, 2, 2)) + 1j * random.normal(size=(40, 2, 2))
+    torque += 4.0 * np.eye(2)
+    pull = np.full((40, 2), [1.0, 1.3])
+    closed = _solve_two(groups, torque, pull)
+    newton, _ = _balance(torque, pull, closed[1] + 0.01)
+    both = ~np.isnan(newton) & ~np.isnan(closed[0])
+    assert both.sum() > 20
+    assert newton[both] == pytest.approx(closed[0][both], rel=1e-6)
+
+
+def _solve_two(groups, torque, pull):
+    from autobalancer.models.capture.groups import _balance_two
+
+    return _balance_two(torque, pull, np.zeros((len(torque), len(groups))))
+
+
+def test_three_balancers_on_a_flexible_shaft_satisfy_their_balance_of_torques():
+    """Every weight's mean torque, computed from the motion itself."""
+    rotor = LinearRotor.flexible(
+        stations=(0.0, 0.4, 0.7, 1.0), masses=(0.2, 1.0, 1.2, 0.2), supports=(1, 4),
+        support_stiffness=((50.0, 50.0), (60.0, 60.0)),
+        support_damping=((0.5, 0.5), (0.5, 0.5)),
+        bending_stiffness=5.0, unbalances=((0.4, 0.01, 0.0),),
+    )  # fmt: skip
+    devices = [Weights(2, 0.02, 0.3, drag, 1.4) for drag in (0.002, 0.0025, 0.002)]
+    places = (1, 2, 1)
+    assembly = Assembly(
+        rotor,
+        tuple(Mounted(n, d, p, (0.0, 0.0)) for n, d, p in zip("abc", devices, places, strict=True)),
+    )
+    found = capture(assembly, 12.0)
+    (_, m), *_ = [pair for pair in found.motions if pair[1].weights == 6]
+    w = m.frequency
+    lag = Lag(groups_of(assembly), np.array(found.drags))
+    loaded = assembly.loaded_rotor
+    mass, damping, stiffness = loaded.real_coefficients(12.0)
+    dynamic = stiffness - w * w * mass + 1j * w * damping
+    from autobalancer.models.capture.receptance import Receptance
+
+    g = Receptance(loaded).between_planes(np.array([w]), 12.0)
+    lags, phases = lag.solve(np.array([w]), g, np.array([m.numbers], float), m.phases[None])
+    assert w + lags[0] == pytest.approx(12.0, rel=1e-6)
+    force = np.zeros(2 * 4, complex)
+    for place, phase in zip(places, phases[0], strict=True):
+        turning = 2 * 0.02 * 0.3 * w * w * np.exp(1j * phase)
+        force[place] += turning
+        force[4 + place] += -1j * turning
+    moved = np.linalg.solve(dynamic, force)
+    time = np.linspace(0.0, math.tau / w, 400, endpoint=False)
+    x = (moved[:, None] * np.exp(1j * w * time)).real * -(w**2)
+    for place, phase, device in zip(places, phases[0], devices, strict=True):
+        angle = w * time + phase
+        pull = -0.02 * np.mean(x[4 + place] * np.cos(angle) - x[place] * np.sin(angle))
+        assert -pull == pytest.approx(device.drag * 0.3 * (12.0 - w), rel=1e-6)
+
+
+def test_no_weights_and_dry_friction_are_refused():
+    bare = Assembly(LinearRotor.planar(1.0, 1.0))
+    with pytest.raises(ValueError, match="no weights"):
+        capture(bare, 1.0)
+    with pytest.raises(ValueError, match="must be positive"):
+        capture(planar(), 0.0)
