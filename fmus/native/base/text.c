@@ -236,7 +236,8 @@ const char *text_whole(const char *at, int base, uint64_t *value)
 {
     *value = 0;
     for (; text_digit(*at) < base; at++) {
-        *value = *value * (uint64_t)base + (uint64_t)text_digit(*at);
+        const uint64_t digit = (uint64_t)text_digit(*at), times = (uint64_t)base;
+        *value = *value > (UINT64_MAX - digit) / times ? UINT64_MAX : *value * times + digit;
     }
     return at;
 }

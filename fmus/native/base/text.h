@@ -29,7 +29,7 @@ void text_format_values(Text *text, const char *format, va_list values);
 int text_equal(const char *a, const char *b);
 /* Where a text goes on behind what it begins with, or NULL. */
 const char *text_after(const char *text, const char *begin);
-/* A whole number in digits of a base, and where the text goes on. */
+/* A whole number in digits of a base, the largest one where it is larger, and where the text goes on. */
 const char *text_whole(const char *at, int base, uint64_t *value);
 /* Value of a hexadecimal digit; 16 for any other letter. */
 int text_digit(char c);

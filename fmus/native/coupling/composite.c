@@ -138,6 +138,15 @@ static void give_parameters(Unit *unit, const Part *part)
     }
 }
 
+/* 0, or 1 with the reason where a change is of no unbalance that the rotor has. */
+static int refuse_number(Unit *unit, double number)
+{
+    const int most = composite_rotor(unit->own)->unbalances;
+    return !(number >= 1.0 && number <= most && number == nearest(number)) &&
+           unit_fail(unit, "unbalance_change[k].number: must be that of an unbalance of the "
+                     "rotor, from 1");
+}
+
 /* Make the rotor with the unbalance that the changes so far leave, where it is not. */
 static int follow_changes(Unit *unit)
 {
@@ -151,6 +160,9 @@ static int follow_changes(Unit *unit)
     }
     give_parameters(unit, c->parts);
     for (k = 0; k < changed; k++, change += OF_CHANGE) {
+        if (refuse_number(unit, change[NUMBER])) {
+            return 1;
+        }
         memcpy(rotor->real + changed_amount(c, change), change + AMOUNT, 2 * sizeof(double));
     }
     if (rotor->equations->parameters(rotor)) {
@@ -285,7 +297,6 @@ static int await_change(Unit *unit)
     DriveSignal *drive = &c->course->drive;
     const size_t behind = (size_t)drive->changed;
     const double *change = unit->real + c->changes + OF_CHANGE * behind;
-    const int most = composite_rotor(c)->unbalances;
     const double before = drive->next_change;
     drive->next_change = NONE_AHEAD;
     if (behind == c->change_count || !(change[0] > 0.0)) {
@@ -296,11 +307,7 @@ static int await_change(Unit *unit)
         return unit_fail(unit, "unbalance_change[k].time: must not fall; 0 s: not used, nor those "
                          "behind");
     }
-    if (!(change[NUMBER] >= 1.0 && change[NUMBER] <= most && change[NUMBER] == nearest(change[NUMBER]))) {
-        return unit_fail(unit, "unbalance_change[k].number: must be that of an unbalance of the "
-                         "rotor, from 1");
-    }
-    return 0;
+    return refuse_number(unit, change[NUMBER]);
 }
 
 /* The speed that is prescribed; 1 with the reason. */
@@ -783,7 +790,7 @@ static int composite_verdict(const Unit *unit)
 }
 
 const Equations COMPOSITE_EQUATIONS = {
-    .name = "Composite", .allocate = composite_allocate,
+    .name = "Composite", .fields = composite_fields, .allocate = composite_allocate,
     .parameters = composite_parameters, .untunable = composite_untunable, .tune = composite_tune, .begin = composite_begin, .step = composite_step_unit,
     .outputs = composite_outputs, .observe = composite_observe,
     .observe_torques = composite_observe_torques, .is_torque = composite_is_torque,

@@ -233,6 +233,11 @@ int outside_jumps(const Unit *unit);
 /* Force on a plane over a step, in axes that turn with it; 0 where there is none. */
 int outside_signal(const Composite *c, int plane, double step, Complex *signal);
 
+/* -- course_fields.c ------------------------------------------------------------------------- */
+
+/* Declare the doubles of a composite's state. */
+void composite_fields(const Unit *unit, Fields *fields);
+
 /* -- communication_step.c ---------------------------------- */
 
 /* The communication step to come, which may take several of the coupling; with a tolerance one that

@@ -13,7 +13,11 @@
 
 #include "coupling/composite.h"
 
-enum { NAME_SIZE = 128, MOST_UNITS = 1000 };
+enum { NAME_SIZE = 128, MOST_UNITS = 250 };
+
+/* What a composition counts. */
+static const Count CORNERS = {"corners", 0, 10000}, CHANGES = {"changes", 0, 10000},
+                   CORRECTIONS = {"corrections", 0, 100}, PLANE = {"plane", 0, 1000};
 
 static const char STOP[] = "stop_at_contact"; /* flag of a unit */
 
@@ -78,15 +82,15 @@ static const char *make_part(Unit *unit, Part *part, const char *name, const cha
 static const char *read_part(Unit *unit, Part *part, const char *at)
 {
     Composite *c = unit->own;
-    char name[NAME_SIZE], connections[4];
+    char name[NAME_SIZE], connections[4], words[REASON_SIZE];
+    Text why = text_in(words, sizeof words);
     const int first = part == c->parts;
-    int is_motor, is_mounted;
-    uint64_t plane = 0;
+    int is_motor, is_mounted, plane = 0;
     at = token_word(at, ',', name, sizeof name);
-    at = at ? text_whole(at, 10, &plane) + 1 : NULL;
+    at = at ? token_count(&PLANE, at, ',', &plane, &why) : NULL;
     at = at ? token_word(at, ',', connections, sizeof connections) : NULL;
     if (!at) {
-        refuse_composition(unit, "a part must be name, plane, connections, token");
+        refuse_composition(unit, why.length ? words : "a part must be name, plane, connections, token");
         return NULL;
     }
     at = make_part(unit, part, name, at);
@@ -97,14 +101,14 @@ static const char *read_part(Unit *unit, Part *part, const char *at)
     is_mounted = !first && !is_motor;
     if (first != (part->unit->equations == &ROTOR_EQUATIONS) || c->motor ||
         part->unit->layout.sizes.fixed_frame ||
-        (is_mounted && plane - 1 >= (uint64_t)c->parts->unit->layout.sizes.planes)) {
+        (is_mounted && (plane < 1 || plane > c->parts->unit->layout.sizes.planes))) {
         refuse_composition(unit, "its parts must be a rotor, balancers on its planes and at "
                            "most one motor, with signals that turn with the rotor");
         return NULL;
     }
     c->motor = is_motor ? part : NULL;
     c->parts_without_motor += !is_motor;
-    part->plane = (int)plane - 1;
+    part->plane = plane - 1;
     part->drive = is_motor ? -1 : reference(part->unit, "speed");
     part->brief = reference(part->unit, "shortest_stopped_step");
     part->place = is_mounted && has_letter(connections, 'v') ? reference(part->unit, "x") : -1;
@@ -127,11 +131,11 @@ static int read_scheme(Composite *c, const char *at)
     return 1;
 }
 
-static int read_count(const char *at, size_t *count)
+static int read_count(const Count *count, const char *at, size_t *number, Text *why)
 {
-    uint64_t number;
-    const int wrong = *text_whole(at, 10, &number) != ';' || number > MOST_REALS;
-    *count = (size_t)number;
+    int value = 0;
+    const int wrong = !token_count(count, at, 0, &value, why);
+    *number = (size_t)value;
     return wrong;
 }
 
@@ -140,7 +144,8 @@ static int read_count(const char *at, size_t *count)
 static const char *read_entry(Unit *unit, const char *at, const char **own)
 {
     Composite *c = unit->own;
-    uint64_t passes;
+    char words[REASON_SIZE];
+    Text why = text_in(words, sizeof words);
     int wrong = 0;
     const char *value;
     if ((value = text_after(at, "part="))) {
@@ -150,20 +155,17 @@ static const char *read_entry(Unit *unit, const char *at, const char **own)
         wrong = read_scheme(c, value);
     } else if ((value = text_after(at, "corrections="))) {
         c->corrections = UNTIL_CONVERGED;
-        if (*value != '-') {
-            text_whole(value, 10, &passes);
-            c->corrections = (int)(passes & 127);
-        }
+        wrong = *value != '-' && !token_count(&CORRECTIONS, value, 0, &c->corrections, &why);
     } else if ((value = text_after(at, "corners="))) {
-        wrong = read_count(value, &c->corner_count);
+        wrong = read_count(&CORNERS, value, &c->corner_count, &why);
     } else if ((value = text_after(at, "changes="))) {
-        wrong = read_count(value, &c->change_count);
+        wrong = read_count(&CHANGES, value, &c->change_count, &why);
     } else {
         *own = text_after(at, "own=");
         wrong = !*own;
     }
     if (wrong) {
-        refuse_composition(unit, "it has an entry this library does not know");
+        refuse_composition(unit, why.length ? words : "it has an entry this library does not know");
     }
     return wrong ? NULL : token_next(at);
 }
@@ -292,6 +294,9 @@ static int describe(Unit *unit, const char *own_starts)
         const Layout *layout = &c->parts[k].unit->layout;
         total += layout->real_count - layout->inputs.count;
     }
+    if (total > MOST_REALS) {
+        return refuse_composition(unit, "it has more variables than a unit may");
+    }
     reals = unit_allocate(unit, count, sizeof *reals);
     starts = unit_allocate(unit, count, sizeof *starts);
     unit->layout.reals = unit_allocate(unit, total, sizeof *reals);
@@ -330,6 +335,9 @@ int composite_build(Unit *unit, const char *token)
     }
     if (!own || !c->part_count) {
         return refuse_composition(unit, "it ends too early");
+    }
+    if (c->motor && (c->corner_count || c->change_count)) {
+        return refuse_composition(unit, "with a motor it has neither corners nor changes");
     }
     stop_at_contacts(c);
     if (connect(unit) || describe(unit, own)) {

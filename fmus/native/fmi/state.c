@@ -4,15 +4,21 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/elementary.h"
+
 enum { CHECKSUM_SIZE = 8 };
 
 /* The token says unit, sizes and build, and with them how much there is from `values` on: all that is from
    unit->real on.  Serialised it is the same bytes on every platform, as all of them store the lowest byte
    first, with a checksum behind. */
 typedef struct {
-    char token[TOKEN_SIZE];
     double time, time_left, start, point;
     int32_t phase, stale;
+} Moment;
+
+typedef struct {
+    char token[TOKEN_SIZE];
+    Moment moment;
     double values[1];
 } State;
 
@@ -28,15 +34,18 @@ static Status check_given(Unit *unit, const void *given, const char *what)
     return !unit ? STATUS_ERROR : given ? STATUS_OK : unit_refuse(unit, what, "an array is missing");
 }
 
-/* STATUS_OK when this is a state of this unit. */
+/* STATUS_OK when a state with this token is one of this unit. */
+static Status check_token(Unit *unit, const char *token, const char *what)
+{
+    return text_equal(token, unit->token)
+               ? STATUS_OK
+               : unit_refuse(unit, what, "the state belongs to '%s', not to '%s'", token, unit->token);
+}
+
 static Status check_state(Unit *unit, const State *state, const char *what)
 {
-    Status status = check_given(unit, state, what);
-    if (!status && !text_equal(state->token, unit->token)) {
-        status = unit_refuse(unit, what, "the state belongs to '%s', not to '%s'", state->token,
-                             unit->token);
-    }
-    return status;
+    const Status status = check_given(unit, state, what);
+    return status ? status : check_token(unit, state->token, what);
 }
 
 Status unit_free_state(Unit *unit, void **state)
@@ -46,6 +55,13 @@ Status unit_free_state(Unit *unit, void **state)
         *state = NULL;
     }
     return unit ? STATUS_OK : STATUS_ERROR;
+}
+
+static Moment moment_of(const Unit *unit)
+{
+    const Moment moment = {unit->time,  unit->time_left, unit->start,
+                           unit->point, unit->phase,     unit->stale};
+    return moment;
 }
 
 Status unit_save(Unit *unit, void **state)
@@ -60,38 +76,57 @@ Status unit_save(Unit *unit, void **state)
         return unit_refuse(unit, what, "not enough memory");
     }
     memcpy(saved->token, unit->token, sizeof saved->token);
-    saved->time = unit->time;
-    saved->time_left = unit->time_left;
-    saved->start = unit->start;
-    saved->point = unit->point;
-    saved->phase = unit->phase;
-    saved->stale = unit->stale;
+    saved->moment = moment_of(unit);
     memcpy(saved->values, unit->real, unit_values_size(unit));
     return STATUS_OK;
+}
+
+/* The Booleans in a state. */
+static const unsigned char *flags_of(const Unit *unit, const State *state)
+{
+    return (const unsigned char *)state->values + (unit->boolean - (unsigned char *)unit->real);
+}
+
+/* Go on from these values; 1 with the reason where the parameters do not fit together.  `anew`: with
+   parameters other than the present ones. */
+static int take_over(Unit *unit, const Moment *moment, const double *values, int anew)
+{
+    unit->time = moment->time;
+    unit->time_left = moment->time_left;
+    unit->start = moment->start;
+    unit->point = moment->point;
+    unit->phase = moment->phase;
+    unit->stale = moment->stale;
+    memcpy(unit->real, values, unit_values_size(unit));
+    if (!anew || unit->stale == BEGINNING) {
+        return 0;
+    }
+    if (unit->equations->parameters(unit)) {
+        return 1;
+    }
+    /* to make the equations may have changed values that they had when the state was saved */
+    memcpy(unit->real, values, unit_values_size(unit));
+    return 0;
 }
 
 Status unit_restore(Unit *unit, const void *given)
 {
     const char *what = "restoring a state failed";
     const State *state = given;
-    const unsigned char *flags;
+    const Moment before = moment_of(unit);
     int parameters_changed;
     if (check_state(unit, state, what)) {
         return STATUS_ERROR;
     }
-    flags = (const unsigned char *)state->values + (unit->boolean - (unsigned char *)unit->real);
     parameters_changed =
-        unit->stale == BEGINNING || memcmp(unit->boolean, flags, unit->layout.boolean_count) ||
+        before.stale == BEGINNING ||
+        memcmp(unit->boolean, flags_of(unit, state), unit->layout.boolean_count) ||
         memcmp(unit->real, state->values, unit->layout.parameters.count * sizeof(double));
-    unit->time = state->time;
-    unit->time_left = state->time_left;
-    unit->start = state->start;
-    unit->point = state->point;
-    unit->phase = state->phase;
-    unit->stale = state->stale;
-    memcpy(unit->real, state->values, unit_values_size(unit));
-    if (parameters_changed && unit->stale < BEGINNING && unit->equations->parameters(unit)) {
-        return unit_report(unit, STATUS_ERROR, what);
+    memcpy(unit->kept, unit->real, unit_values_size(unit));
+    if (take_over(unit, &state->moment, state->values, parameters_changed)) {
+        const Status status = unit_report(unit, STATUS_ERROR, what);
+        take_over(unit, &before, unit->kept, 1); /* which fit together before */
+        return status;
     }
     return STATUS_OK;
 }
@@ -126,11 +161,49 @@ Status unit_serialise(Unit *unit, const void *state, unsigned char *bytes, size_
     return STATUS_OK;
 }
 
+/* 0, or 1 with the reason where a state is not one that unit_save can make: of these forged ones alone
+   are damaged, as the checksum is right. */
+static int holds_more_than_allowed(Unit *unit, const State *state)
+{
+    const Layout *layout = &unit->layout;
+    const double *memory = state->values + layout->real_count;
+    const unsigned char *flags = flags_of(unit, state);
+    const Moment *moment = &state->moment;
+    const int32_t phase = moment->phase;
+    Fields fields;
+    size_t k;
+    if (!is_finite(moment->time + moment->time_left + moment->start + moment->point)) {
+        return unit_fail(unit, "time = %v s: must be a finite number", moment->point);
+    }
+    if ((phase != INSTANTIATED && phase != INITIALISING && phase != RUNNING && phase != TERMINATED) ||
+        moment->stale < FRESH || moment->stale > BEGINNING ||
+        (moment->stale == BEGINNING && phase >= RUNNING)) {
+        return unit_fail(unit, "the phase of the instance is none");
+    }
+    for (k = 0; k < layout->boolean_count; k++) {
+        if (flags[k] > 1) {
+            return unit_fail(unit, "%s: must be true or false", layout->table->flags[k].name);
+        }
+    }
+    if (unit_check(unit, NULL, layout->inputs.first + layout->inputs.count, state->values)) {
+        return 1;
+    }
+    fields = fields_of(memory, unit->memory_count, state->values, unit_reason(unit));
+    if (moment->stale == BEGINNING || !unit->equations->fields) {
+        fields_any(&fields, memory, unit->memory_count); /* begun anew before anything reads it */
+    } else {
+        unit->equations->fields(unit, &fields);
+    }
+    return fields_wrong(&fields);
+}
+
 Status unit_deserialise(Unit *unit, const unsigned char *bytes, size_t size, void **state)
 {
     const char *what = "reading a serialised state failed";
     const size_t content = size - CHECKSUM_SIZE;
     uint64_t checksum = 0;
+    char token[TOKEN_SIZE];
+    State *read;
     if (check_given(unit, bytes, what) || check_given(unit, state, what)) {
         return STATUS_ERROR;
     }
@@ -140,15 +213,24 @@ Status unit_deserialise(Unit *unit, const unsigned char *bytes, size_t size, voi
     if (size < sizeof(State) || checksum != hash_bytes(bytes, content)) {
         return unit_refuse(unit, what, "the bytes are damaged, or are not those of such a state");
     }
-    if (check_state(unit, (const State *)(const void *)bytes, what)) {
+    memcpy(token, bytes, sizeof token);
+    token[TOKEN_SIZE - 1] = 0;
+    if (check_token(unit, token, what) || (*state && check_state(unit, *state, what))) {
         return STATUS_ERROR;
     }
     if (content != state_size(unit)) {
         return unit_refuse(unit, what, "there are too many bytes, or too few");
     }
-    if (unit_save(unit, state)) {
-        return STATUS_ERROR;
+    read = calloc(1, content);
+    if (!read) {
+        return unit_refuse(unit, what, "not enough memory");
     }
-    memcpy(*state, bytes, content);
+    memcpy(read, bytes, content);
+    if (holds_more_than_allowed(unit, read)) {
+        free(read);
+        return unit_report(unit, STATUS_ERROR, what);
+    }
+    free(*state);
+    *state = read;
     return STATUS_OK;
 }

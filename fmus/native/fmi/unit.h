@@ -10,6 +10,7 @@
 #include <stdint.h>
 
 #include "base/failure.h"
+#include "fmi/fields.h"
 #include "fmi/unit_token.h"
 #include "fmi/variables.h"
 
@@ -33,6 +34,8 @@ typedef struct {
     /* Bytes of what the equations need (`own`) besides `memory`; its doubles, NULL: none. */
     size_t own_size;
     size_t (*memory_size)(const Layout *layout);
+    /* Declare what `memory` may hold in a state, see fields.h; NULL where there is none. */
+    void (*fields)(const Unit *unit, Fields *fields);
     /* Start values that depend on index and size; then what the equations allocate; or NULL. */
     void (*starts)(const Layout *layout, double *real);
     int (*allocate)(Unit *unit);

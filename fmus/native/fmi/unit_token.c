@@ -5,7 +5,13 @@
 #include "fmi/unit.h"
 #include "stamp.h"
 
-enum { WORD_SIZE = 32, MOST_OF_ANYTHING = 100000, DIGITS = 16, SIGNATURE = 2 * DIGITS + 1 };
+enum { WORD_SIZE = 32, DIGITS = 16, SIGNATURE = 2 * DIGITS + 1 };
+
+/* Sizes of a unit: products of four of them fit an int. */
+enum { SIZE_COUNT = 7 };
+static const Count SIZES[SIZE_COUNT] = {
+    {"stations", 1, 1000}, {"planes", 1, 1000},  {"unbalances", 1, 10000}, {"weights", 1, 10000},
+    {"sliders", 1, 1000},  {"points", 2, 10000}, {"unequal", 1, 1}};
 
 /* -- a unit and its sizes --------------------------------------------------------------------- */
 
@@ -21,6 +27,20 @@ const char *token_word(const char *at, char end, char *word, size_t size)
     }
     word[length] = 0;
     return at + length + (at[length] == end);
+}
+
+const char *token_count(const Count *count, const char *at, char end, int *value, Text *reason)
+{
+    uint64_t number;
+    const char *behind = text_whole(at, 10, &number);
+    if (behind == at || (*behind && *behind != end && *behind != ';') || number < (uint64_t)count->least ||
+        number > (uint64_t)count->most) {
+        text_format(reason, "%s: must be a whole number from %u to %u", count->key,
+                    (unsigned long)count->least, (unsigned long)count->most);
+        return NULL;
+    }
+    *value = (int)number;
+    return behind + (*behind == end && end);
 }
 
 /* Where the digest at the end of a token begins. */
@@ -50,21 +70,33 @@ static int check_signature(const char *token, Text *reason)
     return 1;
 }
 
-/* Where the size of this name stands, or NULL. */
-static int *size_named(Sizes *sizes, const char *name)
+/* Read a size; 1 with what is wrong. */
+static int read_size(const char *key, const char *value, Sizes *sizes, Text *reason)
 {
-    return text_equal(name, "stations")     ? &sizes->stations
-           : text_equal(name, "planes")     ? &sizes->planes
-           : text_equal(name, "unbalances") ? &sizes->unbalances
-           : text_equal(name, "weights")    ? &sizes->weights
-           : text_equal(name, "sliders")    ? &sizes->sliders
-           : text_equal(name, "points")     ? &sizes->points
-           : text_equal(name, "unequal")    ? &sizes->unequal
-                                            : NULL;
+    int *const places[SIZE_COUNT] = {&sizes->stations, &sizes->planes, &sizes->unbalances, &sizes->weights,
+                                     &sizes->sliders,  &sizes->points, &sizes->unequal};
+    int k;
+    for (k = 0; k < SIZE_COUNT; k++) {
+        if (text_equal(SIZES[k].key, key)) {
+            return !token_count(SIZES + k, value, 0, places[k], reason);
+        }
+    }
+    text_format(reason, "has an option that this library does not know, %s", key);
+    return 1;
 }
 
-/* The table of a unit's variables and its sizes by its token's options; why not, or NULL. */
-static const char *read_options(const char *token, const Table **table, Sizes *sizes)
+/* Whether the unit of a table exists in these sizes. */
+static int exists(const Table *table, const Sizes *sizes)
+{
+    const int n = sizes->stations;
+    return !(text_equal(table->kind, "planar") && n != 1) &&
+           !(text_equal(table->kind, "two_support") && n != 2) &&
+           !(text_equal(table->kind, "flexible") && n < 2) &&
+           layout_count(table, sizes, MOST_REALS) <= MOST_REALS;
+}
+
+/* The table of a unit's variables and its sizes by its token's options; 1 with what is wrong. */
+static int read_options(const char *token, const Table **table, Sizes *sizes, Text *reason)
 {
     char unit[WORD_SIZE], key[WORD_SIZE], value[WORD_SIZE];
     char kind[WORD_SIZE] = "", shaft[WORD_SIZE] = "";
@@ -77,32 +109,26 @@ static const char *read_options(const char *token, const Table **table, Sizes *s
         if (text_equal(key, "frame")) {
             sizes->fixed_frame = text_equal(value, "fixed");
         } else if (word == value) {
-            int *size = size_named(sizes, key);
-            uint64_t number;
-            text_whole(value, 10, &number);
-            if (!size || number < 1 || number > MOST_OF_ANYTHING) {
-                return "has an option or a size that this library does not know";
+            if (!at) {
+                break;
             }
-            *size = (int)number;
+            if (read_size(key, value, sizes, reason)) {
+                return 1;
+            }
         }
     }
     *table = at ? table_of(unit, kind, shaft) : NULL;
-    if (!*table) {
-        return "names a unit that this library does not have";
+    if (!*table || !exists(*table, sizes)) {
+        text_put(reason, *table ? "has a size in which this unit does not exist"
+                                : "names a unit that this library does not have");
+        return 1;
     }
-    if ((text_equal(kind, "planar") && sizes->stations != 1) ||
-        (text_equal(kind, "two_support") && sizes->stations != 2) ||
-        (text_equal(kind, "flexible") && sizes->stations < 2) || sizes->points < 2 ||
-        layout_count(*table, sizes, MOST_REALS) > MOST_REALS) {
-        return "has a size in which this unit does not exist";
-    }
-    return NULL;
+    return 0;
 }
 
 int token_read(const char *token, const Table **table, Sizes *sizes, Text *reason)
 {
     const Sizes none = {1, 1, 1, 1, 0, 2, 0, 0};
-    const char *wrong;
     *sizes = none;
     text_format(reason, "identity '%s': ", token ? token : "");
     if (!token || strlen(token) >= TOKEN_SIZE) {
@@ -112,9 +138,7 @@ int token_read(const char *token, const Table **table, Sizes *sizes, Text *reaso
     if (check_signature(token, reason)) {
         return 1;
     }
-    wrong = read_options(token, table, sizes);
-    text_put(reason, wrong ? wrong : "");
-    return wrong != NULL;
+    return read_options(token, table, sizes, reason);
 }
 
 /* -- start values ----------------------------------------------------------------------------- */

@@ -17,6 +17,16 @@
 
 enum { TOKEN_SIZE = 192, MOST_REALS = 1000000 };
 
+/* A whole number that a token or a composition states, and its limits. */
+typedef struct {
+    const char *key;
+    int least, most;
+} Count;
+
+/* Read the digits up to the end of an entry, or up to `end`; where the text goes on behind them, or NULL and
+   what is wrong added to `reason`. */
+const char *token_count(const Count *count, const char *at, char end, int *value, Text *reason);
+
 /* Check a unit's token and read it; 0, or 1 and what is wrong with it added to `reason`. */
 int token_read(const char *token, const Table **table, Sizes *sizes, Text *reason);
 /* Copy the text up to `end`, or to the end of its entry; where it goes on behind, NULL when it is too

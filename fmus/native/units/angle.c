@@ -3,7 +3,13 @@
 #include "base/elementary.h"
 #include "constants.h"
 
-/* 2 pi minus its floating-point value */
+void angle_fields(Fields *fields)
+{
+    const double *angle = fields_here(fields);
+    fields_whole(fields, "turns", angle + TURNS, 1, -MOST_COUNTED, MOST_COUNTED);
+    fields_within(fields, "rest of the angle", angle + REST, 1, -TAU, TAU);
+    fields_number(fields, "carry of the angle", angle + CARRY, 1);
+}
 
 void angle_start(double *angle, double start)
 {

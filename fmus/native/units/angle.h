@@ -2,7 +2,11 @@
 #ifndef AUTOBALANCER_ANGLE_H
 #define AUTOBALANCER_ANGLE_H
 
+#include "fmi/fields.h"
+
 enum { TURNS, REST, CARRY, ANGLE_SIZE };
+
+void angle_fields(Fields *fields);
 
 /* An angle [rad], and one turned by so much; Kahan's summation. */
 void angle_start(double *angle, double start);

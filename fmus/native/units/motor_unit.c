@@ -19,6 +19,13 @@ static size_t motor_memory_size(const Layout *layout)
     return ANGLE_SIZE + 1;
 }
 
+static void motor_fields(const Unit *unit, Fields *fields)
+{
+    (void)unit;
+    angle_fields(fields);
+    fields_number(fields, "speed", fields_here(fields), 1);
+}
+
 static void motor_starts(const Layout *layout, double *real)
 {
     const int last = layout->sizes.points - 1;
@@ -126,6 +133,7 @@ static int motor_derivatives(Unit *unit, double *rates)
 
 const Equations MOTOR_EQUATIONS = {
     .name = "Motor", .own_size = sizeof(Motor), .memory_size = motor_memory_size,
+    .fields = motor_fields,
     .starts = motor_starts, .parameters = motor_parameters, .begin = motor_begin,
     .step = motor_step_unit, .outputs = motor_outputs, .observe = motor_observe,
     .signals = motor_signals, .slope = motor_output_slope, .states = motor_state_count, .turns = 1,

@@ -1,4 +1,5 @@
 /* The rotor on its supports as a unit: forces on its planes in, accelerations of the planes out. */
+#include <float.h>
 #include <string.h>
 
 #include "units/rotor_unit.h"
@@ -11,6 +12,21 @@
 static size_t rotor_memory_size(const Layout *layout)
 {
     return MOTION + 4 * (size_t)layout->sizes.stations + 2 + 4 * (size_t)layout->sizes.sliders;
+}
+
+static void rotor_fields(const Unit *unit, Fields *fields)
+{
+    const size_t stations = (size_t)unit->layout.sizes.stations;
+    int k;
+    angle_fields(fields);
+    fields_number(fields, "displacement", fields_here(fields), 2 * stations);
+    fields_number(fields, "velocity", fields_here(fields), 2 * stations);
+    fields_number(fields, "speed", fields_here(fields), 1);
+    fields_within(fields, "time since the inputs", fields_here(fields), 1, 0.0, DBL_MAX);
+    for (k = 0; k < 2 * unit->layout.sizes.sliders; k++) {
+        fields_whole(fields, "slider's direction", fields_here(fields), 1, -1.0, 1.0);
+        fields_number(fields, "slider's force", fields_here(fields), 1);
+    }
 }
 
 static double *doubles(Unit *unit, size_t count, int *missing)
@@ -207,6 +223,7 @@ static size_t rotor_state_count(const Layout *layout)
 
 const Equations ROTOR_EQUATIONS = {
     .name = "RotorOnSupports", .own_size = sizeof(Rotor), .memory_size = rotor_memory_size,
+    .fields = rotor_fields,
     .starts = rotor_starts, .allocate = rotor_allocate, .parameters = rotor_parameters,
     .begin = rotor_begin, .step = rotor_step_unit, .outputs = rotor_outputs,
     .observe = rotor_observe, .observe_torques = rotor_observe_torques, .is_torque = unit_ends_with,

@@ -1,4 +1,5 @@
 /* The balancer with balls, rollers or pendulums, Filimonikhina 2017 (4), as a unit. */
+#include <float.h>
 #include <string.h>
 
 #include "units/weights_unit.h"
@@ -11,6 +12,16 @@
 static size_t weights_memory_size(const Layout *layout)
 {
     return 3 * (size_t)layout->sizes.weights + 5;
+}
+
+static void weights_fields(const Unit *unit, Fields *fields)
+{
+    const size_t count = (size_t)unit->layout.sizes.weights;
+    fields_number(fields, "angle", fields_here(fields), count);
+    fields_number(fields, "angular velocity", fields_here(fields), count);
+    fields_whole(fields, "contact", fields_here(fields), count, 0.0, 1.0);
+    fields_number(fields, "impulse", fields_here(fields), 4);
+    fields_within(fields, "time since the inputs", fields_here(fields), 1, 0.0, DBL_MAX);
 }
 
 static void weights_starts(const Layout *layout, double *real)
@@ -336,6 +347,7 @@ static int weights_derivatives(Unit *unit, double *rates)
 
 const Equations WEIGHTS_EQUATIONS = {
     .name = "BallBalancer", .own_size = sizeof(Balls), .memory_size = weights_memory_size,
+    .fields = weights_fields,
     .starts = weights_starts, .allocate = weights_allocate, .parameters = weights_parameters,
     .begin = weights_begin, .step = weights_step_unit, .outputs = weights_outputs,
     .observe = weights_observe, .observe_torques = weights_observe_torques,
