@@ -169,13 +169,13 @@ def test_one_library_serves_every_size(fmus):
         ("", ""),
         ("{1234-5678}", ""),
         ("Pump/frame=rotor/", "a unit that this library does not"),
-        ("BallBalancer/frame=rotor/weights=0/", "an option or a size that this library"),
-        ("BallBalancer/frame=rotor/weights=99999999999999999999/", "an option or a size"),
-        ("BallBalancer/frame=rotor/wheels=2/", "an option or a size"),
+        ("BallBalancer/frame=rotor/weights=0/", "weights: must be a whole number from 1 to 10000"),
+        ("BallBalancer/frame=rotor/weights=99999999999999999999/", "weights: must be a whole"),
+        ("BallBalancer/frame=rotor/wheels=2/", "an option that this library does not know, wheels"),
         ("BallBalancer/frame=rotor/weights=2", "a unit that this library does not"),
         ("RotorOnSupports/frame=rotor/kind=planar/planes=1/stations=3/", "does not exist"),
         ("RotorOnSupports/frame=rotor/kind=flexible/planes=1/shaft=uniform/stations=99999/unbalances"
-         "=99999/", "does not exist|not enough memory"),
+         "=99999/", "stations: must be a whole number from 1 to 1000"),
     ],
 )  # fmt: skip
 def test_a_token_of_nobody_is_refused_with_a_reason(fmus, packaging, rewritten, token, reason):

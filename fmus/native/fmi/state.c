@@ -190,7 +190,7 @@ static int holds_more_than_allowed(Unit *unit, const State *state)
     }
     fields = fields_of(memory, unit->memory_count, state->values, unit_reason(unit));
     if (moment->stale == BEGINNING || !unit->equations->fields) {
-        fields_any(&fields, memory, unit->memory_count); /* begun anew before anything reads it */
+        fields_any(&fields, memory, unit->memory_count); /* which begin sets */
     } else {
         unit->equations->fields(unit, &fields);
     }
@@ -226,6 +226,9 @@ Status unit_deserialise(Unit *unit, const unsigned char *bytes, size_t size, voi
         return unit_refuse(unit, what, "not enough memory");
     }
     memcpy(read, bytes, content);
+    if (read->moment.stale == BEGINNING) { /* its memory means nothing yet */
+        memset(read->values + unit->layout.real_count, 0, unit->memory_count * sizeof(double));
+    }
     if (holds_more_than_allowed(unit, read)) {
         free(read);
         return unit_report(unit, STATUS_ERROR, what);

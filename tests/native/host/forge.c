@@ -18,8 +18,9 @@
 
 #include "fmi/fmi2.h"
 
-enum { MOST_KINDS = 64, LINE = 1 << 20, OUTPUTS = 4096, TOKEN = 192, TIME = TOKEN, PHASE = TIME + 8 };
-enum { STALE = PHASE + 4, VALUES = STALE + 4, CHECKSUM = 8, COURSE = 130, LIMIT = 60, HUNG = 3 };
+enum { MOST_KINDS = 64, LINE = 1 << 20, OUTPUTS = 4096, TOKEN = 192, TIMES = 4 };
+enum { TIME = TOKEN, POINT = TIME + 24, PHASE = TIME + 8 * TIMES };
+enum { STALE = PHASE + 4, VALUES = STALE + 4, CHECKSUM = 8, COURSE = 80, LIMIT = 60, HUNG = 3 };
 static const double STEP = 1e-3;
 
 typedef struct {
@@ -146,9 +147,11 @@ static double forged_value(double value)
                                     1e300, -1e300, 1e-300, 4294967296., 1.7e308, 1.0 / 0.0, -1.0 / 0.0, 0.0 / 0.0};
     const uint64_t bits = random_bits();
     double random_value;
-    switch (drawn(6)) {
+    switch (drawn(7)) {
     case 0:
         return -value;
+    case 4:
+        return (double)drawn(20); /* a count, or an index, a little beyond what there is */
     case 1:
         return value + (double)drawn(1000) - 500.0;
     case 2:
@@ -231,7 +234,7 @@ static void forge(Serialised *state, const Kind *kind)
     double value;
     switch (drawn(12)) {
     case 0:
-        at = state->bytes + TIME;
+        at = state->bytes + TIME + sizeof(double) * drawn(TIMES);
         break;
     case 1:
         memcpy(state->bytes + (drawn(2) ? PHASE : STALE), &number, sizeof number);
@@ -245,6 +248,9 @@ static void forge(Serialised *state, const Kind *kind)
     case 3:
     case 4:
     case 5:
+    case 6:
+    case 7:
+    case 8:
         if (doubles > kind->references + COURSE) { /* what remembers most of a composite */
             at = state->bytes + VALUES + sizeof(double) * (kind->references + drawn(COURSE));
         }
@@ -273,7 +279,7 @@ static int goes_on_as(fmi2Component c, const Kind *kind, const Serialised *befor
     fmi2Component other[2] = {c, instance(kind)};
     fmi2FMUstate state = NULL;
     int k, same;
-    memcpy(&time, before->bytes + TIME, sizeof time);
+    memcpy(&time, before->bytes + POINT, sizeof time);
     if (two.deserialise(other[1], (const fmi2Byte *)before->bytes, before->size, &state) ||
         two.restore(other[1], state)) {
         two.release(other[1]);
@@ -340,7 +346,7 @@ static void state_case(int number)
         check(goes_on_as(live, kind, &before), "an instance goes on behind a failed restore");
     } else {
         accepted++;
-        memcpy(&time, forged.bytes + TIME, sizeof time);
+        memcpy(&time, forged.bytes + POINT, sizeof time);
         use(live, kind, time);
     }
     two.forget(live, &state);

@@ -1,0 +1,71 @@
+"""States and compositions from outside: refused, or harmless."""
+
+from __future__ import annotations
+
+import ctypes
+import struct
+
+import pytest
+
+from autobalancer.harness import load_scene
+from tests.studies.forged import Found, study
+
+STATES, COMPOSITIONS = 1000, 300
+
+
+@pytest.fixture(scope="module")
+def found(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Found]:
+    folder = tmp_path_factory.mktemp("forged")
+    return study(folder, range(STATES), range(COMPOSITIONS))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("kind", ["states", "compositions"])
+def test_what_is_forged_is_refused_or_does_no_harm(found, kind):
+    """A sample of what `python -m tests.studies.forged` looks at, under sanitizers."""
+    assert found[kind].faults == []
+    (counts,) = found[kind].counts
+    assert "accepted 0" not in counts
+    assert "refused 0" not in counts
+
+
+def fnv(data: bytes) -> bytes:
+    total = 0xCBF29CE484222325
+    for byte in data:
+        total = (total ^ byte) * 0x100000001B3 & 0xFFFFFFFFFFFFFFFF
+    return total.to_bytes(8, "little")
+
+
+@pytest.mark.parametrize("phase", [0, 3, 5, 16, -1])
+def test_a_state_of_no_phase_is_refused(hosted, phase):
+    """Of phase 0 a call out of order would look for the phase's name without end."""
+    host = hosted(load_scene("two_balls"))
+    host.step(0.01)
+    data = bytearray(host.slave.serializeFMUState(host.slave.getFMUState()))
+    at = data.index(struct.pack("<d", host.time)) + 8
+    assert struct.unpack_from("<i", data, at) == (4,)
+    struct.pack_into("<i", data, at, phase)
+    data[-8:] = fnv(bytes(data[:-8]))
+    said = host.refused(lambda: host.slave.deserializeFMUState(bytes(data)))
+    assert "the phase of the instance is none" in said
+
+
+def test_a_restore_that_fails_leaves_the_instance_as_it_was(hosted):
+    """Parameters that do not fit together are seen when the equations are made anew."""
+    host = hosted(load_scene("two_balls"))
+    host.step(0.01)
+    state = host.slave.getFMUState()
+    before = host.slave.serializeFMUState(state)
+    data = bytearray(before)
+    layout = host.description.modelVariables
+    steps = next(v.valueReference for v in layout if v.name == "coupling.steps_per_rev")
+    tolerance = next(v.valueReference for v in layout if v.name == "coupling.tolerance")
+    first = data.index(struct.pack("<d", host.time)) + 16
+    for reference in (steps, tolerance):  # one of both must be above 0
+        struct.pack_into("<d", data, first + 8 * int(reference), 0.0)
+    data[-8:] = fnv(bytes(data[:-8]))
+    forged = host.slave.deserializeFMUState(bytes(data))
+    assert "one must be above 0" in host.refused(lambda: host.slave.setFMUState(forged))
+    after = ctypes.c_void_p()
+    host.slave.fmi2GetFMUstate(host.slave.component, ctypes.byref(after))
+    assert host.slave.serializeFMUState(after) == before
