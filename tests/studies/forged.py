@@ -1,11 +1,12 @@
-"""Forged states and crafted compositions under sanitizers: nothing may crash, hang or change an instance.
+"""Forged states and crafted compositions under sanitizers: no crash, no hang, no changed instance.
 
     python -m tests.studies.forged [--states 20000] [--compositions 5000] [--first 0]
 
-A state is saved, one or two of its values are changed, its checksum is made right, and an instance takes
-it: the instance refuses it and is as before, or goes on with it.  A composition is the text of a scene
-with counts, indices, sizes, start values or whole entries changed, under its right identity.  The library
-is compiled with the address and the undefined-behaviour sanitizer; `native/host/forge.c` makes the calls.
+A state is saved, one or two of its values are changed, its checksum is made right, and an instance
+takes it: the instance refuses it and is as before, or goes on with it.  A composition is the text
+of a scene with counts, indices, sizes, start values or whole entries changed, under its right
+identity.  The library is compiled with the address and the undefined-behaviour sanitizer;
+`native/host/forge.c` makes the calls.
 """
 
 from __future__ import annotations
@@ -32,6 +33,9 @@ SANITIZED = (
     *("-std=c99", "-O1", "-g1", "-fno-omit-frame-pointer"),
     *("-fsanitize=address,undefined,float-cast-overflow", "-fno-sanitize-recover=all"),
 )
+SHARED = (*("-ffp-contract=off", "-fno-math-errno", "-fvisibility=hidden", "-shared", "-fPIC"),)
+PHASE = 192 + 4 * 8  # where a state has its phase: behind the token and four times
+VALUES = PHASE + 2 * 4
 UNITS = (
     ("RotorOnSupports", {"planes": 2}),
     ("RotorOnSupports", {"kind": "two_support", "stations": 2, "planes": 1, "sliders": 2}),
@@ -67,8 +71,7 @@ def sanitized(folder: Path) -> tuple[Path, Path]:
     source.write_text(one_source())
     options = (*SANITIZED, f"-I{SOURCES}", "-Wno-maybe-uninitialized")
     subprocess.run(
-        ["cc", *options, "-ffp-contract=off", "-fno-math-errno", "-fvisibility=hidden"]
-        + ["-shared", "-fPIC", str(source), "-o", str(library), "-lm"],
+        ["cc", *options, *SHARED, str(source), "-o", str(library), "-lm"],
         check=True,
     )
     subprocess.run(
@@ -171,7 +174,7 @@ def signed(text: str) -> str:
 
 def _number(text: str, draw: random.Random) -> str:
     """Another whole number at one place."""
-    places = [m for m in re.finditer(r"(?<=[=,;/])\d+(?=[,;:/])", text)]
+    places = list(re.finditer(r"(?<=[=,;/])\d+(?=[,;:/])", text))
     return _at(text, draw.choice(places), str(draw.choice(NUMBERS))) if places else text
 
 
