@@ -10,7 +10,10 @@ from pathlib import Path
 from .errors import UserError
 
 _SEPARATORS = ",;\t"
-_DECIMAL_COMMA = re.compile(r"[-+]?\d*,\d+(?:[eE][-+]?\d+)?")
+_DECIMAL_COMMA = re.compile(
+    r"[-+]?\d*,\d+(?:[eE][-+]?\d+)?(?:\s*[A-Za-zµμ°%][\w/%°^ -]*)?"
+)  # and a unit
+_OLD_OFFICE, _ZIP = b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1", b"PK\x03\x04"
 
 
 def read_text(path: Path, refused: type[UserError] = UserError) -> str:
@@ -23,6 +26,8 @@ def read_text(path: Path, refused: type[UserError] = UserError) -> str:
         content = path.read_bytes()
     except OSError as error:
         raise refused(f"{path}: cannot be read: {error.strerror or error}") from error
+    if what := _kind_of(content):
+        raise refused(f"{path}: {what}")
     try:
         return content.decode("utf-8-sig")  # editors on Windows put a byte-order mark first
     except UnicodeDecodeError as error:
@@ -31,6 +36,21 @@ def read_text(path: Path, refused: type[UserError] = UserError) -> str:
             f"{path}: line {line}: byte 0x{content[error.start]:02x} is not UTF-8; "
             "save the file as UTF-8 text"
         ) from error
+
+
+def _kind_of(content: bytes) -> str:
+    """What a file that is not text is, and what to do with it; empty where that is not known."""
+    if content.startswith(_OLD_OFFICE):
+        return "an Excel workbook (.xls): save it as CSV"
+    if not content.startswith(_ZIP):
+        return ""
+    if b"application/vnd.oasis.opendocument.spreadsheet" in content[:200]:
+        return "an OpenDocument spreadsheet (.ods): save it as CSV"
+    if b"xl/workbook" in content:  # names of a zip's files are not compressed
+        return "an Excel workbook (.xlsx): save it as CSV"
+    if b"modelDescription.xml" in content:
+        return "an FMU, not a text file"
+    return "a zip archive, not a text file"
 
 
 @dataclass(frozen=True)

@@ -19,6 +19,7 @@ _WITH_UNIT = re.compile(
     r"\s*(?P<number>[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*"
     r"(?![eE][-+]?\d)(?P<unit>[A-Za-zµμ°%(][\w °%µμ·./*^()²³-]*?)\s*"
 )
+_HYPHEN = re.compile(r"(?<=[A-Za-z])-(?=[A-Za-z])")  # g-mm and oz-in are products
 _NUMBER = r"-?\d+(?:\.\d+)?(?:e[-+]?\d+)?"
 _IN_WORDS = re.compile(
     rf"(?<![\w.])(?P<numbers>(?:{_NUMBER}(?:, | to | and ))*{_NUMBER}) "
@@ -33,6 +34,8 @@ minute = 60 * second = min; hour = 3600 * second = h; percent = 0.01 = %
 rpm = turn / minute; hertz = turn / second = Hz
 newton = kilogram * meter / second**2 = N; pascal = newton / meter**2 = Pa
 inch = 0.0254 * meter = in; pound = 0.45359237 * kilogram = lb; ounce = pound / 16 = oz
+mil = 0.001 * inch = thou; foot = 12 * inch = ft; micron = 1e-6 * meter
+ips = inch / second; pound_force = 9.80665 * pound * meter / second**2 = lbf
 """
 
 
@@ -97,7 +100,7 @@ def to_si(text: str, symbol: str) -> float:
 
     units = _registry()
     try:
-        given = units.parse_units(match["unit"])
+        given = units.parse_units(_HYPHEN.sub("*", match["unit"]))
     except Exception as error:  # of pint, of Python's tokenizer, or a failed assertion of it
         raise ValueError(f"unknown unit {match['unit']!r}: {_expected(symbol)}") from error
     try:

@@ -1,6 +1,7 @@
 """From measured runs to corrections: influence coefficients, least squares, allowed angles, grade.
 
-Corrections come in addition to what is mounted in the first run.  With more readings than planes
+Corrections come in addition to what is mounted in the first run.  Runs without phases need three
+trial runs per plane (Siebert's construction).  With more readings than planes
 the sum of squares of what remains is least (Feese & Grazier 2004).
 """
 
@@ -17,6 +18,7 @@ from pydantic import ValidationError
 
 from ...models.arrays import Array, Complex
 from ...models.papers.influence import condition_number, find_correction, from_runs
+from ...models.papers.siebert import FromAmplitudes, from_amplitudes
 from ..errors import UserError
 from ..output.outcome import Outcome
 from ..output.table import Sheet
@@ -25,6 +27,8 @@ from .measured import MeasuredRuns, read_measured
 
 _LARGEST_CONDITION = 1e4  # readings of three digits then say nothing of the masses
 _NOTHING = 1e-9  # of the largest correction: a mass that rounding makes
+_NOT_WORSE = 3.0  # times what the best solution without phases misses: another is not clearly worse
+_READING_ERROR = 0.02  # of the initial amplitude, which a reading can be off
 
 
 @dataclass(frozen=True)
@@ -77,6 +81,7 @@ class Correction(Outcome):
             another method.
         method: what is least, in words.
         grade: None without a grade.
+        circles: how the coefficients were found where the runs have no phases; else None.
     """
 
     drawn_by: ClassVar[str] = "..balancing.plot:plot_measured"
@@ -92,6 +97,22 @@ class Correction(Outcome):
     uncertainty: Array
     method: str
     grade: Grade | None = None
+    circles: FromAmplitudes | None = None
+
+    @property
+    def ambiguous(self) -> list[tuple[str, str, float]]:
+        """Sensor, plane and the rms by which a second solution without phases misses the runs.
+
+        Of those that are not clearly worse: readings that err a little can have exchanged the two.
+        """
+        if self.circles is None:
+            return []
+        best = np.sqrt(np.mean(self.circles.left**2, axis=0))
+        limits = np.maximum(_NOT_WORSE * best, _READING_ERROR * self.circles.responses)
+        return [
+            (self.measured.sensors[s], self.measured.planes[p], float(self.circles.second[s, p]))
+            for s, p in np.argwhere(self.circles.second < limits[:, None]).tolist()
+        ]
 
     @property
     def rms(self) -> float:
@@ -121,8 +142,11 @@ def correct(
 ) -> Correction:
     """Corrections by least squares, or those that make the largest reading least.
 
+    Where the runs have no phases, coefficients are found from an initial run and three trial runs
+    in every plane (Siebert's construction).
+
     Args:
-        measured: a CSV file of runs, see `read_measured`, or what that returns.
+        measured: a CSV file of runs, or what `read_measured` returns.
         angles: allowed angles [rad] of every plane, or of all by one list; default: any.
         grade: of ISO 21940-11, such as "G2.5"; requires the radii and
         mass: of the rotor [kg], and
@@ -144,8 +168,13 @@ def correct(
     """
     if not isinstance(measured, MeasuredRuns):
         measured = read_measured(Path(measured))
+    circles, before = None, measured.responses[0]
     try:
-        coefficients = from_runs(measured.responses, measured.mounted)
+        if measured.has_phase:
+            coefficients = from_runs(measured.responses, measured.mounted)
+        else:
+            circles = from_amplitudes(np.abs(measured.responses), measured.mounted)
+            coefficients, before = circles.coefficients, circles.responses.astype(complex)
     except ValueError as error:
         raise UserError(str(error)) from error
     readings, planes = coefficients.shape
@@ -161,7 +190,6 @@ def correct(
             f"largest mass {', '.join(f'{mass:g}' for mass in largest)}: must be grams above 0, "
             f"one number for all planes or one for each of the {planes}"
         )
-    before = measured.responses[0]
     needed = exact = find_correction(coefficients, before, min_max=min_max)
     if largest:
         bounds = np.broadcast_to(largest, planes)
@@ -187,6 +215,7 @@ def correct(
         uncertainty=spread,
         method="least maximum" if min_max else "least squares",
         grade=graded,
+        circles=circles,
     )
 
 

@@ -2,13 +2,12 @@
 
 One line per run, speed and sensor:
 
-    run,speed_rpm,sensor,amplitude_um,phase_lag_deg,mass_g[1],angle_deg[1],radius_mm[1],...
+    run,speed [rpm],sensor,amplitude [um],phase_lag [deg],mass[1] [g],angle[1] [deg],radius[1] [mm]
 """
 
 from __future__ import annotations
 
 import math
-import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -17,11 +16,17 @@ import numpy as np
 
 from ...models.arrays import Array, Complex
 from ..errors import UserError
-from ..input_files import CsvRow, read_csv
+from ..measurements import Known, Measurements, read_measurements
+from ..units import RPM
+from ..vibration import Vibration, columns, read_vibration
 
-_WEIGHT = re.compile(r"(mass_g|angle_deg|radius_mm)\[(.+)\]")
-_AMPLITUDE = re.compile(r"amplitude_(\w+)")
-_PHASES = {"phase_lead_deg": 1.0, "phase_lag_deg": -1.0}
+_GRAM, _MILLIMETRE = 1e-3, 1e-3
+_PER_PLANE = (
+    Known("mass", ("kg",), per_plane=True),
+    Known("angle", ("rad",), per_plane=True),
+    Known("radius", ("m",), per_plane=True),
+)
+KNOWN = (Known("run"), Known("sensor"), Known("speed", ("rad/s",)), *columns(), *_PER_PLANE)
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,8 +40,11 @@ class MeasuredRuns:
         planes: names of the correction planes.
         radii: (p,) at which masses are mounted [mm]; None where the file has no radius.
         speeds: (s,) [rad/s].
-        responses: (r, s) complex amplitudes; their phases are counted like the masses' angles.
+        responses: (r, s) complex amplitudes, run-out subtracted; their phases are counted like the
+            masses' angles. Without phases they are real.
         mounted: (r, p) mass and angle in each plane, at its radius [g].
+        has_phase: whether phases were measured.
+        has_runout: whether a run-out was subtracted.
     """
 
     runs: tuple[str, ...]
@@ -47,6 +55,8 @@ class MeasuredRuns:
     speeds: Array
     responses: Complex
     mounted: Complex
+    has_phase: bool = True
+    has_runout: bool = False
 
 
 def read_measured(path: Path) -> MeasuredRuns:
@@ -56,100 +66,129 @@ def read_measured(path: Path) -> MeasuredRuns:
         UserError: it cannot be read, or something in it is missing, twice or no number; the message
             names the line or the run, and what is needed.
     """
-    names, rows = read_csv(path)
+    any_unit = [known.name for known in KNOWN if known.is_size]
+    table = read_measurements(path, KNOWN, takes_any_unit=any_unit)
+    names = [column.known.name for column in table.columns]
     if "run" not in names:
         raise UserError(f"{path}: needs a column `run`; has {', '.join(names)}")
-    planes = tuple(dict.fromkeys(m[2] for n in names if (m := _WEIGHT.fullmatch(n))))
+    planes = tuple(p for p in table.planes if table.column("mass", p))
+    if lost := [p for p in table.planes if p not in planes]:
+        raise UserError(f"{path}: plane {', '.join(lost) or 1}: has no column `mass[PLANE] [g]`")
     if not planes:
-        raise UserError(f"{path}: needs columns `mass_g[1]` and `angle_deg[1]` of every plane")
-    runs = tuple(dict.fromkeys(row.cells["run"] for row in rows))
-    lines = {name: [row for row in rows if row.cells["run"] == name] for name in runs}
-    radii = _radii(path, rows, names, planes)
-    mounted = np.array([[_mounted(path, lines[r], p) for p in planes] for r in runs])
-    unmoved = [p for p, m in zip(planes, mounted.T, strict=True) if np.ptp(np.abs(m - m[0])) == 0.0]
+        raise UserError(
+            f"{path}: needs columns `mass[1] [g]` and `angle[1] [deg]` of every plane, such as "
+            "mass[1] [g] or mass_g[1]"
+        )
+    which = _texts(table, "run")
+    runs = tuple(dict.fromkeys(which))
+    radii = _radii(table, planes)
+    mounted = _mounted(table, planes, which, runs)
+    shown = tuple(plane or "1" for plane in planes)
+    unmoved = [p for p, m in zip(shown, mounted.T, strict=True) if not np.ptp(np.abs(m - m[0]))]
     if unmoved:
         raise UserError(
             f"{path}: a trial run is missing: in no run does the mass in plane "
             f"{', '.join(unmoved)} differ from that of the reference, {runs[0]!r}"
         )
-    unit, by_run = _readings(path, rows, names)
-    sensors, speeds, responses = _table(path, runs, by_run)
-    return MeasuredRuns(runs, sensors, unit, planes, radii, speeds, responses, mounted)
+    vibration, by_run = _readings(table, which)
+    sensors, speeds, responses = _by_sensor(path, runs, by_run)
+    return MeasuredRuns(
+        runs,
+        sensors,
+        vibration.unit,
+        shown,
+        radii,
+        speeds,
+        responses,
+        mounted,
+        vibration.has_phase,
+        vibration.has_runout,
+    )
 
 
 Readings = dict[str, dict[str, tuple[float, complex]]]  # by run and sensor: speed, amplitude
 
 
-def _number(row: CsvRow, name: str) -> float:
-    value = row.number(name)
-    if not math.isfinite(value):
-        raise UserError(f"{row.place}: {name} = {value}: must be a finite number")
-    return value
+def _texts(table: Measurements, name: str) -> list[str]:
+    column = table.column(name)
+    assert column is not None
+    return table.texts(column)
 
 
-def _mounted(path: Path, lines: Sequence[CsvRow], plane: str) -> complex:
-    """Mass and angle in a plane during a run; an empty mass is none."""
-    trials = set()
-    for row in lines:
-        mass = _number(row, f"mass_g[{plane}]") if row.cells.get(f"mass_g[{plane}]") else 0.0
-        angle = math.radians(_number(row, f"angle_deg[{plane}]")) if mass else 0.0
-        trials.add((mass, angle))
-    if len(trials) > 1:
-        raise UserError(
-            f"{path}: run {lines[0].cells['run']!r}: its lines do not agree on the mass in plane "
-            f"{plane}"
-        )
-    ((mass, angle),) = trials
-    return mass * complex(math.cos(angle), math.sin(angle))
+def _mounted(
+    table: Measurements, planes: Sequence[str], which: Sequence[str], runs: Sequence[str]
+) -> Complex:
+    """(r, p) mass and angle in each plane during each run [g]; an empty mass is none."""
+    mounted = np.zeros((len(runs), len(planes)), complex)
+    for p, plane in enumerate(planes):
+        masses = np.nan_to_num(_column(table, "mass", plane, "g")) / _GRAM
+        angles = np.where(masses != 0.0, _column(table, "angle", plane, "deg"), 0.0)
+        for row, angle in zip(table.rows, angles.tolist(), strict=True):
+            if math.isnan(angle):
+                raise UserError(f"{row.place}: angle[{plane or 1}]: empty, beside a mass")
+        vectors = masses * np.exp(1j * angles)
+        for r, run in enumerate(runs):
+            own = {v for v, name in zip(vectors.tolist(), which, strict=True) if name == run}
+            if len(own) > 1:
+                raise UserError(
+                    f"{table.path}: run {run!r}: its lines do not agree on the mass in plane "
+                    f"{plane or 1}"
+                )
+            mounted[r, p] = own.pop()
+    return mounted
 
 
-def _radii(
-    path: Path, rows: Sequence[CsvRow], names: Sequence[str], planes: Sequence[str]
-) -> tuple[float, ...] | None:
-    """One radius a plane: where trial masses were and corrections will be."""
-    if not any(name.startswith("radius_mm[") for name in names):
+def _column(table: Measurements, name: str, plane: str, unit: str) -> Array:
+    """(rows,) of a column of a plane, in SI."""
+    column = table.column(name, plane)
+    if column is None:
+        brackets = f"[{plane}]" if plane else ""
+        raise UserError(f"{table.path}: needs a column `{name}{brackets} [{unit}]`")
+    return table.numbers(column)
+
+
+def _radii(table: Measurements, planes: Sequence[str]) -> tuple[float, ...] | None:
+    """One radius a plane [mm]: where trial masses were and corrections will be."""
+    if not any(column.known.name == "radius" for column in table.columns):
         return None
     radii = []
     for plane in planes:
-        name = f"radius_mm[{plane}]"
-        values = {_number(row, name) for row in rows if row.cells.get(name)}
-        if len(values) != 1 or not min(values) > 0.0:
-            raise UserError(f"{path}: {name}: must be one radius above 0 mm in all lines")
-        radii.append(values.pop())
+        values = _column(table, "radius", plane, "mm") / _MILLIMETRE
+        given = np.unique(values[~np.isnan(values)])
+        if len(given) != 1 or not given[0] > 0.0:
+            raise UserError(
+                f"{table.path}: radius[{plane or 1}]: must be one radius above 0 mm in all lines"
+            )
+        radii.append(float(given[0]))
     return tuple(radii)
 
 
-def _readings(path: Path, rows: Sequence[CsvRow], names: Sequence[str]) -> tuple[str, Readings]:
-    """Unit of the amplitudes, and what was read."""
-    units = [m[1] for name in names if (m := _AMPLITUDE.fullmatch(name))]
-    phases = [name for name in names if name in _PHASES]
-    if "sensor" not in names or len(units) != 1:
-        raise UserError(
-            f"{path}: needs the columns `sensor` and one `amplitude_UNIT`, such as amplitude_um"
-        )
-    if len(phases) != 1:
-        raise UserError(
-            f"{path}: needs one of the columns phase_lead_deg (counted like the masses' angles) "
-            "and phase_lag_deg (counted the other way)"
-        )
+def _readings(table: Measurements, which: Sequence[str]) -> tuple[Vibration, Readings]:
+    """The vibration of all lines, and by run and sensor."""
+    path = table.path
+    if table.column("sensor") is None:
+        raise UserError(f"{path}: needs the columns `sensor` and `amplitude [um]`, in any unit")
+    names = _texts(table, "sensor")
+    vibration = read_vibration(table, sensors=names)
+    if vibration is None:
+        raise UserError(f"{path}: needs the columns `sensor` and `amplitude [um]`, in any unit")
+    speed = table.column("speed")
+    speeds = np.zeros(len(names)) if speed is None else table.numbers(speed)
     by_run: Readings = {}
-    for row in rows:
-        run, sensor = row.cells["run"], row.cells["sensor"]
-        amplitude = _number(row, f"amplitude_{units[0]}")
-        phase = _PHASES[phases[0]] * math.radians(_number(row, phases[0]))
-        if amplitude < 0.0:
-            raise UserError(f"{row.place}: amplitude = {amplitude:g}: must not be below 0")
-        rpm = _number(row, "speed_rpm") if "speed_rpm" in names else 0.0
-        sensor += f" at {rpm:g} rpm" if rpm else ""
+    lines = zip(table.rows, which, names, speeds, vibration.values.tolist(), strict=True)
+    for row, run, sensor, rate, value in lines:
+        if math.isnan(rate) or math.isnan(abs(value)):
+            what = "speed" if math.isnan(rate) else "amplitude"
+            raise UserError(f"{row.place}: {what}: must be a number; the cell is empty")
+        reading = f"{sensor} at {rate / RPM:g} rpm" if rate else sensor
         readings = by_run.setdefault(run, {})
-        if sensor in readings:
-            raise UserError(f"{row.place}: run {run!r}: {sensor} is read twice")
-        value = amplitude * complex(math.cos(phase), math.sin(phase))
-        readings[sensor] = (rpm * math.pi / 30.0, value)
-    return units[0], by_run
+        if reading in readings:
+            raise UserError(f"{row.place}: run {run!r}: {reading} is read twice")
+        readings[reading] = (float(rate), value)
+    return vibration, by_run
 
 
-def _table(
+def _by_sensor(
     path: Path, runs: Sequence[str], by_run: Readings
 ) -> tuple[tuple[str, ...], Array, Complex]:
     """Sensors, their speeds (s,) and complex amplitudes (r, s)."""

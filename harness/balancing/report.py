@@ -81,6 +81,8 @@ def print_correction(result: Correction, file: str) -> None:
         f"{len(measured.planes)} planes; condition number of the influence coefficients "
         f"{result.condition:.3g}: the masses are off by up to that many times what readings are"
     )
+    for line in _how_read(result):
+        say(line)
     show(_masses(result))
     show(_readings(result))
     rms, largest = (f"{each:.3g} {measured.unit}" for each in (result.rms, abs(result.after).max()))
@@ -95,6 +97,29 @@ def print_correction(result: Correction, file: str) -> None:
         if math.isnan(result.uncertainty[0]):
             say("The corrections' uncertainty is unknown: it needs more readings than corrections, "
                 "and least squares.")  # fmt: skip
+
+
+def _how_read(result: Correction) -> list[str]:
+    """What was subtracted from the readings, and how well they fit where there are no phases."""
+    measured, said = result.measured, []
+    if measured.has_runout:
+        said.append("Run-out was subtracted from every reading.")
+    if result.circles is None:
+        return said
+    missed = float(np.sqrt(np.mean(result.circles.left**2)))
+    largest = float(np.abs(result.circles.left).max())
+    said.append(
+        "No phases: coefficients are found from the amplitudes of the trial runs (Siebert's "
+        f"construction). They miss the readings by {missed:.2g} {measured.unit} rms, "
+        f"{largest:.2g} at most; leads below are counted from each sensor's initial vibration."
+    )
+    said += [
+        f"Ambiguous: for sensor {sensor!r} and plane {plane} a second solution misses the readings "
+        f"by {rms:.2g} {measured.unit} rms alone: repeat the trial runs with a larger mass, at "
+        "angles 120 deg apart."
+        for sensor, plane, rms in result.ambiguous
+    ]
+    return said
 
 
 def _masses(result: Correction) -> Sheet:

@@ -10,10 +10,10 @@ import numpy as np
 
 from ...models.arrays import Array
 from ..errors import SceneError, UserError
-from ..input_files import read_csv
+from ..measurements import Known, read_measurements
 from ..units import RPM
 
-COLUMNS = "time_s", "speed_rpm"
+COLUMNS = Known("time", ("s",)), Known("speed", ("rad/s",))
 NEAR = 2e-3  # of the highest speed: how far lines may pass a reading
 MOST_LINES = 200  # every corner ends a step; from there on lines may pass by more
 
@@ -48,25 +48,26 @@ def corners_of(path: Path) -> list[list[float]]:
     Raises:
         UserError: the file cannot be read, or is no speed against time.
     """
-    names, rows = read_csv(path)
-    if not set(COLUMNS) <= set(names):
-        raise UserError(f"{path}: needs the columns {' and '.join(COLUMNS)}")
-    time, speed = (np.array([row.number(name) for row in rows]) for name in COLUMNS)
+    found = read_measurements(path, COLUMNS)
+    columns = [found.column(one.name) for one in COLUMNS]
+    if None in columns:
+        raise UserError(f"{path}: needs the columns `time [s]` and `speed [rpm]`")
+    time, speed = (found.numbers(column) for column in columns if column)
     if not np.isfinite([time, speed]).all() or (np.diff(time) <= 0.0).any() or len(time) < 2:
         raise UserError(f"{path}: times must ascend, and every value must be a finite number")
     if (speed < 0.0).any() or not speed.max() > 0.0:
-        raise UserError(f"{path}: speed_rpm must be 0 or more, and above 0 somewhere")
+        raise UserError(f"{path}: speed must be 0 or more, and above 0 somewhere")
     time, near = time - time[0], NEAR * float(speed.max())
     while len(at := _corners(time, speed, near)) > MOST_LINES + 1:
         near *= 2.0
     off = float(np.abs(np.interp(time, time[at], speed[at]) - speed).max())
     warnings.warn(
         f"{path.name}: {len(time)} readings are approximated by {len(at) - 1} lines, which "
-        f"deviate by {off:.3g} rpm at most, {off / speed.max():.2g} of the highest speed",
+        f"deviate by {off / RPM:.3g} rpm at most, {off / speed.max():.2g} of the highest speed",
         TraceNote,
         stacklevel=2,
     )
-    return np.column_stack([time[at], RPM * speed[at]]).tolist()
+    return np.column_stack([time[at], speed[at]]).tolist()
 
 
 def _corners(time: Array, speed: Array, near: float) -> list[int]:

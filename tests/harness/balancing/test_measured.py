@@ -126,8 +126,12 @@ GOOD = "run,sensor,amplitude_um,phase_lead_deg,mass_g[1],angle_deg[1]\nr,a,1,0,,
         (GOOD.replace("t,a,2", "t,a,-2"), r"line 3: amplitude = -2: must not be below 0"),
         (GOOD + "t,a,2,0,1,0\n", r"line 4: run 't': a is read twice"),
         (GOOD + "t,b,2,0,3,0\n", "do not agree on the mass in plane 1"),
-        (GOOD.replace("mass_g[1],angle_deg[1]", "mass,angle"), "needs columns `mass_g"),
-        ("a,b\n1,2\n", "needs a column `run`; has a, b"),
+        (
+            GOOD.replace("mass_g[1],angle_deg[1]", "mass,angle"),
+            r"mass = '1': has no unit: .*`mass \[g\]`",
+        ),
+        ("a,b\n1,2\n", "a: unknown column; allowed: run, sensor, speed, amplitude"),
+        ("sensor,speed\n1,2\n", "needs a column `run`; has sensor, speed"),
     ],
 )
 def test_mistakes_in_the_file_are_named(tmp_path, text, message):

@@ -96,7 +96,7 @@ def test_a_measured_speed_becomes_few_lines_that_say_how_far_they_are_off(scene,
     assert traced.times == pytest.approx([corner[0] for corner in CORNERS], abs=0.011)
     assert traced.speeds == pytest.approx([corner[1] for corner in CORNERS], abs=1.2)
     (tmp_path / "trace.csv").write_text("time_s,rpm\n0,1\n")
-    with pytest.raises(SceneError, match="needs the columns time_s and speed_rpm"):
+    with pytest.raises(SceneError, match=r"rpm: unknown column \(did you mean speed \[rpm\]\?\)"):
         loaded.replace({"operation.profile": "trace.csv"})
 
 
