@@ -237,7 +237,12 @@ def _column(
     names = {name: one for one in known for name in (one.name, *one.others)}
     found, plane, body_unit = _found(body, names)
     if found is None:
-        if other is None or any(map(str.isspace, body)):
+        if any(map(str.isspace, body)):
+            raise ValueError(
+                f"{head}: unknown column: a column is named NAME or NAME [UNIT], such as "
+                "speed [rpm]"
+            )
+        if other is None:
             raise ValueError(_unknown(head, body, known))
         found = other(body)
     elif unit and body_unit:
@@ -260,7 +265,7 @@ def _column(
     except ValueError as error:
         if found.name in takes_any_unit and "unknown unit" in str(error):
             return Column(head, found, plane, unit)
-        raise ValueError(f"{head}: 1 {unit}: {error}") from None
+        raise ValueError(f"{body}: 1 {unit}: {error}") from None
     return Column(head, found, plane, unit, symbol, factor)
 
 

@@ -12,6 +12,8 @@ from __future__ import annotations
 
 import math
 
+from scipy.integrate import solve_ivp
+from scipy.optimize import brentq
 from scipy.special import ellipe, ellipk
 
 # ISO VG grade, which is v at 40 degC, and v at 100 degC [mm^2/s] for the viscosity index 95
@@ -20,27 +22,82 @@ _GRADES = {
     320: 24.0, 460: 30.3,
 }  # fmt: skip
 _COLD, _HOT = 313.15, 373.15  # K, of the two viscosities
+_LONGEST = 200.0  # of a half swing in the race's own time: without drag from 180 deg - 1e-80
 OIL_DENSITY = 870.0  # kg/m^3: mineral oils have 850 to 900
 
 
-def from_swing(mass: float, kappa: float, first: float, last: float, time: float) -> float:
+def from_swing(
+    mass: float, kappa: float, first: float, last: float, time: float, swings: float | None = None
+) -> float:
     """Drag [N s/m] of a weight that swings about the lowest point of a race at rest.
 
-    The area of an orbit in the plane of angle and speed shrinks as exp(-c t/(kappa m)) under linear
-    drag.  It is 8 (E(m) - (1 - m) K(m)) with m = sin^2(amplitude/2), for small swings pi
-    amplitude^2/2.  Exact at every amplitude for drag that is weak: the amplitude changes little in
-    one swing.
+    With the number of swings exact: theta'' + 2 d theta' + sin theta = 0 in the race's own time is
+    integrated from rest at `first` over so many swings, and d is found for which they end at
+    `last`.  Without it for weak drag, that is for many swings: the area of an orbit in the plane of
+    angle and speed shrinks as exp(-c t/(kappa m)) under linear drag.  It is
+    8 (E(m) - (1 - m) K(m)) with m = sin^2(amplitude/2), for small swings pi amplitude^2/2.
 
     Args:
         first, last: amplitudes [rad], below pi.
         time: between them [s].
+        swings: from the first amplitude to the last, there and back each; halves end on the other
+            side.
     """
-    return kappa * mass * math.log(_orbit(first) / _orbit(last)) / time
+    decrement = math.log(_orbit(first) / _orbit(last))
+    if swings is not None:
+        decrement = _exact_decrement(first, last, round(2.0 * swings), decrement)
+    return kappa * mass * decrement / time
+
+
+def swing_range(first: float, last: float) -> float:
+    """Ratio of the drags by one swing and by very many, between two amplitudes [rad], above 1.
+
+    The amplitudes and the time alone do not tell the number of swings.
+    """
+    decrement = math.log(_orbit(first) / _orbit(last))
+    return _exact_decrement(first, last, 2, decrement) / decrement
 
 
 def _orbit(amplitude: float) -> float:
     m = math.sin(0.5 * amplitude) ** 2
     return float(ellipe(m) - (1.0 - m) * ellipk(m))
+
+
+def _exact_decrement(first: float, last: float, halves: int, weak: float) -> float:
+    """c t/(kappa m) of a decay over so many half swings; `weak`: the same for weak drag."""
+
+    def amplitude(rate: float) -> float:
+        return _swung(first, rate, halves)[0] - last
+
+    high = weak / (math.pi * halves)  # a half swing takes pi at least
+    while amplitude(high) > 0.0:
+        high *= 2.0
+    rate = brentq(amplitude, 1e-3 * high, high, xtol=1e-12, rtol=1e-8)
+    return float(rate) * _swung(first, rate, halves)[1]
+
+
+def _swung(first: float, rate: float, halves: int) -> tuple[float, float]:
+    """Amplitude after so many half swings from rest, and the time; 0 where it creeps down."""
+    angle, time = first, 0.0
+
+    def at_rest(_: float, state: tuple[float, float]) -> float:
+        return state[1]
+
+    at_rest.terminal, at_rest.direction = True, 1.0  # type: ignore[attr-defined]
+    for _ in range(halves):  # each from the same side: the next one is its mirror image
+        end = solve_ivp(
+            lambda _, y: (y[1], -rate * y[1] - math.sin(y[0])),
+            (0.0, _LONGEST),
+            (angle, 0.0),
+            "DOP853",
+            events=at_rest,
+            rtol=1e-10,
+            atol=1e-13,
+        )
+        if not end.t_events[0].size:
+            return 0.0, math.inf
+        angle, time = abs(float(end.y_events[0][-1][0])), time + float(end.t_events[0][-1])
+    return angle, time
 
 
 def from_slowing(mass: float, kappa: float, first: float, last: float, time: float) -> float:

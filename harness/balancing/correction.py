@@ -168,13 +168,13 @@ def correct(
     """
     if not isinstance(measured, MeasuredRuns):
         measured = read_measured(Path(measured))
-    circles, before = None, measured.responses[0]
+    circles, initial = None, measured.responses[0]
     try:
         if measured.has_phase:
             coefficients = from_runs(measured.responses, measured.mounted)
         else:
             circles = from_amplitudes(np.abs(measured.responses), measured.mounted)
-            coefficients, before = circles.coefficients, circles.responses.astype(complex)
+            coefficients, initial = circles.coefficients, circles.responses.astype(complex)
     except ValueError as error:
         raise UserError(str(error)) from error
     readings, planes = coefficients.shape
@@ -190,13 +190,13 @@ def correct(
             f"largest mass {', '.join(f'{mass:g}' for mass in largest)}: must be grams above 0, "
             f"one number for all planes or one for each of the {planes}"
         )
-    needed = exact = find_correction(coefficients, before, min_max=min_max)
+    needed = exact = find_correction(coefficients, initial, min_max=min_max)
     if largest:
         bounds = np.broadcast_to(largest, planes)
-        exact = find_correction(coefficients, before, bounds, min_max)
+        exact = find_correction(coefficients, initial, bounds, min_max)
     spread = np.full(planes, math.nan)
     if readings > planes and not min_max:
-        left = before + coefficients @ needed
+        left = initial + coefficients @ needed
         variance = float((np.abs(left) ** 2).sum()) / (readings - planes)
         inverse = np.linalg.inv(coefficients.conj().T @ coefficients)
         spread = np.sqrt(variance * inverse.diagonal().real)
@@ -210,8 +210,8 @@ def correct(
         condition=condition,
         exact=exact,
         pieces=split(measured.planes, exact, angles),
-        before=before,
-        after=before + coefficients @ exact,
+        before=measured.responses[0],
+        after=initial + coefficients @ exact,
         uncertainty=spread,
         method="least maximum" if min_max else "least squares",
         grade=graded,

@@ -12,6 +12,8 @@ from ..output.table import BAD, Sheet
 from ..output.terminal import console, say, show
 from ..output.words import printable
 
+_ROUNDING = 1e-9  # of the largest vibration measured
+
 if TYPE_CHECKING:
     from .correction import Correction
     from .cycles import BalancingReport, Cycle, Technology
@@ -85,7 +87,8 @@ def print_correction(result: Correction, file: str) -> None:
         say(line)
     show(_masses(result))
     show(_readings(result))
-    rms, largest = (f"{each:.3g} {measured.unit}" for each in (result.rms, abs(result.after).max()))
+    sizes = result.rms, float(abs(result.after).max())
+    rms, largest = (f"{_size(each, result):.3g} {measured.unit}" for each in sizes)
     say(f"Expected to remain: rms {rms}, largest {largest}")
     if (grade := result.grade) is not None:
         say(
@@ -148,13 +151,18 @@ def _readings(result: Correction) -> Sheet:
             name,
             f"{abs(b):.4g}",
             f"{_degrees(b) % 360:.1f}",
-            f"{abs(a):.3g}",
+            f"{_size(abs(a), result):.3g}",
             f"{_degrees(a) % 360:.1f}",
         ]
         for name, (b, a) in zip(result.measured.sensors, both, strict=True)
     ]
     columns = ["sensor", f"measured [{unit}]", "lead [deg]", f"expected [{unit}]", "lead [deg] "]
     return Sheet(columns, rows, "lrrrr", "Vibration")
+
+
+def _size(amplitude: float, result: Correction) -> float:
+    """An expected amplitude; 0 where it is rounding."""
+    return amplitude if amplitude > _ROUNDING * float(np.abs(result.before).max()) else 0.0
 
 
 def _degrees(value: complex) -> float:

@@ -26,6 +26,10 @@ def command(
             "or speeds of a ball that runs around the level race, such as 90rpm 30rpm 2s.",
         ),
     ] = None,
+    swings: Annotated[
+        float | None,
+        typer.Option(help="Swings of --decay from FIRST to LAST, there and back; halves count."),
+    ] = None,
     oil: Annotated[str | None, typer.Option(help='Oil, such as "ISO VG 46".')] = None,
     temperature: Annotated[
         str, typer.Option(help="Temperature of the oil, such as 60degC.")
@@ -36,7 +40,14 @@ def command(
         raise UserError("--ball: give the diameter of the ball, such as --ball 10mm")
     from .estimate import find_drag
 
-    found = find_drag(ball, decay=decay, oil=oil, temperature=temperature, density=density)
+    found = find_drag(
+        ball,
+        decay=decay,
+        oil=oil,
+        temperature=temperature,
+        density=density,
+        swings=swings,
+    )
     say(found.source)
     mass, seconds = 1e3 * found.mass, found.decay_time
     say(f"A ball of {mass:.4g} g loses its speed along the track within {seconds:.3g} s.")

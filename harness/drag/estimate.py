@@ -16,6 +16,9 @@ STEEL = 7800.0  # kg/m^3
 _OIL = re.compile(r"\s*(?:ISO\s*)?VG\s*(\d+)\s*", re.IGNORECASE)
 _CELSIUS = re.compile(r"\s*([-+]?\d+(?:\.\d*)?)\s*(?:°|deg)\s*C\s*")
 _ZERO_CELSIUS = 273.15  # K
+_CLOSE = 0.01  # of a drag: how far the number of swings may change it without being asked for
+_MOST_SWINGS = 1000
+_HALF = 1e-6  # of a swing: how near to a half one it is
 _OIL_RANGE = (-40.0, 200.0)  # degC: where a mineral oil is liquid
 
 
@@ -27,11 +30,14 @@ class Drag:
         value: [N s/m], what a scene calls `drag`; from the oil a lower bound.
         mass: of the ball [kg].
         source: how it was found, in words.
+        spread: of the drag, half its range over itself: what is not known without the number of
+            swings; 0 where it changes nothing that matters.
     """
 
     value: float
     mass: float
     source: str
+    spread: float = 0.0
 
     @property
     def decay_time(self) -> float:
@@ -46,6 +52,7 @@ def find_drag(
     oil: str | None = None,
     temperature: str = "40degC",
     density: float = STEEL,
+    swings: float | None = None,
 ) -> Drag:
     """Drag of a ball: from a measured decay, or a lower bound from the oil.
 
@@ -56,6 +63,9 @@ def find_drag(
         oil: grade, such as "ISO VG 46".
         temperature: of the oil.
         density: of the ball [kg/m^3].
+        swings: from the first amplitude to the last, there and back each, where `decay` are
+            amplitudes; a half ends on the other side. Without it a decay from a large angle gives a
+            range, whose middle is `value`.
 
     Raises:
         UserError: a value is wrong, or not one of `decay` and `oil` is given.
@@ -71,22 +81,50 @@ def find_drag(
     if not 0.0 < density < math.inf:
         raise UserError(f"--density {density:g}: must be above 0")
     mass = weight_mass("balls", 0.5 * diameter, density)
-    found = _measured(mass, *decay) if decay else _bound(diameter, str(oil), temperature)
-    return Drag(found[0], mass, found[1])
+    if swings is not None and (decay is None or not 0.0 < swings <= _MOST_SWINGS):
+        raise UserError(
+            f"--swings {swings:g}: must be the number of swings of --decay, such as 2 or 2.5, at "
+            f"most {_MOST_SWINGS}"
+        )
+    if decay:
+        return _measured(mass, *decay, swings)
+    value, source = _bound(diameter, str(oil), temperature)
+    return Drag(value, mass, source)
 
 
-def _measured(mass: float, first: str, last: str, time: str) -> tuple[float, str]:
-    """Drag from a decay [N s/m]."""
+def _measured(mass: float, first: str, last: str, time: str, swings: float | None) -> Drag:
+    """Drag from a decay."""
     seconds = si_number(time, "s", "--decay: time")
     unit, start, end = _in_one_unit(first, last)
     if not (0.0 < end < start < math.inf and 0.0 < seconds < math.inf):
         raise UserError(f"--decay {first} {last} {time}: LAST must be below FIRST, all above 0")
-    if unit == "rad" and start >= math.pi:
+    kappa = KAPPA["balls"]
+    if unit != "rad":
+        if swings is not None:
+            raise UserError("--swings: belongs to a ball that swings; --decay gives two speeds")
+        found = theory.from_slowing(mass, kappa, start, end, seconds)
+        return Drag(found, mass, _said("runs around the level race", found))
+    if start >= math.pi:
         raise UserError(f"--decay {first}: a ball that swings stays below 180 deg")
-    formula = theory.from_swing if unit == "rad" else theory.from_slowing
-    found = formula(mass, KAPPA["balls"], start, end, seconds)
-    motion = "swings in the upright race" if unit == "rad" else "runs around the level race"
-    return found, f"Measured, by a ball that {motion}: {found:.3g} N s/m"
+    if swings is not None and abs(2.0 * swings - round(2.0 * swings)) > _HALF:
+        raise UserError(f"--swings {swings:g}: must be whole or half, such as 2 or 2.5")
+    found = theory.from_swing(mass, kappa, start, end, seconds, swings)
+    motion = "swings in the upright race"
+    if swings is not None or (ratio := theory.swing_range(start, end)) < 1.0 + _CLOSE:
+        return Drag(found, mass, _said(motion, found))
+    middle, most = found * 0.5 * (1.0 + ratio), found * ratio
+    return Drag(
+        middle,
+        mass,
+        f"{_said(motion, middle)}, but only from {found:.3g} (many swings) to {most:.3g} (one "
+        "swing) is known: from such an angle the drag depends on how many swings there were; "
+        "count them and give --swings, such as --swings 2 (2.5 if it ends on the other side)",
+        0.5 * (ratio - 1.0) / (0.5 * (1.0 + ratio)),
+    )
+
+
+def _said(motion: str, found: float) -> str:
+    return f"Measured, by a ball that {motion}: {found:.3g} N s/m"
 
 
 def _in_one_unit(first: str, last: str) -> tuple[str, float, float]:

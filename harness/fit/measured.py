@@ -1,31 +1,30 @@
-"""Measured amplitudes: a CSV file whose heads say what was set and what was measured."""
+"""Measured vibration: a CSV file whose heads say what was set and what was measured."""
 
 from __future__ import annotations
 
 import math
-import re
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from difflib import get_close_matches
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
-from ...models.arrays import Array
+from ...models.arrays import Array, Complex
 from ..errors import UserError
-from ..input_files import read_csv
-from ..master.names import station_residuals
+from ..master.names import station_residuals, turning_parts
+from ..measurements import Known, Measurements, read_measurements
 from ..result.alike import refuse_unvaried
 from ..scene import Scene
-from ..units import si_number
+from ..vibration import columns, read_vibration
 from .parameters import value_at
 
 AMPLITUDE, LARGEST, SPEED = "amplitude", "residual", "speed"
-_HEAD = re.compile(r"(?P<name>\S+)(?:\s+\[(?P<unit>.*)\])?")
 
 
 @dataclass(frozen=True, eq=False)
 class MeasuredAmplitudes:
-    """Amplitudes that were measured, each while the machine ran at one constant speed.
+    """Vibration that was measured, each while the machine ran at one constant speed.
 
     Attributes:
         path: of the file.
@@ -33,80 +32,133 @@ class MeasuredAmplitudes:
         amplitudes: (n,) by what is measured [m], NaN where it was not: `amplitude`, the mean over
             the supports of the largest sqrt(x^2 + y^2); `residual`, the largest of all stations;
             or of one, such as `rotor.station[2].residual`.
+        vibrations: (n,) complex amplitudes of a displacement at the rotor's frequency by its
+            signal, such as `rotor.x` [m], run-out subtracted, NaN where it was not measured.
+        phased: signals whose phase was measured.
     """
 
     path: Path
     settings: dict[str, Array]
     amplitudes: dict[str, Array]
+    vibrations: dict[str, Complex] = field(default_factory=dict)
+    phased: frozenset[str] = frozenset()
+
+    @property
+    def sizes(self) -> dict[str, Array]:
+        """(n,) by name all amplitudes, also those of vibrations with a phase [m]."""
+        return {**self.amplitudes, **{name: np.abs(v) for name, v in self.vibrations.items()}}
 
     @property
     def values(self) -> Array:
-        """All that was measured, column after column [m]."""
-        every = np.concatenate(list(self.amplitudes.values()))
+        """All amplitudes that were measured, column after column [m]."""
+        every = np.concatenate(list(self.sizes.values()))
         return every[~np.isnan(every)]
+
+    @property
+    def logarithms(self) -> Array:
+        """Of `values`, then the phases that were measured, column after column [rad]."""
+        return self.joined({name: np.log(c) for name, c in self.sizes.items()}, self.vibrations)
+
+    @property
+    def is_phase(self) -> NDArray[np.bool_]:
+        """Which of `logarithms` are phases."""
+        return np.arange(len(self.logarithms)) >= len(self.values)
+
+    @property
+    def count(self) -> int:
+        """Rows of the table."""
+        return len(next(iter(self.sizes.values())))
+
+    def joined(self, logarithms: dict[str, Array], vibrations: dict[str, Complex]) -> Array:
+        """(..., values) of what was measured, of columns (..., n) by name."""
+        there = {name: ~np.isnan(column) for name, column in self.sizes.items()}
+        sizes = [logarithms[name][..., there[name]] for name in self.sizes]
+        phases = [
+            np.angle(vibrations[name])[..., there[name]]
+            for name in self.vibrations
+            if name in self.phased
+        ]
+        return np.concatenate([*sizes, *phases], axis=-1)
+
+    def rows(self) -> tuple[NDArray[np.int_], NDArray[np.int_]]:
+        """Of every one of `logarithms` the number of its column and its row in the table."""
+        columns = [~np.isnan(column) for column in self.sizes.values()]
+        columns += [~np.isnan(self.vibrations[n].real) for n in self.vibrations if n in self.phased]
+        numbers = [np.full(there.sum(), k) for k, there in enumerate(columns)]
+        return np.concatenate(numbers), np.concatenate([np.flatnonzero(c) for c in columns])
 
 
 def read_measured(path: Path, scene: Scene) -> MeasuredAmplitudes:
-    """Read a file, in any form that `read_csv` takes.
+    """Read a file, in any form that `read_measurements` takes.
 
-    A head is NAME or NAME [UNIT]: speed [rpm], amplitude [mm], a path of the scene; without a unit
-    in SI units.
+    Heads are speed [rpm], amplitude [mm], rotor.x.amplitude [um pp], rotor.x.phase_lag [deg], a
+    path of the scene; without a unit in SI units, but for phases.
 
     Raises:
         UserError: the file cannot be read, or a head or a cell is wrong.
     """
-    columns, rows = read_csv(path)
-    heads = [_HEAD.fullmatch(column) for column in columns]
-    if None in heads:
-        raise UserError(f"{path}: a column is named NAME or NAME [UNIT], such as speed [rpm]")
-    names = [head["name"] for head in heads if head]
-    if repeated := {name for name in names if names.count(name) > 1}:
-        raise UserError(f"{path}: {', '.join(sorted(repeated))}: given twice")
-    known = [AMPLITUDE, LARGEST, *station_residuals(len(scene.rotor.stations))]
-    table = np.array(
-        [[row.number(c) if row.cells[c] else math.nan for row in rows] for c in columns]
+    sized = [AMPLITUDE, LARGEST, *station_residuals(len(scene.rotor.stations))]
+    signals = list(
+        dict.fromkeys(signal for signal, _ in turning_parts(len(scene.rotor.stations)).values())
     )
+    known = [Known(name, ("m",), needs_unit=False, is_size=True) for name in sized]
+    known += [column for signal in signals for column in columns(f"{signal}.", ("m",))]
+    speed = Known(SPEED, ("rad/s",), needs_unit=False)
+    names = [speed.name, *sized, *(f"{signal}.amplitude" for signal in signals)]
+    table = read_measurements(path, [speed, *known], lambda name: _setting(scene, name, names))
     settings: dict[str, Array] = {}
     amplitudes: dict[str, Array] = {}
-    for head, column in zip(filter(None, heads), table, strict=True):
-        name, unit = head["name"], head["unit"]
-        if name in known:
-            symbol, found = "m", amplitudes
-        else:
-            _refuse_unknown(path, scene, name, known)
-            symbol, found = "rad/s" if name == SPEED else scene.unit_of(name), settings
-        factor = si_number(f"1 {unit}", symbol, f"{path}: {name}:") if unit else 1.0
-        found[name] = factor * column
-    _refuse_wrong(path, settings, amplitudes, known)
-    return MeasuredAmplitudes(path, settings, amplitudes)
+    seen = {one.name for one in known}
+    for column in table.columns:
+        if column.known.name in sized:
+            amplitudes[column.known.name] = table.numbers(column)
+        elif column.known.name not in seen:
+            settings[column.known.name] = table.numbers(column)
+    vibrations, phased = _vibrations(table, signals)
+    measured = MeasuredAmplitudes(path, settings, amplitudes, vibrations, phased)
+    _refuse_wrong(measured, names[1:])
+    return measured
 
 
-def _refuse_unknown(path: Path, scene: Scene, name: str, known: list[str]) -> None:
-    """A head that is no setting of the scene either."""
-    if name == SPEED:
-        return
+def _vibrations(
+    table: Measurements, signals: list[str]
+) -> tuple[dict[str, Complex], frozenset[str]]:
+    """Complex amplitudes by signal [m], and those of them whose phase was measured."""
+    found, phased = {}, set()
+    for signal in signals:
+        vibration = read_vibration(table, f"{signal}.")
+        if vibration is not None:
+            found[signal] = vibration.values * vibration.factor
+            if vibration.has_phase:
+                phased.add(signal)
+    return found, frozenset(phased)
+
+
+def _setting(scene: Scene, name: str, known: list[str]) -> Known:
+    """The column of a head that is a path of the scene.
+
+    Raises:
+        UserError: it is none.
+    """
     try:
         refuse_unvaried(scene, name)
         value_at(scene, name)
     except UserError as error:
-        near = get_close_matches(name, [SPEED, *known], 1) or [f"speed [{name}]"] * (
-            name in ("rpm", "Hz")
-        )
+        near = get_close_matches(name, known, 1) or [f"speed [{name}]"] * (name in ("rpm", "Hz"))
         meant = f"; did you mean {near[0]}?" if near else ""
-        raise UserError(f"{path}: {name}: neither measured nor set{meant} ({error})") from None
+        raise UserError(f"{name}: neither measured nor set{meant} ({error})") from None
+    return Known(name, (scene.unit_of(name),), needs_unit=False)
 
 
-def _refuse_wrong(
-    path: Path, settings: dict[str, Array], amplitudes: dict[str, Array], known: list[str]
-) -> None:
-    if not amplitudes:
+def _refuse_wrong(measured: MeasuredAmplitudes, known: list[str]) -> None:
+    path = measured.path
+    if not measured.sizes:
         raise UserError(f"{path}: nothing measured: a column must be one of: {', '.join(known)}")
-    for name, column in settings.items():
+    for name, column in measured.settings.items():
         if not np.isfinite(column).all():
             raise UserError(f"{path}: {name}: every row must have a number")
-    for name, column in amplitudes.items():
-        if (np.isnan(column) | (np.isfinite(column) & (column > 0.0))).all():
-            continue
-        raise UserError(f"{path}: {name}: must be above 0, or empty where it was not measured")
-    if all(np.isnan(column).all() for column in amplitudes.values()):
+    for name, column in measured.sizes.items():
+        if not (np.isnan(column) | (column > 0.0)).all():
+            raise UserError(f"{path}: {name}: must be above 0, or empty where it was not measured")
+    if all(math.isnan(value) for column in measured.sizes.values() for value in column.tolist()):
         raise UserError(f"{path}: no amplitude is given")

@@ -1,4 +1,4 @@
-"""Amplitudes that a scene shows where they were measured, for many parameters at once.
+"""Vibration that a scene shows where it was measured, for many parameters at once.
 
 By runs in C; or, as a first guess, by harmonic balance, where the scene is a rotor alone.
 """
@@ -10,10 +10,10 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from ...models.arrays import Array
+from ...models.arrays import Array, Complex
 from ...models.harmonic_balance import NoResponse, largest_displacement, unbalance_response
 from ..errors import SimulationError, UserError
-from ..master.names import station_residuals
+from ..master.names import station_residuals, stations
 from ..result.alike import table_of
 from ..result.many import cosimulate_many
 from ..scene import Scene
@@ -40,16 +40,12 @@ class Model:
             raise UserError(f"{scene.name}: operation: a fit requires runs at constant speed")
         self._scene, self.parameters, self._measured = scene, parameters, measured
         others = {name: column for name, column in measured.settings.items() if name != SPEED}
-        rows = np.array(list(others.values())).T.reshape(self._count, len(others))
+        rows = np.array(list(others.values())).T.reshape(measured.count, len(others))
         distinct, self._kind = np.unique(rows, axis=0, return_inverse=True)
         self._kind = self._kind.ravel()
         self._kinds = [dict(zip(others, row, strict=True)) for row in distinct.tolist()]
         self._stations = station_residuals(len(scene.rotor.stations))
         self._supports = [self._stations[number - 1] for number in scene.rotor.supports]
-
-    @property
-    def _count(self) -> int:
-        return len(next(iter(self._measured.amplitudes.values())))
 
     def scene(self, values: Sequence[float]) -> Scene:
         """The scene with these parameters.
@@ -61,8 +57,8 @@ class Model:
         changes = [parameter.changes(value).items() for parameter, value in pairs]
         return self._scene.replace(dict(item for some in changes for item in some))
 
-    def amplitudes(self, sets: Array) -> Array:
-        """What would be measured (s, values) with parameters (s, p) [m].
+    def logarithms(self, sets: Array) -> Array:
+        """What would be measured (s, values) with parameters (s, p), as `Measured.logarithms`.
 
         Raises:
             SceneError: parameters do not fit together.
@@ -72,18 +68,20 @@ class Model:
         scenes = [base.replace(kind) for base in bases for kind in self._kinds]
         place = (np.arange(len(sets))[:, None] * len(self._kinds) + self._kind).ravel()
         speeds = self._measured.settings.get(SPEED)
-        found = self._found(scenes, place, None if speeds is None else np.tile(speeds, len(sets)))
-        found[AMPLITUDE] = np.mean([found[name] for name in self._supports], axis=0)
-        columns = [
-            found[name].reshape(len(sets), -1)[:, ~np.isnan(column)]
-            for name, column in self._measured.amplitudes.items()
-        ]
-        return np.concatenate(columns, axis=1)
+        sizes, vibrations = self._found(
+            scenes, place, None if speeds is None else np.tile(speeds, len(sets))
+        )
+        sizes[AMPLITUDE] = np.mean([sizes[name] for name in self._supports], axis=0)
+        sizes |= {name: np.abs(vibrations[name]) for name in self._measured.vibrations}
+        shape = len(sets), -1
+        logarithms = {n: np.log(sizes[n]).reshape(shape) for n in self._measured.sizes}
+        signals = {n: vibrations[n].reshape(shape) for n in self._measured.vibrations}
+        return self._measured.joined(logarithms, signals)
 
     def _found(
         self, scenes: Sequence[Scene], place: NDArray[np.int_], speeds: Array | None
-    ) -> dict[str, Array]:
-        """By name the residuals of what was measured and of the supports, (places,) [m].
+    ) -> tuple[dict[str, Array], dict[str, Complex]]:
+        """By name residuals and vibrations (places,) of what was measured and the supports [m].
 
         Args:
             place: (places,) of the scenes.
@@ -93,10 +91,18 @@ class Model:
         if speeds is not None:
             table[SPEED] = speeds
         own = [name for name in self._measured.amplitudes if name != AMPLITUDE]
-        found = cosimulate_many(scenes[0], table, results=[*{*own, *self._supports}])
+        parts = {
+            name: (f"{name}.in_phase", f"{name}.quadrature_lead")
+            for name in self._measured.vibrations
+        }
+        asked = dict.fromkeys(
+            [*own, *self._supports, *(n for pair in parts.values() for n in pair)]
+        )
+        found = cosimulate_many(scenes[0], table, results=list(asked))
         for reason in filter(None, found["failure"]):
             raise SimulationError(f"{self._scene.name}: a run failed: {reason}")
-        return dict(found)
+        vibrations = {name: found[a] + 1j * found[b] for name, (a, b) in parts.items()}
+        return dict(found), vibrations
 
 
 class HarmonicModel(Model):
@@ -120,10 +126,16 @@ class HarmonicModel(Model):
 
     def _found(
         self, scenes: Sequence[Scene], place: NDArray[np.int_], speeds: Array | None
-    ) -> dict[str, Array]:
-        largest = np.empty((len(place), len(self._stations)))
+    ) -> tuple[dict[str, Array], dict[str, Complex]]:
+        motion = np.empty((len(place), 2, len(self._stations)), complex)
         for k, scene in enumerate(scenes):
             here = place == k
             own = np.full(here.sum(), scene.operation.speed) if speeds is None else speeds[here]
-            largest[here] = largest_displacement(unbalance_response(scene.assembly().rotor, own))
-        return {LARGEST: largest.max(axis=1), **dict(zip(self._stations, largest.T, strict=True))}
+            motion[here] = unbalance_response(scene.assembly().rotor, own)
+        largest = largest_displacement(motion)
+        sizes = {LARGEST: largest.max(axis=1), **dict(zip(self._stations, largest.T, strict=True))}
+        signals = [
+            f"rotor.{prefix}{axis}" for axis in "xy" for prefix in stations(len(self._stations))
+        ]
+        columns = motion.reshape(len(place), -1).T
+        return sizes, dict(zip(signals, columns, strict=True))

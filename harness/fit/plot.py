@@ -20,14 +20,13 @@ def plot_fit(found: Fit, path: Path | None) -> Path | Drawing:
     """
     measured, values = found.measured, found.measured.values
     differences = np.log(found.simulated / values)
-    count = len(next(iter(measured.amplitudes.values())))
-    places = measured.settings.get(SPEED, np.arange(1.0, count + 1.0))
-    columns = [places[~np.isnan(column)] for column in measured.amplitudes.values()]
+    places = measured.settings.get(SPEED, np.arange(1.0, measured.count + 1.0))
+    columns = [places[~np.isnan(column)] for column in measured.sizes.values()]
     factor, unit = metres(float(values.max()))
     figure = Figure(figsize=(9.0, 6.5), layout="constrained")
     upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=(2, 1))
     begin = 0
-    for number, (name, x) in enumerate(zip(measured.amplitudes, columns, strict=True)):
+    for number, (name, x) in enumerate(zip(measured.sizes, columns, strict=True)):
         part = slice(begin, begin := begin + len(x))
         upper.plot(
             x, factor * values[part], "o", ms=3.5, color=f"C{number}", label=f"{name}, measured"

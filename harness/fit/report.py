@@ -17,7 +17,7 @@ def document(found: Fit) -> dict[str, Any]:
     return {
         "scene": found.start.heading,
         "measured": str(found.measured.path),
-        "values": len(found.measured.values),
+        "values": len(found.measured.logarithms),
         "rms_before": found.rms[0],
         "rms": found.rms[1],
         "rms_first_guess": found.guessed if math.isfinite(found.guessed) else None,
@@ -38,6 +38,8 @@ def document(found: Fit) -> dict[str, Any]:
             name: dict(zip(names, row, strict=True))
             for name, row in zip(names, found.correlation.tolist(), strict=True)
         },
+        "systematic": found.is_systematic,
+        "significance": found.significance,
         "warnings": found.warnings(),
     }
 
@@ -60,8 +62,8 @@ def lines(said: Mapping[str, Any]) -> list[str]:
     guessed = said["rms_first_guess"]
     return [
         *([f"By harmonic balance, best of {said['starts']}: rms {guessed:.4g}"] if guessed else []),
-        f"{said['values']} measured amplitudes; rms of ln(simulated / measured): "
-        f"{said['rms_before']:.4g} before, {said['rms']:.4g} after ({said['ended']})",
+        f"{said['values']} measured values; rms of ln(simulated / measured): "
+        f"{said['rms_before']:.4g} before, {said['rms']:.4g} after",
         *predicted,
         *(f"Warning: {text}" for text in said["warnings"]),
         "As options: "

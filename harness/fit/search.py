@@ -31,6 +31,13 @@ def rms(values: Array) -> float:
     return math.sqrt(np.mean(values**2))
 
 
+def difference(simulated: Array, measured: Array, is_phase: NDArray[np.bool_]) -> Array:
+    """Of logarithms and phases (..., n); phases differ by half a turn at most."""
+    found = simulated - measured
+    turns = np.where(is_phase, np.round(found / math.tau), 0.0)
+    return found - math.tau * turns
+
+
 class Guess(NamedTuple):
     """What harmonic balance finds."""
 
@@ -43,6 +50,7 @@ def first_guess(
     harmonic: HarmonicModel,
     model: Model,
     logarithms: Array,
+    is_phase: NDArray[np.bool_],
     starts: int,
     progress: Progress | None,
 ) -> Guess:
@@ -51,7 +59,7 @@ def first_guess(
     Once more with what it misses of the runs there (one set of them): these then have little to do.
 
     Args:
-        logarithms: of the measured amplitudes.
+        logarithms: of the measured amplitudes, and phases.
 
     Raises:
         NoResponse: it has no answer, from whatever start.
@@ -61,7 +69,7 @@ def first_guess(
     found, reason = [], NoResponse()
     for number, first in enumerate(_drawn(model.parameters, starts)):
         try:
-            found.append(search(harmonic, logarithms, first))
+            found.append(search(harmonic, logarithms, is_phase, first))
         except NoResponse as error:
             reason = error
         if progress:
@@ -69,10 +77,10 @@ def first_guess(
     if not found:
         raise reason
     best = min(found, key=lambda one: one.cost)
-    runs = np.log(model.amplitudes(best.x[None] * scale)[0])
+    runs = model.logarithms(best.x[None] * scale)[0]
     own = best.fun[: len(runs)]  # priors follow
-    missed = runs - logarithms - own
-    closer = search(harmonic, logarithms - missed, best.x)
+    missed = difference(runs - own, logarithms, is_phase)
+    closer = search(harmonic, logarithms - missed, is_phase, best.x)
     return Guess(closer, rms(own), len(found))
 
 
@@ -98,12 +106,14 @@ def _bounds(parameters: Sequence[Parameter]) -> Array:
 def search(
     model: Model,
     logarithms: Array,
+    is_phase: NDArray[np.bool_],
     first: Array,
     progress: Progress | None = None,
 ) -> Any:
     """SciPy's result of a search from `first` (p,), of parameters over their starts.
 
-    What is least are the squares of ln(simulated / measured).  Priors are rows after these.
+    What is least are the squares of ln(simulated / measured), of complex amplitudes where phases
+    were measured: an error of 1 % and one of 0.01 rad count alike.  Priors are rows after these.
     """
     parameters, steps = model.parameters, 0
     scale = np.array([parameter.start for parameter in parameters])
@@ -111,8 +121,9 @@ def search(
     pulls = pulls[pulls.any(axis=1)]
 
     def differences(sizes: Array) -> Array:
-        amplitudes = model.amplitudes(sizes[None] * scale)[0]
-        return np.concatenate([np.log(amplitudes) - logarithms, pulls @ (sizes - 1.0)])
+        simulated = model.logarithms(sizes[None] * scale)[0]
+        own = difference(simulated, logarithms, is_phase)
+        return np.concatenate([own, pulls @ (sizes - 1.0)])
 
     def jacobian(sizes: Array) -> Array:
         nonlocal steps
@@ -121,8 +132,8 @@ def search(
             progress(min(1.0, steps / model.most_steps))
         ahead = np.where(sizes + STEP <= bounds[1], STEP, -STEP)
         sets = np.vstack([sizes, sizes + np.diag(ahead)])
-        nearby = np.log(model.amplitudes(sets * scale))
-        slopes = ((nearby[1:] - nearby[0]) / ahead[:, None]).T
+        nearby = model.logarithms(sets * scale)
+        slopes = (difference(nearby[1:], nearby[0], is_phase) / ahead[:, None]).T
         # rounding must not drive what has no effect
         return np.vstack([np.where(_seen(slopes), slopes, 0.0), pulls])
 

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ...models.arrays import Array
 from ...models.harmonic_balance import NoResponse
@@ -16,10 +17,11 @@ from ..errors import UserError
 from ..output.outcome import Outcome
 from ..output.table import Sheet
 from ..scene import Scene
-from .measured import MeasuredAmplitudes, read_measured
+from .measured import SPEED, MeasuredAmplitudes, read_measured
 from .model import HarmonicModel, Model
 from .parameters import Parameter
-from .search import first_guess, known, rms, search
+from .search import difference, first_guess, known, rms, search
+from .systematic import SIGNIFICANCE, significance
 
 if TYPE_CHECKING:
     from ..output.workers import Progress
@@ -36,11 +38,16 @@ class Fit(Outcome):
         measured: amplitudes.
         parameters, values: (p,) what was free, and what it is.
         uncertainty: (p,) half the interval of 95 % confidence; infinite where the data do not tell,
-            NaN where a value ended at its limit.
+            NaN where a value ended at its limit or the residuals are systematic.
         correlation: (p, p) of the values.
         inflation: (p,) of the interval, over that with all other values known.
         simulated: (n,) amplitudes with these values, as `MeasuredAmplitudes.values` [m].
-        rms: of ln(simulated / measured), before and after.
+        residuals: ln(simulated / measured), then differences of phases [rad], as
+            `MeasuredAmplitudes.logarithms`.
+        significance: probability that independent scatter looks as systematic as the residuals;
+            NaN where there are too few to tell.
+        at_limit: (p,) whether a value ended at its limit.
+        rms: of the residuals, before and after.
         guessed: rms that harmonic balance has with its own values, the least of all starts;
             NaN: the scene is not for it.
         starts: from how many harmonic balance found values.
@@ -58,10 +65,18 @@ class Fit(Outcome):
     correlation: Array
     inflation: Array
     simulated: Array
+    residuals: Array
+    significance: float
+    at_limit: NDArray[np.bool_]
     rms: tuple[float, float]
     guessed: float
     starts: int
     ended: str
+
+    @property
+    def is_systematic(self) -> bool:
+        """Whether residuals of neighbours in speed deviate alike, so that no interval is known."""
+        return self.significance < SIGNIFICANCE
 
     @property
     def scene(self) -> Scene:
@@ -84,8 +99,8 @@ class Fit(Outcome):
         True
         """
         others = read_measured(Path(measured), self.start)
-        simulated = Model(self.start, self.parameters, others).amplitudes(self.values[None])[0]
-        return rms(np.log(simulated / others.values))
+        simulated = Model(self.start, self.parameters, others).logarithms(self.values[None])[0]
+        return rms(difference(simulated, others.logarithms, others.is_phase))
 
     def table(self) -> Sheet:
         """A line a parameter, in SI units."""
@@ -100,11 +115,22 @@ class Fit(Outcome):
         labels = [parameter.label for parameter in self.parameters]
         said = [
             f"{label}: the measured amplitudes do not depend on it"
+            for label, uncertainty in zip(labels, self.uncertainty, strict=True)
             if math.isinf(uncertainty)
-            else f"{label}: ended at its limit, {value:.6g}"
-            for label, value, uncertainty in zip(labels, self.values, self.uncertainty, strict=True)
-            if not math.isfinite(uncertainty)
         ]
+        said += [
+            f"{label}: ended at its limit, {value:.6g}"
+            for label, value, ended in zip(labels, self.values, self.at_limit, strict=True)
+            if ended
+        ]
+        if self.is_systematic:
+            said.append(
+                "residuals of neighbours deviate alike (independent scatter does so in "
+                f"{100.0 * self.significance:.2g} % of files, the limit is "
+                f"{100.0 * SIGNIFICANCE:g} %): something is missing in the scene or was not "
+                "subtracted, such as a run-out; the values can be off by more than any interval "
+                "from scatter, so none is given"
+            )
         others = np.abs(self.correlation - np.eye(len(labels))).argmax(axis=1)
         return said + [
             f"{labels[i]}: known {self.inflation[i]:.2g} times worse than with the others known; "
@@ -130,18 +156,20 @@ def fit(
 
     Arguments are those of `Scene.fit`, which says what is raised.
     """
-    values = measured.values
-    if len(values) <= len(parameters):
+    count = len(measured.logarithms)
+    if count <= len(parameters):
         raise UserError(
-            f"{measured.path}: {len(values)} measured values for {len(parameters)} free "
+            f"{measured.path}: {count} measured values for {len(parameters)} free "
             "parameters: there must be more"
         )
-    model, logarithms = Model(scene, parameters, measured), np.log(values)
+    model, logarithms = Model(scene, parameters, measured), measured.logarithms
+    is_phase = measured.is_phase
     scale = np.array([parameter.start for parameter in parameters])
     guess = None
     try:
         by_harmonic = HarmonicModel(scene, parameters, measured)
-        guess = first_guess(by_harmonic, model, logarithms, starts, progress if harmonic else None)
+        reporting = progress if harmonic else None
+        guess = first_guess(by_harmonic, model, logarithms, is_phase, starts, reporting)
     except NoResponse as error:
         if harmonic or starts > 1:
             raise UserError(f"{scene.name}: no fit by harmonic balance: {error}") from None
@@ -149,21 +177,40 @@ def fit(
         solution = guess.closer
     else:
         first = guess.closer.x if guess else np.ones(len(parameters))
-        solution = search(model, logarithms, first, progress)
+        solution = search(model, logarithms, is_phase, first, progress)
     uncertainty, correlation, inflation = known(solution.jac, solution.fun)
-    uncertainty = np.where(solution.active_mask == 0, uncertainty, math.nan)
-    before, simulated = model.amplitudes(np.array([scale, solution.x * scale]))
+    own = slice(len(logarithms))  # priors follow
+    chance = significance(solution.fun[own], solution.jac[own], _sequences(measured))
+    at_limit = solution.active_mask != 0
+    withheld = at_limit | (chance < SIGNIFICANCE) & np.isfinite(uncertainty)
+    before, after = model.logarithms(np.array([scale, solution.x * scale]))
+    residuals = difference(after, logarithms, is_phase)
     return Fit(
         scene,
         measured,
         tuple(parameters),
         solution.x * scale,
-        uncertainty * np.abs(scale),
+        np.where(withheld, math.nan, uncertainty * np.abs(scale)),
         correlation,
         inflation,
-        simulated,
-        (rms(np.log(before / values)), rms(np.log(simulated / values))),
+        np.exp(after[~is_phase]),
+        residuals,
+        chance,
+        at_limit,
+        (rms(difference(before, logarithms, is_phase)), rms(residuals)),
         guess.rms if guess else math.nan,
         guess.starts if guess else 0,
         solution.message,
     )
+
+
+def _sequences(measured: MeasuredAmplitudes) -> list[NDArray[np.int_]]:
+    """Numbers of residuals that are neighbours: of one column under one setting, by their speed."""
+    column, row = measured.rows()
+    settings = dict(measured.settings)
+    speeds = settings.pop(SPEED, np.arange(float(measured.count)))
+    kinds = np.array(list(settings.values())).T.reshape(measured.count, len(settings))
+    _, kind = np.unique(kinds, axis=0, return_inverse=True)
+    key = column * (int(kind.max()) + 1) + kind.ravel()[row]
+    by_speed = np.argsort(speeds[row], kind="stable")
+    return [by_speed[key[by_speed] == one] for one in np.unique(key)]

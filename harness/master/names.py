@@ -23,6 +23,19 @@ def station_residuals(count: int) -> list[str]:
     return [f"rotor.{prefix}residual" for prefix in stations(count)]
 
 
+def turning_parts(count: int) -> dict[str, tuple[str, int]]:
+    """What many runs call the parts of displacements at the rotor's frequency: signal and part.
+
+    x = in_phase cos theta - quadrature_lead sin theta + ..., with the rotor's angle theta.
+    """
+    return {
+        f"rotor.{prefix}{axis}.{name}": (f"rotor.{prefix}{axis}", part)
+        for prefix in stations(count)
+        for axis in "xy"
+        for part, name in enumerate(("in_phase", "quadrature_lead"))
+    }
+
+
 def mean_angles(outputs: Iterable[str]) -> dict[str, str]:
     """What many runs call the mean angles of weights in the last revolution: the angles by it."""
     angle = re.compile(r"^(.*\.weight\[\d+\]\.)angle$")

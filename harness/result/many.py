@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from ..errors import UserError
 from ..master.merged import merged_runs, names_of_states
-from ..master.names import mean_angles, station_residuals, stations
+from ..master.names import mean_angles, station_residuals, stations, turning_parts
 from ..master.one_file import composition
 from ..master.plan import plan
 from ..master.schedule import end_time
@@ -56,8 +56,10 @@ def cosimulate_many(
             `speed`, or by the variables of the scene's composite FMU (`rotor.stiffness_x`): a
             mapping of arrays, or a pandas frame.
         results: of `RESULTS`; of one station `rotor.station[1].residual`, or `rotor.residual` of a
-            rotor's only one [m]; `balls.weight[1].mean_angle` of the last revolution [rad]; or
-            outputs of the FMU, which are taken at the end of a run.
+            rotor's only one [m]; at constant speed `rotor.x.in_phase` and `.quadrature_lead`, also
+            of `y` and of a station: x = in_phase cos theta - quadrature_lead sin theta in the last
+            revolution [m], with the rotor's angle theta; `balls.weight[1].mean_angle` of the last
+            revolution [rad]; or outputs of the FMU, which are taken at the end of a run.
         threads: default: one a core.
 
     Returns:
@@ -76,21 +78,24 @@ def cosimulate_many(
     inputs = [v.name for v in layout.variables if v.causality != "output"]
     outputs = [v.name for v in layout.reals if v.causality == "output"]
     residuals = station_residuals(len(scene.rotor.stations))
-    means = mean_angles(outputs)
-    _refuse_unknown(results, [*RESULTS, *residuals, *means, *outputs])
+    means, profile = mean_angles(outputs), scene.profile()
+    is_steady = not (profile.changes or scene.operation.motor)
+    parts_of = turning_parts(len(scene.rotor.stations)) if is_steady else {}
+    _refuse_unknown(results, [*RESULTS, *residuals, *parts_of, *means, *outputs])
     shapes = {column.shape for column in columns.values()}
     if len(shapes) != 1 or len(shape := shapes.pop()) != 1 or not shape[0]:
         raise UserError("table: every column must have as many numbers as the others, at least 1")
     if not columns.keys() <= set(inputs):
         columns = _variables(scene, columns)
     _refuse_unknown(columns, inputs)
-    values, profile = np.array(list(columns.values())).T, scene.profile()
+    values = np.array(list(columns.values())).T
     asked = [
         f"rotor.{prefix}{axis}" for prefix in stations(len(scene.rotor.stations)) for axis in "xy"
     ]
     asked += ["coupling.error", "coupling.loop_gain"]
     states = names_of_states(scene) if "merged" in results else []
-    wanted = [means.get(n, n) for n in results if n not in RESULTS and n not in residuals]
+    others = {*RESULTS, *residuals, *parts_of}
+    wanted = [means.get(n, n) for n in results if n not in others]
     asked += list(dict.fromkeys([*wanted, *states]))
     ends = np.full(len(values), end_time(scene))
     paced = "coupling.top_speed" if scene.operation.motor else "speed"
@@ -118,6 +123,10 @@ def cosimulate_many(
         late = signals[:, -((signals.shape[1] - 1) // turns) :]
         for name in set(means).intersection(results):
             reduced[name] = late[:, :, asked.index(means[name])].mean(axis=1)
+        for name in set(parts_of).intersection(results):
+            signal, which = parts_of[name]
+            motion = late[:, :, asked.index(signal)]
+            reduced[name] = _turning(motion, points, scene.run.revolutions)[which]
         if "merged" in results:
             together = merged_runs(scene, {name: reduced[name] for name in states})
             failed = np.isnan(reduced["residual"])
@@ -153,6 +162,13 @@ def _refuse_unknown(names: Any, known: Sequence[str]) -> None:
         if name not in known:
             near = get_close_matches(name, known, 3) or known[:20]
             raise UserError(f"{name!r}: not known; did you mean one of {', '.join(near)}?")
+
+
+def _turning(motion: NDArray, points: int, revolutions: float) -> NDArray:
+    """In-phase and leading quadrature part (2, runs) of the last points (runs, k) of runs."""
+    theta = math.tau * revolutions / points * np.arange(points + 1)[-motion.shape[1] :]
+    waves = np.column_stack([np.cos(theta), -np.sin(theta), np.ones_like(theta)])
+    return np.asarray((motion @ np.linalg.pinv(waves).T).T[:2])
 
 
 def _reduced(

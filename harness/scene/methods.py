@@ -261,7 +261,9 @@ class Methods:
 
         Args:
             measured: a CSV file with heads `speed [rpm]`, paths of values that were set, and
-                `amplitude [mm]`, `residual`, or `rotor.station[1].residual`.
+                `amplitude [mm]`, `residual`, `rotor.station[1].residual`, or amplitude and phase
+                of one direction, such as `rotor.x.amplitude [um pp]` and
+                `rotor.x.phase_lag [deg]`.
             free: paths to find, with commas or as a list; "PATH=PATH" is one value for both.
             limits: "PATH=LOW:HIGH", between which a value stays.
             priors: "PATH=DEVIATION", how far off the start may be.
@@ -270,7 +272,8 @@ class Methods:
             starts: of harmonic balance.
 
         Returns:
-            Values with 95 % intervals; `scene` is the scene with them.
+            Values with 95 % intervals, or none where the residuals are systematic; `scene` is the
+            scene with them.
 
         Raises:
             UserError: the file or a path is wrong, or there are too few measurements.

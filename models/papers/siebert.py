@@ -1,10 +1,10 @@
 """Influence coefficients from amplitudes without phases: Siebert's construction.
 
-An initial run reads |A|; a trial unbalance U makes the reading |A + K U|.  On paper it is a circle of
-that radius about the tip of A; three trial runs at different angles give circles that meet in one
-point.  Here the phase of A is set to 0 and K is found by least squares over all runs, which also
-says how far the circles miss each other.  Trial unbalances along one line leave the mirror image of
-K as a second solution, and no run tells the two apart.
+An initial run reads |A|; a trial unbalance U makes the reading |A + K U|.  On paper it is a circle
+of that radius about the tip of A; three trial runs at different angles give circles that meet in
+one point.  Here the phase of A is set to 0 and K is found by least squares over all runs, which
+also says how far the circles miss each other.  Trial unbalances along one line leave the mirror
+image of K as a second solution, and no run tells the two apart.
 """
 
 from __future__ import annotations

@@ -21,9 +21,23 @@ import pytest
         ("--ball 10mm --decay 30 10 1s", "two angles of a ball that swings"),
         ("--ball 10mm --decay 200deg 10deg 1s", "stays below 180 deg"),
         ("--ball 10mm --decay 30deg 10deg 1kg", "a time is expected"),
+        ("--ball 10mm --decay 30deg 10deg 1s --swings 2.3", "must be whole or half"),
+        ("--ball 10mm --decay 90rpm 10rpm 1s --swings 2", "--decay gives two speeds"),
+        ("--ball 10mm --oil VG46 --swings 2", "must be the number of swings of --decay"),
     ],
 )
 def test_wrong_input_is_refused_with_what_is_allowed(invoke, arguments, problem):
     outcome = invoke("drag", *arguments.split())
     assert outcome.exit_code == 2
     assert problem in outcome.stderr
+
+
+def test_a_decay_from_a_large_angle_says_what_is_not_known_without_the_number_of_swings(invoke):
+    decay = ("drag", "--ball", "10mm", "--decay", "170deg", "20deg", "1.2s")
+    alone, counted = invoke(*decay), invoke(*decay, "--swings", "3")
+    assert "give --swings" in alone.stdout
+    assert "give --swings" not in counted.stdout
+    assert (
+        "give --swings"
+        not in invoke("drag", "--ball", "10mm", "--decay", "30deg", "10deg", "1.2s").stdout
+    )

@@ -2,6 +2,7 @@
 
 import csv
 import io
+import zipfile
 
 import numpy as np
 import pytest
@@ -10,6 +11,7 @@ from autobalancer.harness import UserError, load_scene
 from autobalancer.harness.balancing import measured as balancing
 from autobalancer.harness.fit import measured as fit
 from autobalancer.harness.input_files import read_csv
+from autobalancer.harness.measurements import Known, read_measurements
 
 AMPLITUDES = [["speed [rpm]", "amplitude [mm]"], ["1100.5", "4.55e-2"], ["3", ""]]
 READINGS = [
@@ -78,3 +80,101 @@ def test_columns_that_a_spreadsheet_leaves_empty_are_none(tmp_path):
     names, rows = read_csv(path)
     assert names == ["a", "b"]
     assert [row.cells for row in rows] == [{"a": "1", "b": "2"}]
+
+
+def _first_column(path, known):
+    table = read_measurements(path, known)
+    return table.numbers(table.columns[0])
+
+
+@pytest.mark.parametrize(
+    ("heads", "value", "cell"),
+    [
+        ("amplitude [mil pp]", 0.5 * 2.54e-5, "1"),
+        ("amplitude_um_rms", 2.0**0.5 * 1e-6, "1"),
+        ("amplitude (mm 0-peak)", 1e-3, "1"),
+        ("amplitude [mm]", 0.5 * 2.54e-5, "1 mil pp"),
+        ("amplitude", 2.54e-5, "1 mils"),
+        ("speed [Hz]", 2.0 * np.pi, "1"),
+        ("speed", np.pi / 30.0, "1 rpm"),
+        ("mass[a] [oz]", 0.028349523125, "1"),
+        ("mass_oz[drive end]", 0.028349523125, "1"),
+        ("mass [lb]", 0.45359237, "1"),
+        ("mass[a]", 0.1000738, "3.53 oz"),
+        ("mass[a]", 1e-3, "1e0 g"),
+        ("unbalance [oz-in]", 0.000720077887375, "1"),
+    ],
+)
+def test_units_in_heads_and_cells_are_those_of_the_field(tmp_path, heads, value, cell):
+    known = [
+        Known("amplitude", ("m",), is_size=True),
+        Known("speed", ("rad/s",)),
+        Known("mass", ("kg",), per_plane=True),
+        Known("unbalance", ("kg m",)),
+    ]
+    path = tmp_path / "table.csv"
+    path.write_text(f"{heads}\n{cell}\n")
+    assert _first_column(path, known) == pytest.approx([value], rel=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("head", "cell", "said"),
+    [
+        ("mass[a]", "1", r"line 2: mass\[a\] = '1': has no unit: .* such as `mass\[a\] \[g\]`"),
+        ("mas[a] [g]", "1", r"mas\[a\] .*: unknown column .did you mean mass\[a\]"),
+        ("mass[oz]", "1", "is oz the unit or the plane"),
+        ("mass_grm[a]", "1", "unknown unit 'grm'"),
+        ("mass [mm]", "1", "mass: 1 mm: a mass is expected"),
+        ("mass [g]", "3 mm", "line 2: .* = '3 mm': a mass is expected"),
+        ("mass [g]", "nan", "must be a finite number"),
+        ("mass_g[a] [oz]", "1", "has two units, g and oz"),
+        ("weight [g]", "1", "unknown column; allowed: mass"),
+        ("rpm", "1", r"did you mean speed \[rpm\]"),
+    ],
+)
+def test_heads_and_cells_that_are_not_clear_are_refused(tmp_path, head, cell, said):
+    path = tmp_path / "table.csv"
+    path.write_text(f"{head}\n{cell}\n")
+    with pytest.raises(UserError, match=said):
+        _first_column(path, [Known("mass", ("kg",), per_plane=True), Known("speed", ("rad/s",))])
+
+
+@pytest.mark.parametrize(
+    ("content", "said"),
+    [
+        ({"xl/workbook.xml": ""}, r"an Excel workbook \(.xlsx\): save it as CSV"),
+        (
+            {"mimetype": "application/vnd.oasis.opendocument.spreadsheet"},
+            "an OpenDocument spreadsh",
+        ),
+        ({"modelDescription.xml": ""}, "an FMU, not a text file"),
+        ({"a.txt": ""}, "a zip archive"),
+        (b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1" + bytes(500), r"an Excel workbook \(.xls\): save it"),
+    ],
+)
+def test_files_that_are_no_text_are_named(tmp_path, content, said):
+    path = tmp_path / "table.csv"
+    if isinstance(content, bytes):
+        path.write_bytes(content)
+    else:
+        with zipfile.ZipFile(path, "w") as archive:
+            for name, text in content.items():
+                archive.writestr(name, text)
+    with pytest.raises(UserError, match=said):
+        read_csv(path)
+
+
+def test_a_runout_is_subtracted_in_balancing_and_may_stand_in_one_line(tmp_path):
+    """10 at 20 deg less 1 at 45 deg, in another unit and counted the other way."""
+    path = tmp_path / "runs.csv"
+    path.write_text(
+        "run,sensor,amplitude [mil pp],phase_lag [deg],mass[a] [oz],angle[a] [deg],"
+        "slow_roll [um pp],slow_roll_phase_lead [deg],note\n"
+        "as found,A,10,20,,,25.4,-45,cold\ntrial,A,8,300,3.53 oz,90,,,\n"
+    )
+    runs = balancing.read_measured(path)
+    phase = np.exp(-1j * np.radians([20.0, 300.0]))
+    expected = np.array([10.0, 8.0]) * phase - np.exp(-1j * np.radians(45.0))
+    np.testing.assert_allclose(runs.responses[:, 0], expected)
+    assert runs.unit == "mil pp"
+    np.testing.assert_allclose(runs.mounted[:, 0], [0.0, 100.0738j], rtol=1e-6)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from scipy.integrate import odeint
 
 from autobalancer.harness import Scene, cosimulate
 from autobalancer.models import drag
@@ -32,6 +33,28 @@ def test_the_drag_of_a_scene_s_ball_is_found_from_its_swing(start):
     time = run.time[last] - run.time[first]
     found = drag.from_swing(0.004, 7.0 / 5.0, swing[first], swing[last], time)
     assert found == pytest.approx(known, rel=0.01)
+
+
+@pytest.mark.parametrize("first", [20.0, 90.0, 150.0, 170.0, 179.0])
+@pytest.mark.parametrize(("rate", "halves"), [(0.02, 4), (0.1, 4), (0.3, 2), (0.3, 3)])
+def test_with_the_number_of_swings_the_drag_is_exact_from_any_angle(first, rate, halves):
+    """Decays of a pendulum by LSODA in seconds, m R theta'' kappa = -m g sin theta - c R theta'."""
+    mass, kappa, radius, start = 0.004, 1.4, 0.1, np.radians(first)
+    w = np.sqrt(9.81 / (kappa * radius))
+    drag_there = rate * w * kappa * mass
+    times = np.linspace(0.0, 40.0 / w, 40_001)
+    motion = odeint(
+        lambda y, t: (y[1], -(w**2) * np.sin(y[0]) - drag_there / (kappa * mass) * y[1]),
+        (start, 0.0), times, rtol=1e-11, atol=1e-13,
+    )  # fmt: skip
+    turns = 1 + np.flatnonzero(motion[1:-1, 1] * motion[2:, 1] < 0.0)[halves - 1]
+    last, time = abs(motion[turns, 0]), times[turns]
+    found = drag.from_swing(mass, kappa, start, last, time, halves / 2.0)
+    assert found == pytest.approx(drag_there, rel=1e-3)
+    low = drag.from_swing(mass, kappa, start, last, time)
+    if halves == 2:
+        assert low <= drag_there * 1.001
+        assert low * drag.swing_range(start, last) == pytest.approx(drag_there, rel=1e-3)
 
 
 def test_a_small_swing_and_a_slowing_ball_decay_exponentially():

@@ -89,7 +89,7 @@ def test_trial_masses_on_a_line_or_too_few_are_refused():
     masses = np.array([[0.0], [1.0], [-1.0], [2.0]], complex)
     with pytest.raises(ValueError, match="mirror image fit alike"):
         from_amplitudes(np.ones((4, 1)), masses)
-    with pytest.raises(ValueError, match="needs 3 trial runs in which only its mass .* it has 2"):
+    with pytest.raises(ValueError, match=r"needs 3 trial runs in which only its mass .* it has 2"):
         from_amplitudes(np.ones((3, 1)), masses[:3])
 
 
