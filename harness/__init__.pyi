@@ -1,3 +1,6 @@
+from autobalancer.scene import Scene as Scene
+from autobalancer.scene import load as load_scene
+
 from ..fmus.build import build as build
 from .checks.runner import check as check
 from .errors import SceneError as SceneError
@@ -7,7 +10,5 @@ from .errors import UserError as UserError
 from .result.many import cosimulate_many as cosimulate_many
 from .result.result import Result as Result
 from .result.run import cosimulate as cosimulate
-from .scene import Scene as Scene
 from .scene import bundled_scenes as bundled_scenes
-from .scene import load_scene as load_scene
 from .stability.boundaries import speeds as speeds

@@ -1,10 +1,11 @@
 """Entry point of `autobalancer`.
 
-A command is a file in the folder of its feature with a function `command`; it is registered here.
+A command is a file of `commands` with a function `command`; `commands.NAMES` lists them.
 """
 
 from __future__ import annotations
 
+from importlib import import_module
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
@@ -25,25 +26,8 @@ def program() -> Typer:
     """`autobalancer`: its commands by their names."""
     import typer
 
-    from .accuracy.precision import command as precision
-    from .accuracy.stress import command as stress
-    from .balancing import command as balance
-    from .capture import command as capture
-    from .checks import command as check
-    from .design import command as design
-    from .drag import command as drag
-    from .export import command as build
-    from .fit import command as fit
-    from .manual import command as manual
+    from . import commands
     from .output.commands import Commands, with_common_options, without_command
-    from .result import command as run
-    from .rotor import command as rotor
-    from .scatter import command as scatter
-    from .scene import cite_command as cite
-    from .scene import new_command as new
-    from .show import command as show
-    from .stability import map_command
-    from .stability import speeds_command as speeds
 
     app = typer.Typer(
         name="autobalancer",
@@ -54,12 +38,8 @@ def program() -> Typer:
         rich_markup_mode=None,  # "rich" drops units in brackets, and cuts words that are long
     )
     app.callback(invoke_without_command=True)(without_command)
-    features = {"check": check, "build": build, "run": run, "speeds": speeds, "map": map_command}
-    features |= {"balance": balance, "rotor": rotor, "design": design, "scatter": scatter}
-    features |= {"capture": capture}
-    features |= {"fit": fit, "drag": drag, "precision": precision}
-    features |= {"show": show, "new": new, "cite": cite, "stress": stress, "manual": manual}
-    for name, feature in features.items():
+    for name in commands.NAMES:
+        feature = import_module(f"{commands.__name__}.{name}")
         app.command(name)(with_common_options(feature.command))
     return app
 

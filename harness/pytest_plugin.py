@@ -35,16 +35,18 @@ def cosim(request: pytest.FixtureRequest) -> Callable[..., Result]:
         **overrides: Any,
     ) -> Result:
         __tracebackhide__ = True  # of a refusal pytest shows the test's line and the message
+        from autobalancer.scene import load
+
         from .errors import SimulationError, UserError
         from .result.run import cosimulate
-        from .scene import Scene, load_scene
+        from .scene import Scene
 
         try:
             if isinstance(source, Scene):
                 scene = source
             else:
                 beside = request.path.parent / source
-                scene = load_scene(beside if beside.is_file() else source)
+                scene = load(beside if beside.is_file() else source)
             if overrides:
                 scene = scene.replace(overrides)
             return cosimulate(scene, record=record, fmus=fmus, separate=separate, one_file=one_file)

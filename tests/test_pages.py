@@ -189,7 +189,7 @@ def test_commands_shown_exist_with_their_options(page):
 
 
 def test_links_lead_somewhere(tmp_path):
-    write_pages(tmp_path / "pages")
+    write_pages(tmp_path / "pages", get_command(program()))
     units = list((ROOT / "fmus").glob("*/README.md"))
     for page in (*ALL, *units, *(tmp_path / "pages").rglob("*.md")):
         text = page.read_text(encoding="utf-8")

@@ -119,7 +119,7 @@ def with_balls(scene: Scene, race: float | None, width: float | None) -> Scene:
     drag = ASSUMED_RATE * scene.profile().end * KAPPA["balls"] * mass
     balls = {"kind": "balls", "name": "balls", "count": 2, "mass": mass, "drag": drag}
     document = {**scene.document, "balancer": [{**balls, "track_radius": race - radius}]}
-    return Scene.from_document(document, path=scene.path, label=scene.label)
+    return type(scene).from_document(document, path=scene.path, label=scene.label)
 
 
 def weights_of(scene: Scene) -> WeightBalancer:

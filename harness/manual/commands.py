@@ -6,14 +6,9 @@ from collections.abc import Iterator
 from typing import Any
 
 
-def page() -> str:
-    """Markdown of all commands."""
-    from typer.main import get_command
-
-    from ..__main__ import program
-
-    group: Any = get_command(program())
-    return "\n".join("\n".join(_command(n, c)) for n, c in group.commands.items())
+def page(program: Any) -> str:
+    """Markdown of all commands of a program, a group of Click."""
+    return "\n".join("\n".join(_command(n, c)) for n, c in program.commands.items())
 
 
 def _command(name: str, command: Any) -> Iterator[str]:

@@ -8,11 +8,11 @@ import re
 from collections.abc import Iterator
 from typing import Any
 
+from autobalancer.scene import Scene
+from autobalancer.tables import CalledRotor, Run
+
 from ..output.outcome import Outcome
-from ..scene import Scene
 from ..scene.quantities import Table
-from ..scene.rotor_table import RotorTable
-from ..scene.run import Run
 
 PACKAGE = "autobalancer"
 # used by the commands alone
@@ -24,7 +24,7 @@ INTERNAL = {
     "RunMap.lines",
     "Fit.warnings",
 }
-CALLED = {"Scene": {"run": Run.__call__, "run.many": Run.many, "rotor": RotorTable.__call__}}
+CALLED = {"Scene": {"run": Run.__call__, "run.many": Run.many, "rotor": CalledRotor.__call__}}
 _SECTION = re.compile(r"^(Args|Returns|Raises|Attributes|Yields|Example|Examples):$")
 
 

@@ -7,8 +7,9 @@ import json
 import warnings
 from pathlib import Path
 
+from autobalancer.scene import load
+
 from ..errors import SimulationError, UserError
-from ..scene import load_scene
 from ..scene.file import find
 from ..scene.plausible import ImplausibleWarning
 
@@ -35,7 +36,7 @@ Source: {source}
 
 def page(name: str) -> str:
     """Markdown of a bundled scene's page, with its live page in a frame."""
-    scene, file = load_scene(name), find(name).read_text(encoding="utf-8")
+    scene, file = load(name), find(name).read_text(encoding="utf-8")
     source = html.escape(scene.source or "an example")
     return PAGE.format(name=name, title=html.escape(scene.title), source=source, file=file)
 
@@ -49,7 +50,7 @@ def live(name: str, path: Path) -> None:
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", ImplausibleWarning)
-            load_scene(name).show(path)
+            load(name).show(path)
         own, start, shared = path.read_text(encoding="utf-8").partition(UNITS)
         inserted = f"document.write({json.dumps(start + shared)});"
         path.with_name("units.js").write_text(inserted, encoding="utf-8")

@@ -23,8 +23,11 @@ NAMED_BLOCK = re.compile(r"^```(\w+) ([^\s=]+)$", re.MULTILINE)
 PARTS = ("tutorials", "how-to", "reference", "explanation", "results", "scenes")
 
 
-def write_pages(folder: Path) -> None:
+def write_pages(folder: Path, program: Any) -> None:
     """Write every page as Markdown into a folder, without the live scenes.
+
+    Args:
+        program: whose commands are described, a group of Click.
 
     Raises:
         UserError: this is no checkout; the pages are not in the installed package.
@@ -47,7 +50,10 @@ def write_pages(folder: Path) -> None:
     for name, text in made.items():
         (folder / name).parent.mkdir(exist_ok=True)
         (folder / name).write_text(text, encoding="utf-8")
-    bodies: dict[str, Callable[[], str]] = {"scene": reference, "commands": commands.page}
+    bodies: dict[str, Callable[[], str]] = {
+        "scene": reference,
+        "commands": lambda: commands.page(program),
+    }
     bodies |= {"messages": messages.page, "python": python.page, "units": units.page}
     for name, body in bodies.items():
         with (folder / "reference" / f"{name}.md").open("a", encoding="utf-8") as stream:
@@ -63,8 +69,10 @@ def _titled(match: re.Match[str]) -> str:
     return f"```{kind}" if kind in ("sh", "text") else f'```{kind} title="{name}"'
 
 
-def write_site(output: Path, track: Callable[..., Iterable[Any]], live: bool = True) -> None:
-    """Write the site into a folder, which is made anew.
+def write_site(
+    output: Path, track: Callable[..., Iterable[Any]], program: Any, live: bool = True
+) -> None:
+    """Write the site into a folder, which is made anew; `program` as of `write_pages`.
 
     Raises:
         UserError: MkDocs is not installed, or the folder holds something else.
@@ -79,7 +87,7 @@ def write_site(output: Path, track: Callable[..., Iterable[Any]], live: bool = T
     logging.getLogger("mkdocs").setLevel(logging.WARNING)
     with TemporaryDirectory() as scratch:
         pages = Path(scratch) / "pages"
-        write_pages(pages)
+        write_pages(pages, program)
         (pages / "live").mkdir()
         for name in track(bundled_scenes() if live else (), description="live scenes"):
             scene_page.live(name, pages / "live" / f"{name}.html")

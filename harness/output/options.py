@@ -102,18 +102,3 @@ def json(what: str) -> Any:
 def markdown(what: str) -> Any:
     """`--markdown FILE`."""
     return output("", f"Also write {what} as Markdown.", "--markdown")
-
-
-def _settings(texts: list[str] | None) -> list[str] | None:
-    """Refuse what is no KEY=VALUE before the words after it are refused as further arguments."""
-    from ..scene.changes import parse_change
-
-    for text in texts or ():
-        parse_change(text)
-    return texts
-
-
-def changes(example: str) -> Any:
-    """`--set KEY=VALUE`, as often as wanted."""
-    help = f"Replace a value: {example}"
-    return typer.Option("--set", metavar="KEY=VALUE", help=help, callback=_settings)

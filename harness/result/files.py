@@ -8,6 +8,7 @@ from __future__ import annotations
 import json
 from collections.abc import Mapping
 from dataclasses import fields
+from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -24,6 +25,7 @@ if TYPE_CHECKING:
 
     from .result import Result
 
+PACKAGE = "autobalancer"
 FACTS = "autobalancer_run"  # the attribute
 _TUPLES = ("left_out", "units", "events")
 _OWN = ("time", "signals", "signal_units", "scene", "velocity")  # stored in ways of their own
@@ -66,7 +68,7 @@ def load(path: Path, kind: type[Result]) -> Result:
         return _result(stored, json.loads(stored.attrs[FACTS]), kind)
     except OSError as error:
         raise UserError(f"{path}: cannot be read: {error.strerror or error}") from error
-    except (TypeError, ValueError, KeyError, AttributeError) as error:
+    except (TypeError, ValueError, KeyError, AttributeError, ImportError) as error:
         raise UserError(
             f"{path}: is not a result that `Result.save` of this version has written"
         ) from error
@@ -91,11 +93,33 @@ def _facts(result: Result) -> str:
     scene = result.scene
     plain |= {
         "signal_units": result.signal_units,
-        "scene": scene and {"document": scene.document, "path": scene.path, "label": scene.label},
+        "scene": scene
+        and {
+            "document": scene.document,
+            "path": scene.path,
+            "label": scene.label,
+            "class": _class_name(type(scene)),
+        },
     }
     return json.dumps(plain, default=str)
 
 
 def _scene(stored: Mapping[str, Any]) -> Scene:
     path = stored["path"] and Path(stored["path"])
-    return Scene.from_document(stored["document"], path=path, label=stored["label"])
+    kind = _class_named(stored.get("class", ""))
+    return kind.from_document(stored["document"], path=path, label=stored["label"])
+
+
+def _class_name(kind: type[Scene]) -> str:
+    """Module and name of a scene's class, or of the first above it that this package has."""
+    own = next(c for c in kind.__mro__ if c.__module__.split(".")[0] == PACKAGE)
+    return f"{own.__module__}:{own.__qualname__}"
+
+
+def _class_named(name: str) -> type[Scene]:
+    """The class of this name, which is loaded as a pickle does; else the description's own."""
+    module, _, own = name.partition(":")
+    if module.split(".")[0] != PACKAGE:
+        return Scene
+    found = getattr(import_module(module), own)
+    return found if isinstance(found, type) and issubclass(found, Scene) else Scene

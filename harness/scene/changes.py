@@ -1,39 +1,12 @@
-"""Values that a command line puts into a scene: --set KEY=VALUE.
-
-Commands take them before anything heavy is loaded.
-"""
+"""A value that a command line puts into a scene, as it is typed: KEY=VALUE."""
 
 from __future__ import annotations
 
-from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from ..errors import UserError
 
-if TYPE_CHECKING:
-    from .scene import Scene
-
 _LONGEST_SHOWN = 200  # characters of what was typed
-
-
-def changed_scene(scene: str | Scene, changes: list[str] | None, quietly: bool = False) -> Scene:
-    """The scene, or that of a file or name, with every --set KEY=VALUE put in its place.
-
-    Unless `quietly`, what was understood is printed, with warnings of implausible values.
-
-    Raises:
-        UserError: the scene is wrong, or a change is.
-    """
-    from .plausible import tell, tell_warning
-    from .scene import load_scene
-
-    loaded = load_scene(scene) if isinstance(scene, str) else scene
-    loaded = loaded.replace(dict(map(parse_change, changes))) if changes else loaded
-    if not quietly:
-        tell(loaded)
-        if isinstance(scene, str) and loaded.name == scene and Path(f"{scene}.toml").is_file():
-            tell_warning(f"{scene}: is the bundled scene; write {scene}.toml for the file here")
-    return loaded
 
 
 def parse_change(text: str) -> tuple[str, Any]:

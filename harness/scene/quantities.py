@@ -21,9 +21,6 @@ from pydantic_core import PydanticCustomError, PydanticKnownError, core_schema
 from ..errors import SceneError
 from ..units import to_si
 
-if TYPE_CHECKING:
-    from .scene import Scene
-
 LARGEST_ANGLE = 1e9  # rad: doubles that large lie 1e-7 rad apart
 LARGEST = 1e60  # in SI units: products of five such numbers still fit into a double
 
@@ -129,14 +126,6 @@ class Table(BaseModel):
                 raise SceneError("\n".join(f"{name}: {line}" for line in lines)) from None
 
         __init__.__pydantic_base_init__ = True  # tables within it report to it
-
-    @property
-    def _owner(self) -> Scene:
-        """The scene that a table which is called belongs to."""
-        if "_scene" not in self.__dict__:
-            raise SceneError(f"{type(self).__name__}: belongs to no scene: call it as scene.run()")
-        found: Scene = self.__dict__["_scene"]
-        return found
 
     def __eq__(self, other: object) -> bool:
         return type(self) is type(other) and dict(self) == dict(other)

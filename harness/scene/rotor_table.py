@@ -31,8 +31,6 @@ from .quantities import (
 if TYPE_CHECKING:
     from typing_extensions import Self
 
-    from ..rotor.analysis import RotorAnalysis
-
 
 class Unbalance(Table):
     """Static moment at an axial position, at an angle in the rotor."""
@@ -113,25 +111,6 @@ class RotorTable(Table):
         def planes(self) -> tuple[float, ...]: ...
         @property
         def unbalances(self) -> Unbalances: ...
-
-    def __call__(
-        self, low: float | str | None = None, high: float | str | None = None
-    ) -> RotorAnalysis:
-        """The rotor alone, as `scene.rotor()`: modes, critical speeds, Campbell, response, run-up.
-
-        Args:
-            low, high: speeds of the pictures [rad/s]; default: about the critical speeds.
-
-        Raises:
-            UserError: the range is empty, or the supports have dry friction.
-
-        >>> rotor = ab.load("three_mass_shaft").rotor()
-        >>> rotor.to_pandas()["whirl"][0], rotor.response().amplitude.shape
-        ('backward', (400, 2, 3))
-        """
-        from ..rotor.analysis import analyse
-
-        return analyse(self._owner, low, high)
 
     @model_validator(mode="after")
     def _slides_one_way(self) -> RotorTable:

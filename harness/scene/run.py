@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 from cmath import rect
-from collections.abc import Iterable, Sequence
 from itertools import pairwise
-from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Field, model_validator
 
@@ -16,10 +14,6 @@ from ...models.motor import Drive
 from ...models.reference.coupled import Start
 from ...models.reference.driven import MotorDriven
 from .quantities import SI, Angle, NotNegative, Positive, Real, Table, Text, Whole, refusal
-
-if TYPE_CHECKING:
-    from ..output.workers import Progress
-    from ..result.result import Result
 
 DEFAULT_TOLERANCE = 1e-4  # of the motion: no picture shows it
 UNCORRECTED = ("jacobi", "gauss-seidel", "compensated")  # schemes that take one pass
@@ -266,59 +260,3 @@ class Run(Table):
     and `moment_xi`, `moment_eta` of weights, `clearance` of a liquid."""
     initial: Initial = Initial()
     """State of the rotor at the start."""
-
-    def __call__(
-        self,
-        *,
-        record: Iterable[str] | None = None,
-        fmus: Path | None = None,
-        separate: bool = False,
-        progress: Progress | None = None,
-    ) -> Result:
-        """Run the scene, as `scene.run()`.
-
-        Args:
-            record: signals such as "rotor.x"; default: the table's own.
-            fmus: folder of FMUs to couple instead of those that are built.
-            separate: couple separate FMUs in Python instead of in C; slower.
-            progress: called with the finished fraction.
-
-        Returns:
-            Signals (T,) at the communication points, in SI units.
-
-        Raises:
-            UserError: the scene or an FMU is wrong.
-            SimulationError: the run cannot be completed correctly.
-
-        >>> run = ab.load("two_balls").replace({"run.revolutions": 3}).run(record=["rotor.x"])
-        >>> run["rotor.x"].shape == run.time.shape, list(run.to_pandas())
-        (True, ['rotor.x'])
-        """
-        from ..result.run import cosimulate
-
-        form: dict[str, Any] = {"fmus": fmus, "separate": separate}
-        return cosimulate(self._owner, record=record, progress=progress, **form)
-
-    def many(
-        self, table: Any, *, results: Sequence[str] | None = None, threads: int | None = None
-    ) -> Any:
-        """Run the scene once for every row of a table, in C on all cores, as `scene.run.many()`.
-
-        Args:
-            table: columns of values by their paths; a mapping of arrays (n,), or a pandas frame.
-            results: such as "residual" [m] or "settling_time" [s], see `cosimulate_many`.
-            threads: default: one a core.
-
-        Returns:
-            Arrays (n,) by name, and `failure`; or the frame with these columns.
-
-        Raises:
-            UserError: a path or a result is unknown, or columns differ in length.
-
-        >>> short = ab.load("two_balls").replace({"run.revolutions": 3})
-        >>> short.run.many({"rotor.stiffness[x]": np.linspace(0.9, 1.1, 4)})["residual"].shape
-        (4,)
-        """
-        from ..result.many import DEFAULTS, cosimulate_many
-
-        return cosimulate_many(self._owner, table, results=results or DEFAULTS, threads=threads)

@@ -26,7 +26,6 @@ from .balancing import Balancing
 from .check import AnyCheck
 from .file import bundled_scenes, find, read, refuse_deep
 from .messages import locate, problems
-from .methods import Methods
 from .model_rules import model_problems
 from .quantities import Flag, Table, Text
 from .replace import in_full, plain, replaced
@@ -35,10 +34,13 @@ from .rules import TABLES, across, plane_count
 from .run import Coupling, Operation, Run
 from .trace import with_corners
 
+if TYPE_CHECKING:
+    from typing_extensions import Self
+
 __all__ = ["Scene", "bundled_scenes", "load_scene"]
 
 
-class Scene(Methods, Table):
+class Scene(Table):
     """A validated scene.
 
     Make one with `load_scene`, `Scene.from_document`, or `Scene(rotor={...}, operation={...})`.
@@ -108,7 +110,7 @@ class Scene(Methods, Table):
     @classmethod
     def from_document(
         cls, document: Mapping[str, Any], *, path: Path | None = None, label: str = "scene"
-    ) -> Scene:
+    ) -> Self:
         """Validate a document as `tomllib` gives it.
 
         Args:
@@ -125,7 +127,21 @@ class Scene(Methods, Table):
         return cls._of(plain(document), path, label)
 
     @classmethod
-    def _of(cls, document: dict[str, Any], path: Path | None, label: str) -> Scene:
+    def load(cls, source: str | Path) -> Self:
+        """Read a scene file, or a bundled scene by its name.
+
+        Raises:
+            SceneError: the file is missing, not TOML, or wrong; one line for every problem.
+
+        >>> ab.Scene.load("drum") == ab.load("drum")
+        True
+        """
+        path = find(source)
+        is_name = isinstance(source, str) and not Path(source).is_file()
+        return cls._of(read(path), path, path.name if is_name else str(source))
+
+    @classmethod
+    def _of(cls, document: dict[str, Any], path: Path | None, label: str) -> Self:
         """The scene of a document that nobody else can change."""
         scene = cls.__new__(cls)
         scene._fill(document, path, label)
@@ -137,14 +153,12 @@ class Scene(Methods, Table):
             BaseModel.__init__(self, **document)
         except ValidationError as error:
             planes = plane_count(document.get("rotor"))
-            lines = [*problems(error, document, Scene), *across(document, planes)]
+            lines = [*problems(error, document, type(self)), *across(document, planes)]
         else:
             lines = across(document, self.rotor.plane_count) or self._refused_by_models()
         if lines:
             raise SceneError("\n".join(f"{label}: {line}" for line in lines))
         self._document, self._path, self._label = document, path, label
-        for table in (self.run, self.rotor):  # these are called
-            table.__dict__["_scene"] = self
 
     @property
     def path(self) -> Path | None:
@@ -261,7 +275,7 @@ class Scene(Methods, Table):
         """Whether weights can collide or stick, or supports have dry friction."""
         return bool(self.rotor.friction) or any(b.can_meet or b.can_stick for b in self.balancer)
 
-    def replace(self, changes: Mapping[str, Any]) -> Scene:
+    def replace(self, changes: Mapping[str, Any]) -> Self:
         """A validated copy with values replaced, for example {"rotor.unbalance": 0.1}.
 
         Paths begin with rotor, operation, coupling, run, or a balancer's name; `speed` is short for
@@ -288,7 +302,7 @@ class Scene(Methods, Table):
             document = replaced(self._document, changes, tables, labels)
         except SceneError as error:
             raise SceneError(f"{self._label}: {error}") from None
-        return Scene._of(document, self._path, self._label)
+        return self._of(document, self._path, self._label)
 
     def unit_of(self, path: str) -> str:
         """SI unit of the value at a path as in `replace`; empty where there is none.
@@ -304,7 +318,7 @@ class Scene(Methods, Table):
         for part in rest:
             key, *numbers = re.findall(r"[\w-]+", part) or [part]
             location += [key, *(int(n) - 1 for n in numbers if n.isdecimal())]
-        return locate(tuple(location), self._document, Scene).unit
+        return locate(tuple(location), self._document, type(self)).unit
 
     def refuse_friction(self, what: str) -> None:
         """Raise SceneError, where the supports have dry friction, for what takes a linear rotor."""
@@ -332,7 +346,7 @@ class Scene(Methods, Table):
                 "revolution: use run, or map --method cosim-run, or remove gravity"
             )
 
-    def without_balancers(self) -> Scene:
+    def without_balancers(self) -> Self:
         """The bare rotor, with nothing to check.
 
         >>> ab.load("drum").without_balancers().balancer
@@ -340,7 +354,7 @@ class Scene(Methods, Table):
         """
         return self.without(*(balancer.label for balancer in self.balancer))
 
-    def with_check(self, table: Mapping[str, Any]) -> Scene:
+    def with_check(self, table: Mapping[str, Any]) -> Self:
         """The scene with one more [[check]].
 
         Raises:
@@ -351,9 +365,9 @@ class Scene(Methods, Table):
         """
         document = copy.deepcopy(self._document)
         document["check"] = [*document.get("check", []), dict(table)]
-        return Scene._of(document, self._path, self._label)
+        return self._of(document, self._path, self._label)
 
-    def without(self, *names: str) -> Scene:
+    def without(self, *names: str) -> Self:
         """The scene less the balancers of these names, with nothing to check.
 
         >>> [each.label for each in ab.load("fan").without("shank").balancer]
@@ -362,7 +376,7 @@ class Scene(Methods, Table):
         document = {k: v for k, v in self._document.items() if k != "check"}
         kept = zip(self.balancer, document.get("balancer", ()), strict=True)
         document["balancer"] = [table for balancer, table in kept if balancer.label not in names]
-        return Scene._of(document, self._path, self._label)
+        return self._of(document, self._path, self._label)
 
     def _refused_by_models(self) -> list[str]:
         """What the models themselves refuse, once the tables are right."""
@@ -381,14 +395,5 @@ class Scene(Methods, Table):
 
 
 def load_scene(source: str | Path) -> Scene:
-    """Read a scene file, or a bundled scene by its name.
-
-    Raises:
-        SceneError: the file is missing, not TOML, or wrong; one line for every problem.
-
-    >>> ab.load("drum").balancer[0].kind
-    'balls'
-    """
-    path = find(source)
-    label = path.name if isinstance(source, str) and not Path(source).is_file() else str(source)
-    return Scene.from_document(read(path), path=path, label=label)
+    """The description in a scene file, or of a bundled scene; see `Scene.load`."""
+    return Scene.load(source)

@@ -12,6 +12,7 @@ from ...fmus.native.build.compile import NotCompiled, page_library
 from ..errors import UserError
 from ..master.recorder import recorded
 from ..output.files import plain, write_whole
+from ..result.run import cosimulate
 from ..scene import Scene
 from .content import content
 
@@ -47,7 +48,7 @@ def write_page(scene: Scene, path: Path | None = None) -> Page:
     path = path or Path(f"{scene.name}.html")
     try:
         whole = scene.replace({"run.record": None})
-        summary = str(whole.run(record=recorded(whole)).summary())
+        summary = str(cosimulate(whole, record=recorded(whole)).summary())
         text = page(scene, summary)
     except NotCompiled as error:
         raise UserError(str(error)) from error

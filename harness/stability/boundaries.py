@@ -30,15 +30,14 @@ from ..capture.captured import captured_or_none
 from ..errors import SimulationError, UserError
 from ..output.workers import Progress
 from ..scene import Scene
-from ..scene.methods import DEFAULT_METHODS
 from ..scene.quantities import LARGEST
 from ..units import si_number
 from .crossings import crossings, nodes_around, side
 from .main_motion import MainMotion, NoMainMotion
+from .methods import DEFAULT_METHODS, METHODS
 from .speeds import Speeds
 from .whirl import whirls
 
-METHODS = (*DEFAULT_METHODS, "proved")
 MOST_SPEEDS = 100_000  # of one scan: more is a slip of the keyboard
 SCAN = 60  # intervals of a co-simulated scan without `narrowest`
 

@@ -13,7 +13,7 @@ import pytest
 
 import autobalancer as ab
 from autobalancer.harness.manual.python import members
-from autobalancer.harness.scene.methods import Methods
+from autobalancer.methods import Methods
 
 ROTORS = {
     "planar": lambda: ab.Planar(mass=8.0, stiffness=(20e3, 30e3), unbalance="20 g m"),

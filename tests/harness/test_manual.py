@@ -22,7 +22,7 @@ def built(tmp_path_factory):
     page = load_scene("two_balls").show(folder.with_name("page.html")).path
     with pytest.MonkeyPatch.context() as patch:  # one scene stands for all
         patch.setattr(site.scene_page, "live", lambda _, path: shutil.copy(page, path))
-        site.write_site(folder, lambda names, description: names)
+        site.write_site(folder, lambda names, description: names, get_command(program()))
     return folder
 
 
@@ -124,4 +124,4 @@ def test_reference_has_every_command_with_its_options(built):
 def test_a_folder_with_something_else_is_refused(tmp_path):
     (tmp_path / "thesis.tex").write_text("")
     with pytest.raises(site.UserError, match=r"holds no site: name another folder"):
-        site.write_site(tmp_path, lambda names, description: names)
+        site.write_site(tmp_path, lambda names, description: names, get_command(program()))

@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 
 from autobalancer.harness import UserError, load_scene
-from autobalancer.harness.balancing.command import allowed_angles
 from autobalancer.harness.balancing.correction import correct, split
 from autobalancer.harness.balancing.machine import Machine
 from autobalancer.harness.balancing.measured import read_measured
+from autobalancer.harness.commands.balance import allowed_angles
 from autobalancer.models.papers.influence import influence
 
 # Feese & Grazier 2004, table 1: amplitude and phase of Fwd X, Fwd Y, Aft X, Aft Y

@@ -7,13 +7,13 @@ from typing import Annotated
 
 from ..output import options
 from ..output.terminal import progress_bars, say
-from ..scene.changes import changed_scene
+from .changes import changed_scene, set_option
 
 
 def command(
     scene: Annotated[str, options.SCENE],
     output: Annotated[Path | None, options.output(".html", "The page.", "--output", "-o")] = None,
-    changes: Annotated[list[str] | None, options.changes("rotor.mass=3.0")] = None,
+    changes: Annotated[list[str] | None, set_option("rotor.mass=3.0")] = None,
 ) -> None:
     """Write a web page, one file, that runs a scene."""
     loaded = changed_scene(scene, changes)

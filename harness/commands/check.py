@@ -11,11 +11,12 @@ from ..errors import SimulationError
 from ..output import options
 from ..output.files import write_json
 from ..output.terminal import directory_to_fill, progress_bars, say, say_facts, show
+from .changes import changed_scene, set_option, with_changes
 
 if TYPE_CHECKING:
+    from ..checks.row import Row
+    from ..checks.runner import SceneReport
     from ..scene import Scene
-    from .row import Row
-    from .runner import SceneReport
 
 
 def command(
@@ -29,18 +30,21 @@ def command(
     ] = None,
     json_file: Annotated[Path | None, options.json("the rows")] = None,
     report: Annotated[Path | None, options.REPORT] = None,
-    changes: Annotated[list[str] | None, options.changes("coupling.steps_per_rev=80")] = None,
+    changes: Annotated[list[str] | None, set_option("coupling.steps_per_rev=80")] = None,
 ) -> None:
     """Check scenes against theory and measurement.
 
     Exit code 1 if a row does not hold.
     """
-    from ..scene.changes import changed_scene
+    from ..checks.report import as_json, table, verdict
+    from ..checks.runner import check_all, checked_scenes
     from ..scene.plausible import implausible, tell_warning
-    from .report import as_json, table, verdict
-    from .runner import check_all, checked_scenes
 
-    loaded = [changed_scene(s, changes, quietly=True) for s in scenes or checked_scenes()]
+    loaded: list[Scene]
+    if scenes:
+        loaded = [changed_scene(name, changes, quietly=True) for name in scenes]
+    else:
+        loaded = [with_changes(scene, changes) for scene in checked_scenes()]
     for scene in loaded if scenes else []:
         for line in implausible(scene):
             tell_warning(f"{scene.label}: {line}")
@@ -67,9 +71,9 @@ def command(
 def _write_report(
     scenes: list[Scene], results: list[SceneReport], rows: list[Row], directory: Path
 ) -> None:
+    from ..checks.pictures import draw_pictures
+    from ..checks.report import table, verdict
     from ..output.report import Report
-    from .pictures import draw_pictures
-    from .report import table, verdict
 
     page = Report(directory, "Checks", scenes)
     page.parts += [verdict(rows), *(table(r.rows, r.scene, sourced=True) for r in results)]

@@ -11,6 +11,7 @@ import typer
 from ..errors import UserError
 from ..output import options
 from ..output.terminal import progress_bar, ready_to_write, say
+from .changes import changed_scene, set_option
 
 AXIS = "PATH=LOW:HIGH:N[:log]"
 
@@ -38,14 +39,13 @@ def command(
         ),
     ] = MapMethod.FLOQUET,
     cluster: Annotated[str | None, options.CLUSTER] = None,
-    changes: Annotated[list[str] | None, options.changes("rotor.mass=3.0")] = None,
+    changes: Annotated[list[str] | None, set_option("rotor.mass=3.0")] = None,
     report: Annotated[Path | None, options.REPORT] = None,
 ) -> None:
     """Draw over two parameters where balancing is stable."""
     from ..output.cluster import who_works
     from ..output.report import Report
-    from ..scene.changes import changed_scene
-    from .axis import Axis
+    from ..stability.axis import Axis
 
     pictures = list(output or ())
     if not (pictures or csv or store or report):

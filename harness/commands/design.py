@@ -9,14 +9,15 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from ..design.space import MATERIALS
 from ..output import options
 from ..output.table import Sheet
 from ..output.terminal import progress_bar, say, show
 from ..units import in_both, rounded, shown_in
-from .space import MATERIALS
+from .changes import changed_scene, set_option
 
 if TYPE_CHECKING:
-    from .choices import Design
+    from ..design.choices import Design
 
 MEASURE = "Measure it (autobalancer drag) and give it in a [[balancer]] table: settling follows it."
 
@@ -52,16 +53,15 @@ def command(
     output: Annotated[
         Path | None, options.picture("Picture (png, svg, pdf).", "--output", "-o")
     ] = None,
-    changes: Annotated[list[str] | None, options.changes("balls.drag=0.1")] = None,
+    changes: Annotated[list[str] | None, set_option("balls.drag=0.1")] = None,
     report: Annotated[Path | None, options.REPORT] = None,
     details: Annotated[
         bool, typer.Option("--details", help="Also compare Goncharov's theory with the runs.")
     ] = False,
 ) -> None:
     """Find number and size of balls or rollers for a rotor."""
+    from ..design.recommendation import left_behind, words
     from ..output.report import Report
-    from ..scene.changes import changed_scene
-    from .recommendation import left_behind, words
 
     loaded = changed_scene(scene, changes)
     page = Report(report, f"Design: {loaded.heading}", [loaded])
@@ -86,7 +86,7 @@ def command(
         if said := left_behind(data):
             say(said)
         if not loaded.balancer:
-            from .scenes import ASSUMED_RATE
+            from ..design.scenes import ASSUMED_RATE
 
             rate = ASSUMED_RATE * loaded.profile().end
             say(f"Drag is ASSUMED: a ball loses its speed within {1.0 / rate:.3g} s. {MEASURE}")

@@ -11,6 +11,7 @@ from ..output.terminal import progress_bars, say
 
 
 def command(
+    context: typer.Context,
     output: Annotated[
         Path, typer.Option("--output", "-o", metavar="DIR", help="Folder of the site.")
     ] = Path("site"),
@@ -23,9 +24,9 @@ def command(
 
     Requires a checkout and the extra `docs`.
     """
-    from .site import write_site
+    from ..manual.site import write_site
 
     with progress_bars() as bars:
-        write_site(output, bars.track, live=live)
+        write_site(output, bars.track, context.find_root().command, live=live)
     size = sum(path.stat().st_size for path in output.rglob("*") if path.is_file())
     say(f"Site: {output / 'index.html'} ({size / 1e6:.1f} MB); open it in a browser")

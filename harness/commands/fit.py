@@ -9,6 +9,7 @@ import typer
 
 from ..output import options
 from ..output.terminal import progress_bar, say, show
+from .changes import changed_scene, set_option
 
 _LIMITS = typer.Option(
     "--limit",
@@ -58,7 +59,7 @@ def command(
         bool, typer.Option("--without-balancers", help="Measured without balancers.")
     ] = False,
     changes: Annotated[
-        list[str] | None, options.changes("balls.drag=0.1, also the start of a free value")
+        list[str] | None, set_option("balls.drag=0.1, also the start of a free value")
     ] = None,
     predict: Annotated[
         Path | None,
@@ -71,11 +72,10 @@ def command(
     report: Annotated[Path | None, options.REPORT] = None,
 ) -> None:
     """Fit values of a scene to measured amplitudes."""
+    from ..fit.measured import read_measured
+    from ..fit.report import lines, table
     from ..output.files import write_json
     from ..output.report import Report
-    from ..scene.changes import changed_scene
-    from .measured import read_measured
-    from .report import lines, table
 
     loaded = changed_scene(scene, changes)
     loaded = loaded.without_balancers() if without_balancers else loaded

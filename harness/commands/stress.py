@@ -7,10 +7,10 @@ from typing import Annotated
 
 import typer
 
-from ...errors import UserError
-from ...output import options
-from ...output.files import write_whole
-from ...output.terminal import progress_bar, say, show
+from ..errors import UserError
+from ..output import options
+from ..output.files import write_whole
+from ..output.terminal import progress_bar, say, show
 
 
 def command(
@@ -24,7 +24,7 @@ def command(
 
     Each must be right or clearly refused; exit code 1 if not.
     """
-    from .run import all_cases, stress, table
+    from ..accuracy.stress.run import all_cases, stress, table
 
     names = [name for name in all_cases() if only is None or only.lower() in name.lower()]
     if not names:

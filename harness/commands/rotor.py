@@ -10,11 +10,11 @@ from ..output import options
 from ..output.files import write_json
 from ..output.table import Sheet
 from ..output.terminal import progress_bars, say, show
-from ..scene.changes import changed_scene
+from .changes import changed_scene, set_option
 
 if TYPE_CHECKING:
     from ...models.arrays import Array
-    from .analysis import RotorAnalysis
+    from ..rotor.analysis import RotorAnalysis
 
 
 def command(
@@ -30,7 +30,7 @@ def command(
         Path | None, options.picture("Mode shapes along the shaft, with their whirl.")
     ] = None,
     limits: Annotated[tuple[str, str] | None, options.RANGE] = None,
-    changes: Annotated[list[str] | None, options.changes("rotor.mass=3.0")] = None,
+    changes: Annotated[list[str] | None, set_option("rotor.mass=3.0")] = None,
     json_file: Annotated[Path | None, options.json("the modes")] = None,
 ) -> None:
     """Find modes and critical speeds of the rotor, draw its motion."""

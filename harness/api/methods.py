@@ -1,4 +1,4 @@
-"""What is done with a scene: its methods, each the same as a command.
+"""What is done with a scene: its methods, one for every command, which calls it.
 
 The work is in the folder of the feature, which is loaded when a method is called.  Numbers are in
 SI units; a speed or an amount may be text with a unit, such as "1200 rpm".  `progress` is called
@@ -12,29 +12,29 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
-if TYPE_CHECKING:
-    from ..accuracy.precision.measure import Precision
-    from ..balancing.cycles import BalancingReport
-    from ..capture.captured import Captured
-    from ..checks.runner import SceneReport
-    from ..design.choices import Design
-    from ..export.build import Built
-    from ..fit.study import Fit
-    from ..output.workers import ItemProgress, Progress, Workers
-    from ..scatter.study import Scatter
-    from ..show.page import Page
-    from ..stability.axis import Axis
-    from ..stability.map import StabilityMap
-    from ..stability.proved_map import ProvedMap
-    from ..stability.run_map import RunMap
-    from ..stability.speeds import Speeds
-    from .scene import Scene
+from autobalancer.harness.stability.methods import DEFAULT_METHODS
 
-DEFAULT_METHODS = ("criterion", "floquet", "cosim")  # of `speeds`, where nothing else is asked for
+if TYPE_CHECKING:
+    from autobalancer.harness.accuracy.precision.measure import Precision
+    from autobalancer.harness.balancing.cycles import BalancingReport
+    from autobalancer.harness.capture.captured import Captured
+    from autobalancer.harness.checks.runner import SceneReport
+    from autobalancer.harness.design.choices import Design
+    from autobalancer.harness.export.build import Built
+    from autobalancer.harness.fit.study import Fit
+    from autobalancer.harness.output.workers import ItemProgress, Progress, Workers
+    from autobalancer.harness.scatter.study import Scatter
+    from autobalancer.harness.scene.scene import Scene
+    from autobalancer.harness.show.page import Page
+    from autobalancer.harness.stability.axis import Axis
+    from autobalancer.harness.stability.map import StabilityMap
+    from autobalancer.harness.stability.proved_map import ProvedMap
+    from autobalancer.harness.stability.run_map import RunMap
+    from autobalancer.harness.stability.speeds import Speeds
 
 
 class Methods:
-    """The methods; `Scene.run` and `Scene.rotor` are called as well, see `Run` and `Planar`."""
+    """The methods of a scene; its tables `run` and `rotor` are called as well, see `tables`."""
 
     @property
     def _scene(self) -> Scene:
@@ -71,7 +71,7 @@ class Methods:
         >>> found.to_pandas()["above it"].iloc[-1]
         'stable'
         """
-        from ..stability.boundaries import speeds
+        from autobalancer.harness.stability.boundaries import speeds
 
         asked = methods.split(",") if isinstance(methods, str) else list(methods)
         names = [name.strip() for name in asked if name.strip()]
@@ -96,9 +96,9 @@ class Methods:
         >>> found.found.all_pass, len(found.found.natural)
         (False, 1)
         """
-        from ..capture.captured import captured
-        from ..errors import UserError
-        from ..units import si_number
+        from autobalancer.harness.capture.captured import captured
+        from autobalancer.harness.errors import UserError
+        from autobalancer.harness.units import si_number
 
         wanted = None if speed is None else si_number(speed, "rad/s", "speed")
         if wanted is not None and not wanted > 0.0:
@@ -134,10 +134,10 @@ class Methods:
         >>> found.growth.shape, found.to_xarray().sizes["speed [rad/s]"]
         ((3, 4), 4)
         """
-        from ..errors import UserError
-        from ..stability.axis import Axis
-        from ..stability.map import stability_map
-        from ..stability.run_map import run_map
+        from autobalancer.harness.errors import UserError
+        from autobalancer.harness.stability.axis import Axis
+        from autobalancer.harness.stability.map import stability_map
+        from autobalancer.harness.stability.run_map import run_map
 
         axes = [a if isinstance(a, Axis) else Axis.parse(a, self._scene) for a in (x, y)]
         options: dict[str, Any] = {"workers": workers, "progress": progress, "store": store}
@@ -152,14 +152,14 @@ class Methods:
     def _proved_map(
         self, axes: list[Axis], workers: Workers, progress: Progress | None, store: Path | None
     ) -> ProvedMap:
-        from ..errors import UserError
-        from ..stability.boundaries import refuse_missing
+        from autobalancer.harness.errors import UserError
+        from autobalancer.harness.stability.boundaries import refuse_missing
 
         refuse_missing()
         if store is not None:
             raise UserError(f"{store}: the method proved keeps no store; name a picture, or --csv")
-        from ...models.proof.rotors import Unproved
-        from ..stability.proved_map import proved_map
+        from autobalancer.harness.stability.proved_map import proved_map
+        from autobalancer.models.proof.rotors import Unproved
 
         try:
             return proved_map(self._scene, *axes, workers=workers, progress=progress)
@@ -197,8 +197,8 @@ class Methods:
         >>> found.residual.shape, list(found.to_pandas())[0]
         ((8,), 'weights.drag')
         """
-        from ..scatter.study import scatter
-        from ..scatter.vary import variations
+        from autobalancer.harness.scatter.study import scatter
+        from autobalancer.harness.scatter.vary import variations
 
         options: dict[str, Any] = {"workers": workers, "progress": progress, "store": store}
         return scatter(self._scene, variations(vary, self._scene), n, seed=seed, **options)
@@ -238,8 +238,8 @@ class Methods:
         >>> [choice.count for choice in found.choices]
         [2, 3]
         """
-        from ..design.choices import design
-        from ..design.space import read_space
+        from autobalancer.harness.design.choices import design
+        from autobalancer.harness.design.space import read_space
 
         space = read_space(unbalance, race, width, material, reserve)
         options: dict[str, Any] = {"workers": workers, "progress": progress}
@@ -286,9 +286,9 @@ class Methods:
         >>> found.scene.rotor.unbalance == float(found.values[0]), len(found.to_pandas())
         (True, 1)
         """
-        from ..fit.measured import read_measured
-        from ..fit.parameters import parse_free
-        from ..fit.study import fit
+        from autobalancer.harness.fit.measured import read_measured
+        from autobalancer.harness.fit.parameters import parse_free
+        from autobalancer.harness.fit.study import fit
 
         paths = [free] if isinstance(free, str) else free
         parameters = parse_free(paths, self._scene, limits, priors, scatter)
@@ -309,7 +309,7 @@ class Methods:
         >>> ab.load("balancing_machine").balance().met
         True
         """
-        from ..balancing.cycles import balance
+        from autobalancer.harness.balancing.cycles import balance
 
         return balance(self._scene, progress=progress)
 
@@ -347,7 +347,7 @@ class Methods:
         >>> [path.name for path in built.files]
         ['RotorOnSupports.fmu', 'BallBalancer-weights-2.fmu']
         """
-        from ..export.build import build_files
+        from autobalancer.harness.export.build import build_files
 
         form: dict[str, Any] = {"python": python, "one_file": one_file, "ssp": ssp}
         form |= {"plain": plain, "flat": flat, "reference": reference}
@@ -367,7 +367,7 @@ class Methods:
         >>> page.path.stat().st_size > 100_000
         True
         """
-        from ..show.page import write_page
+        from autobalancer.harness.show.page import write_page
 
         return write_page(self._scene, None if output is None else Path(output))
 
@@ -383,7 +383,7 @@ class Methods:
         >>> ab.load("liquid_touch").check().holds
         True
         """
-        from ..checks.runner import check_all
+        from autobalancer.harness.checks.runner import check_all
 
         return check_all([self._scene], progress, workers=1)[0]
 
@@ -403,7 +403,7 @@ class Methods:
         >>> bool(short.precision(1.0).to_pandas()["error"].min() < 1e-6)
         True
         """
-        from ..accuracy.precision.measure import precision
+        from autobalancer.harness.accuracy.precision.measure import precision
 
         return precision(self._scene, seconds=seconds, progress=progress)
 
@@ -413,6 +413,6 @@ class Methods:
         >>> [line for line in ab.load("drum").cite().splitlines() if line.startswith("@")][0]
         '@article{Filimonikhina2017,'
         """
-        from .citations import bibtex
+        from autobalancer.harness.scene.citations import bibtex
 
         return bibtex(self._scene)

@@ -9,6 +9,7 @@ import typer
 
 from ..output import options
 from ..output.terminal import progress_bar, say, show
+from .changes import changed_scene, set_option
 
 VARY = "PATH=NAME(NUMBERS)"
 
@@ -32,15 +33,14 @@ def command(
     store: Annotated[Path | None, options.store()] = None,
     json: Annotated[Path | None, options.json("the results")] = None,
     cluster: Annotated[str | None, options.CLUSTER] = None,
-    changes: Annotated[list[str] | None, options.changes("run.revolutions=200")] = None,
+    changes: Annotated[list[str] | None, set_option("run.revolutions=200")] = None,
     report: Annotated[Path | None, options.REPORT] = None,
 ) -> None:
     """Simulate machines whose values scatter within tolerances."""
     from ..output.cluster import who_works
     from ..output.files import write_json
     from ..output.report import Report
-    from ..scene.changes import changed_scene
-    from .report import grade_table, importance_table, lines
+    from ..scatter.report import grade_table, importance_table, lines
 
     loaded = changed_scene(scene, changes)
     page = Report(report, f"Tolerances: {loaded.heading}", [loaded])

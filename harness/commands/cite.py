@@ -6,12 +6,12 @@ from typing import Annotated
 
 from ..output import options
 from ..output.terminal import say
-from .changes import changed_scene
+from .changes import changed_scene, set_option
 
 
 def command(
     scene: Annotated[str, options.SCENE],
-    changes: Annotated[list[str] | None, options.changes("coupling.scheme='\"jacobi\"'")] = None,
+    changes: Annotated[list[str] | None, set_option("coupling.scheme='\"jacobi\"'")] = None,
 ) -> None:
     """Print what a run of a scene cites, as BibTeX."""
     say(changed_scene(scene, changes, quietly=True).cite())

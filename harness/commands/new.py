@@ -25,7 +25,7 @@ def command(
     ] = None,
 ) -> None:
     """Write a commented scene file to start from."""
-    from .file import find
+    from ..scene.file import find
 
     source = find(name.replace(" ", "_"))
     path = output or Path(f"my_{source.stem}.toml")

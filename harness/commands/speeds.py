@@ -13,13 +13,14 @@ from ..output import options
 from ..output.files import write_json
 from ..output.table import GOOD, Sheet
 from ..output.terminal import progress_bar, say, show
-from ..scene.methods import DEFAULT_METHODS
+from ..stability.methods import DEFAULT_METHODS
 from ..units import engineering, engineers, in_both
+from .changes import changed_scene, set_option
 
 if TYPE_CHECKING:
-    from .proved import Proof
-    from .speeds import Speeds
-    from .whirl import Whirls
+    from ..stability.proved import Proof
+    from ..stability.speeds import Speeds
+    from ..stability.whirl import Whirls
 
 DEFAULT = ",".join(DEFAULT_METHODS)
 
@@ -44,11 +45,10 @@ def command(
     within: Annotated[
         str, typer.Option(metavar="PATH=5%,...", help="Tolerances for --method proved.")
     ] = "",
-    changes: Annotated[list[str] | None, options.changes("rotor.mass=3.0")] = None,
+    changes: Annotated[list[str] | None, set_option("rotor.mass=3.0")] = None,
 ) -> None:
     """Find the speeds at which balancing begins or ends."""
-    from ..scene.changes import changed_scene
-    from .boundaries import METHODS
+    from ..stability.boundaries import METHODS
 
     if narrowest is not None and not narrowest > 0.0:
         raise UserError(f"--narrowest {narrowest:g} rad/s: must be positive")
@@ -146,7 +146,7 @@ def whirl_table(whirl: Whirls) -> Sheet:
 
 
 def _looked(result: Speeds, narrowest: float | None) -> str:
-    from .boundaries import intervals_of_scan
+    from ..stability.boundaries import intervals_of_scan
 
     if "floquet" in result.methods:
         return "looked on both sides of every speed of Floquet, between them and at the ends"

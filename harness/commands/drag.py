@@ -38,7 +38,7 @@ def command(
     """Find the drag of a ball, from a measured decay or from the oil."""
     if ball is None:
         raise UserError("--ball: give the diameter of the ball, such as --ball 10mm")
-    from .estimate import find_drag
+    from ..drag.estimate import find_drag
 
     found = find_drag(
         ball,

@@ -12,11 +12,11 @@ from ..errors import UserError
 from ..output import options
 from ..output.files import write_json
 from ..output.terminal import progress_bar, say
-from ..scene.changes import changed_scene
+from .changes import changed_scene, set_option
 
 if TYPE_CHECKING:
-    from .correction import Correction
-    from .cycles import BalancingReport
+    from ..balancing.correction import Correction
+    from ..balancing.cycles import BalancingReport
 
 _MOST_ANGLES = 1000
 
@@ -32,7 +32,7 @@ def command(
         Path | None, options.picture("Draw the corrections.", "--output", "-o")
     ] = None,
     json_file: Annotated[Path | None, options.json("the results")] = None,
-    changes: Annotated[list[str] | None, options.changes("balancing.grade=G1")] = None,
+    changes: Annotated[list[str] | None, set_option("balancing.grade=G1")] = None,
     angles: Annotated[
         str | None,
         typer.Option(
@@ -68,12 +68,12 @@ def command(
 
     Exit code 1 if the grade is not met.
     """
+    from ..balancing.report import print_correction, print_cycles
     from ..output.report import Report
-    from .report import print_correction, print_cycles
 
     result: BalancingReport | Correction
     if scene.endswith(options.TABLE):
-        from .correction import correct
+        from ..balancing.correction import correct
 
         if changes:
             raise UserError("--set: belongs to a scene; measured runs have nothing to replace")

@@ -10,8 +10,8 @@ from ..errors import UserError
 from ..output.terminal import progress_bars, ready_to_write, say
 
 if TYPE_CHECKING:
+    from ..result.result import Result
     from ..scene import Scene
-    from .result import Result
 
 
 def check_movie(path: Path | None) -> Path | None:
@@ -21,7 +21,7 @@ def check_movie(path: Path | None) -> Path | None:
         UserError: so it is.
     """
     if path is not None:
-        from .movie import refuse_unwritable
+        from ..result.movie import refuse_unwritable
 
         refuse_unwritable(path)
         ready_to_write(path)
@@ -37,8 +37,8 @@ def refuse_pictures(scene: Scene, kinds: Collection[str]) -> None:
     if not kinds:
         return  # to load what pictures are made from takes longer than a run
     from ..master.schedule import end_time
-    from .motion import with_weights
-    from .orders import SHORTEST, SYNCHRONOUS, refuse_few
+    from ..result.motion import with_weights
+    from ..result.orders import SHORTEST, SYNCHRONOUS, refuse_few
 
     windows = {"waterfall": SHORTEST, "polar": SYNCHRONOUS}  # revolutions
     profile, end = scene.profile(), end_time(scene)

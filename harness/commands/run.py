@@ -12,9 +12,9 @@ from ..errors import UserError
 from ..output import options
 from ..output.files import write_json
 from ..output.terminal import progress_bar, say, say_facts, show
-from ..scene.changes import changed_scene
+from ..result.tables import as_json, summary
 from . import run_pictures as drawings
-from .tables import as_json, summary
+from .changes import changed_scene, set_option
 
 
 def command(
@@ -23,7 +23,7 @@ def command(
         Path | None, options.output(".csv", "Write the signals as CSV.", "--output", "-o")
     ] = None,
     plot: Annotated[Path | None, options.picture("Draw the signals (png, svg, pdf).")] = None,
-    changes: Annotated[list[str] | None, options.changes("rotor.unbalance=0.1")] = None,
+    changes: Annotated[list[str] | None, set_option("rotor.unbalance=0.1")] = None,
     fmus: Annotated[
         Path | None,
         typer.Option(metavar="DIR", help="Use the FMUs in this folder instead of building them."),
@@ -69,7 +69,7 @@ def command(
     Pictures are png, svg or pdf.
     """
     from ..output.report import Report
-    from .run import refuse_separate
+    from ..result.run import refuse_separate
 
     wanted = {"weights": weights, "waterfall": waterfall, "polar": polar, "orbits": orbits}
     pictures = {kind: path for kind, path in wanted.items() if path is not None}
@@ -80,7 +80,7 @@ def command(
         refuse_separate(loaded, fmus)
         say("NOTE: --one-file is the default now, and deprecated", style="bold yellow", error=True)
     if movie is not None:
-        from .movie import refuse_unseen
+        from ..result.movie import refuse_unseen
 
         refuse_unseen(loaded, movie_seconds)
     drawings.refuse_pictures(loaded, pictures)

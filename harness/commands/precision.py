@@ -7,10 +7,11 @@ from typing import Annotated
 
 import typer
 
-from ...output import options
-from ...output.files import write_json, write_whole
-from ...output.machine import machine
-from ...output.terminal import progress_bar, say, show
+from ..output import options
+from ..output.files import write_json, write_whole
+from ..output.machine import machine
+from ..output.terminal import progress_bar, say, show
+from .changes import changed_scene, set_option
 
 
 def command(
@@ -26,11 +27,10 @@ def command(
     seconds: Annotated[
         float, typer.Option(min=1.0, help="Approximate duration of the measurement, s.")
     ] = 75.0,
-    changes: Annotated[list[str] | None, options.changes("run.revolutions=20")] = None,
+    changes: Annotated[list[str] | None, set_option("run.revolutions=20")] = None,
 ) -> None:
     """Measure error against run time of every scheme."""
-    from ...scene.changes import changed_scene
-    from . import report
+    from ..accuracy.precision import report
 
     loaded = changed_scene(scene, changes)
     with progress_bar(f"measuring {loaded.name}") as move:

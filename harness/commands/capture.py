@@ -8,7 +8,7 @@ from typing import Annotated
 from ..output import options
 from ..output.files import write_json
 from ..output.terminal import say, show
-from ..scene.changes import changed_scene
+from .changes import changed_scene, set_option
 
 
 def command(
@@ -21,7 +21,7 @@ def command(
         Path | None, options.picture("Brake and drag over speed.", "--output", "-o")
     ] = None,
     json_file: Annotated[Path | None, options.json("everything")] = None,
-    changes: Annotated[list[str] | None, options.changes("balls.drag=0.1")] = None,
+    changes: Annotated[list[str] | None, set_option("balls.drag=0.1")] = None,
 ) -> None:
     """Say in closed form whether weights can be left behind."""
     found = changed_scene(scene, changes).capture(speed)

@@ -8,9 +8,8 @@ from typing import Annotated, Any
 import typer
 
 from ..errors import UserError
-from ..output import options
 from ..output.terminal import progress_bar, say, show
-from ..scene.changes import changed_scene
+from .changes import changed_scene, set_option
 
 
 def command(
@@ -62,11 +61,11 @@ def command(
             help="Write a reproducible archive of all units and bundled scenes, with checksums.",
         ),
     ] = None,
-    changes: Annotated[list[str] | None, options.changes("rotor.mass=3.0")] = None,
+    changes: Annotated[list[str] | None, set_option("rotor.mass=3.0")] = None,
 ) -> None:
     """Build all units as FMUs, or exactly those that a scene needs."""
-    from .build import build_files
-    from .release import build_release
+    from ..export.build import build_files
+    from ..export.release import build_release
 
     form: dict[str, Any] = {"python": python, "one_file": one_file, "ssp": ssp}
     form |= {"plain": plain, "flat": flat, "reference": reference}

@@ -1,0 +1,6 @@
+"""The commands of `autobalancer`, a file each; its function `command` calls a method of a scene."""
+
+NAMES = (
+    *("check", "build", "run", "speeds", "map", "balance", "rotor", "design", "scatter"),
+    *("capture", "fit", "drag", "precision", "show", "new", "cite", "stress", "manual"),
+)  # in the order of the help
