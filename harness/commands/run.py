@@ -12,7 +12,6 @@ from ..errors import UserError
 from ..output import options
 from ..output.files import write_json
 from ..output.terminal import progress_bar, say, say_facts, show
-from ..result.tables import as_json, summary
 from . import run_pictures as drawings
 from .changes import changed_scene, set_option
 
@@ -70,6 +69,7 @@ def command(
     """
     from ..output.report import Report
     from ..result.run import refuse_separate
+    from ..result.tables import as_json, summary
 
     wanted = {"weights": weights, "waterfall": waterfall, "polar": polar, "orbits": orbits}
     pictures = {kind: path for kind, path in wanted.items() if path is not None}
