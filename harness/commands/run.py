@@ -7,7 +7,6 @@ from typing import Annotated
 
 import typer
 
-from ..capture.captured import left_behind
 from ..errors import UserError
 from ..output import options
 from ..output.files import write_json
@@ -67,6 +66,7 @@ def command(
 
     Pictures are png, svg or pdf.
     """
+    from ..capture.captured import left_behind
     from ..output.report import Report
     from ..result.run import refuse_separate
     from ..result.tables import as_json, summary
