@@ -21,7 +21,7 @@ from .linear.floquet import (
     half_turns,
     one_turn_multipliers,
 )
-from .linear.growth import Growth, eigenvalues_with_errors
+from .linear.growth import Growth, eigenvalues_with_errors, largest
 from .linear.linearised import Linearised, linearise
 
 _SLOW = 1e-3  # growth per revolution below which the errors of the method are looked at
@@ -81,7 +81,7 @@ def _exponents(
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Growth rates and errors (b,) [1/s] of systems with constant coefficients."""
     values, errors = eigenvalues_with_errors(constant_matrices(systems, which, speeds))
-    return _largest(values.real, errors)
+    return largest(values.real, errors)
 
 
 def _followed(
@@ -94,19 +94,11 @@ def _followed(
         values, errors = eigenvalues_with_errors(turns, roundings=float(steps.max(initial=0)))
         sizes = np.maximum(np.abs(values), np.finfo(float).tiny)
         each = (np.log(sizes), np.minimum(errors / sizes, 1.0))
-        found.append([part * speeds / math.pi for part in _largest(*each)])
+        found.append([part * speeds / math.pi for part in largest(*each)])
     (coarse, _), (growth, rounding) = found
     error = rounding + np.abs(growth - coarse) / _SHRINKS
     fast, unknown = fast_growth(systems, which, speeds)
     return np.maximum(growth, fast), np.maximum(error, unknown)
-
-
-def _largest(growth: NDArray, errors: NDArray) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Largest of growths (b, d), and its error (b,): another one may be the largest instead."""
-    largest = growth.max(axis=1, initial=-math.inf)
-    most = (growth + errors).max(axis=1, initial=-math.inf)
-    least = (growth - errors).max(axis=1, initial=-math.inf)
-    return largest, np.maximum(most - largest, largest - least)
 
 
 def find_growth(assembly: Assembly, speed: float) -> Growth:
@@ -143,8 +135,16 @@ def growth_map(assemblies: Sequence[Assembly], speeds: ArrayLike) -> NDArray[np.
 
     NaN where the weights of an assembly cannot undo its unbalance: it has no main motion.
     """
+    return growth_map_with_errors(assemblies, speeds)[0]
+
+
+def growth_map_with_errors(
+    assemblies: Sequence[Assembly], speeds: ArrayLike
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """As `growth_map`, and the error [1/s] of every rate, see `growth_and_errors`."""
     w = _speeds(speeds)
-    result = np.full((len(assemblies), len(w)), math.nan)
+    shape = len(assemblies), len(w)
+    rates, errors = np.full(shape, math.nan), np.zeros(shape)
     groups: dict[tuple[int, bool], list[tuple[int, Linearised]]] = {}
     for i, assembly in enumerate(assemblies):
         try:
@@ -156,6 +156,6 @@ def growth_map(assemblies: Sequence[Assembly], speeds: ArrayLike) -> NDArray[np.
         rows = np.array([i for i, _ in members])
         systems = [system for _, system in members]
         which = np.repeat(np.arange(len(systems)), len(w))
-        growth = active_growth(systems, which, np.tile(w, len(systems)))
-        result[rows] = growth.reshape(len(systems), len(w))
-    return result
+        growth, error = growth_and_errors(systems, which, np.tile(w, len(systems)))
+        rates[rows], errors[rows] = (each.reshape(len(systems), len(w)) for each in (growth, error))
+    return rates, errors

@@ -52,11 +52,14 @@ def command(
         write_json(found.as_json(), json_file)
 
 
+_WORDS = {"stable": "", "neutral": ", neutral", "unstable": ", UNSTABLE"}
+
+
 def _modes(found: RotorAnalysis) -> Sheet:
     sheet = found.table()
     rows = [
-        (str(n), f"{w:.6g}", f"{f:.5g}", f"{d:.4g}", whirl if d >= 0.0 else f"{whirl}, UNSTABLE")
-        for n, w, f, d, whirl in sheet.rows
+        (str(n), f"{w:.6g}", f"{f:.5g}", f"{d:.4g}", f"{whirl}{_WORDS[state]}")
+        for (n, w, f, d, whirl), state in zip(sheet.rows, found.modes.states, strict=True)
     ]
     return replace(sheet, rows=rows)
 

@@ -18,11 +18,14 @@ from ..units import engineering, engineers, in_both
 from .changes import changed_scene, set_option
 
 if TYPE_CHECKING:
+    from ...models.linear.regions import Crossing
     from ..stability.proved import Proof
     from ..stability.speeds import Speeds
     from ..stability.whirl import Whirls
 
 DEFAULT = ",".join(DEFAULT_METHODS)
+HEADS = {"criterion": "criterion, a rule"}  # what the other methods compute, it approximates
+_COLOURS = {"stable": GOOD, "unstable": "red", "undecided": "yellow", "neutral": "yellow"}
 
 
 def command(
@@ -75,6 +78,10 @@ def command(
     for name, side in result.lowest.items():
         throughout = "" if result.methods[name] else ", and up to its end"
         say(f"{name}: {side} at the low end of the range{throughout}")
+    for line in result.unknown():
+        say(line, style="yellow")
+    if "criterion" in result.methods:
+        say("criterion: a rule, fast and approximate: it leaves out mass and drag of the weights")
     for name, reason in result.refused.items():
         say(f"{name}: no answer: {reason}", style="yellow")
     if result.whirl is not None:
@@ -95,11 +102,11 @@ def table(result: Speeds, title: str) -> Sheet:
     low, high = result.range
     pair = {"floquet", "cosim"}
     both = pair <= result.methods.keys()
-    columns = ["", "above it", *(f"{name} [rad/s]" for name in result.methods)]
+    columns = ["", "above it", *(f"{HEADS.get(name, name)} [rad/s]" for name in result.methods)]
     columns += ["cosim - floquet"] * both
     rows = []
     for number, row in enumerate(result.rows(), start=1):
-        cells = [f"{row[name].speed:.8g}" if name in row else "-" for name in result.methods]
+        cells = [_known(row[name]) if name in row else "-" for name in result.methods]
         if both:
             met = pair <= row.keys()
             cells.append(f"{row['cosim'].speed - row['floquet'].speed:.1e}" if met else "-")
@@ -109,8 +116,16 @@ def table(result: Speeds, title: str) -> Sheet:
     columns += [] if engineering.get() else ["that is"]
     span = f"{in_both(low, 'rad/s')} to {in_both(high, 'rad/s')}"
     heading = f"{title}: critical speeds from {span}"
-    colours = {"above it": {"stable": GOOD, "unstable": "red"}}
+    colours = {"above it": _COLOURS}
     return Sheet(columns, rows, "ll" + "r" * (len(columns) - 2), heading, colours)
+
+
+def _known(crossing: Crossing) -> str:
+    """A speed with the digits that its error leaves."""
+    digits = 8
+    if crossing.error > 0.0:
+        digits = math.floor(math.log10(crossing.speed / crossing.error)) + 1
+    return f"{crossing.speed:.{min(max(digits, 3), 8)}g}"
 
 
 def bands_table(proof: Proof, title: str) -> Sheet:
@@ -122,7 +137,7 @@ def bands_table(proof: Proof, title: str) -> Sheet:
         for row, b in zip(rows, proof.bands, strict=True):
             row.append(f"{engineers(b.low, 'rad/s')} to {engineers(b.high, 'rad/s')}")
     machines = f"for every machine within {proof.within}" if proof.within else "for this machine"
-    colours = {"proved": {"stable": GOOD, "unstable": "red", "undecided": "yellow"}}
+    colours = {"proved": _COLOURS}
     aligned = "rrl" + "l" * (len(columns) - 3)
     return Sheet(columns, rows, aligned, f"{title}: proved {machines}", colours)
 

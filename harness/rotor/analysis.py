@@ -175,6 +175,7 @@ class RotorAnalysis(Outcome):
             "growth_rate": self.modes.eigenvalues.real,
             "whirl": self.modes.whirl,
             "direction": self.modes.directions,
+            "state": self.modes.states,
         }
         rows = zip(*columns.values(), strict=True)
         return {

@@ -3,12 +3,15 @@
 A boundary is where the largest growth rate of a small deviation crosses 0 (a `Crossing`); the
 critical speeds of the rotor alone, its resonances, are another matter (`models.linear.modes`).
 
-criterion: the closed formula of Filimonikhina 2017 for planar rotors.
+criterion: the closed formula of Filimonikhina 2017 for planar rotors, a rule: fast, approximate.
 floquet: exact linear stability of the equations.
 cosim: largest multiplier of the coupled units' one-revolution map, without their equations of
     motion.
 proved: bands of speeds in which stability or instability is proved, for all machines within
     tolerances (`proved`).
+
+floquet and cosim know the error of their growth rates, and state a limit only where the growth on
+both sides exceeds it (`models.linear.regions`).
 """
 
 from __future__ import annotations
@@ -24,15 +27,15 @@ from numpy.typing import NDArray
 from ...models.assembly import Assembly
 from ...models.criteria import Criterion
 from ...models.linear.balanced import CannotBalance, balanced_angles
-from ...models.linear.boundaries import balancing_boundaries
-from ...models.stability import growth_rates
+from ...models.linear.boundaries import balancing_regions, unknown_word
+from ...models.linear.regions import NARROW
 from ..capture.captured import captured_or_none
 from ..errors import SimulationError, UserError
 from ..output.workers import Progress
 from ..scene import Scene
 from ..scene.quantities import LARGEST
 from ..units import si_number
-from .crossings import crossings, nodes_around, side
+from .crossings import FINE, measured_regions, nodes_around, side
 from .main_motion import MainMotion, NoMainMotion
 from .methods import DEFAULT_METHODS, METHODS
 from .speeds import Speeds
@@ -125,14 +128,12 @@ def _by_criterion(scene: Scene, result: Speeds) -> None:
 
 
 def _by_floquet(scene: Scene, result: Speeds, narrowest: float | None) -> None:
-    assembly = scene.assembly()
     try:
-        crossings = balancing_boundaries(assembly, *result.range, narrowest=narrowest)
+        found = balancing_regions(scene.assembly(), *result.range, narrowest=narrowest)
     except (CannotBalance, ArithmeticError) as error:
         result.refused["floquet"] = str(error)
         return
-    result.methods["floquet"] = tuple(crossings)
-    result.lowest["floquet"] = side(float(growth_rates(assembly, result.range[0])[0]))
+    result.put("floquet", found)
 
 
 def _by_proof(
@@ -189,20 +190,22 @@ def _by_units(
     try:
         with MainMotion(scene, separate=separate) as motion:
             nodes = _nodes(result, narrowest).tolist()
-            found, lowest = crossings(motion.growth, nodes, progress)
+            word = unknown_word(scene.assembly())
+            fine = NARROW if motion.units.is_separate else FINE
+            found = measured_regions(motion.find_growth, motion.rate, nodes, progress, word, fine)
     except SimulationError as error:
         if not (result.methods or isinstance(error, NoMainMotion)):
             raise
         result.refused["cosim"] = str(error)
         return
-    result.methods["cosim"] = tuple(found)
-    result.lowest["cosim"] = lowest
+    result.put("cosim", found)
 
 
 def _nodes(result: Speeds, narrowest: float | None) -> NDArray[np.float64]:
     """Speeds at which the units are judged: both sides of every boundary of Floquet, or a scan."""
     if "floquet" in result.methods:
-        return nodes_around([c.speed for c in result.methods["floquet"]], *result.range)
+        guesses = [c.speed for c in result.methods["floquet"]]
+        return nodes_around(guesses, *result.range)
     return np.linspace(*result.range, 1 + intervals_of_scan(result.range, narrowest))
 
 

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...models.assembly import Assembly
-from ...models.stability import growth_map
+from ...models.stability import growth_map_with_errors
 from ..output.table import Sheet
 from ..output.words import kinds_of
 from ..output.workers import Progress, Workers, in_order
@@ -34,6 +34,7 @@ class StabilityMap(Map):
 
     Attributes:
         growth: largest growth rate [1/s]; NaN where weights cannot balance.
+        error: of it [1/s]; 0 where growth is so fast that its sign is certain.
         criterion: negative where the criterion says balanced, in units of its largest value; None
             where it does not apply.
         no_criterion: why not.
@@ -43,9 +44,15 @@ class StabilityMap(Map):
     drawn_by: ClassVar[str] = "..stability.plot:plot_map"
 
     growth: Vector
+    error: Vector
     criterion: Vector | None
     no_criterion: str
     failure: Reasons
+
+    @property
+    def undecided(self) -> NDArray[np.bool_]:
+        """Where the growth does not exceed its error, as without any damping."""
+        return np.asarray((self.error > 0.0) & (np.abs(self.growth) <= self.error))
 
     def lines(self) -> Iterator[str]:
         """What was found, in words.
@@ -56,10 +63,15 @@ class StabilityMap(Map):
         """
         failed = self.failure[self.failure != ""]
         none = int(np.isnan(self.growth).sum()) - failed.size
+        known, unknown = ~self.undecided, int(self.undecided.sum())
         yield (
-            f"{self.growth.size} points: {int((self.growth <= 0.0).sum())} balanced, "
-            f"{int((self.growth > 0.0).sum())} not, {none} where the weights cannot balance"
+            f"{self.growth.size} points: {int((known & (self.growth <= 0.0)).sum())} balanced, "
+            f"{int((known & (self.growth > 0.0)).sum())} not, {none} where the weights cannot "
+            "balance"
         )
+        if unknown:
+            most = float((np.abs(self.growth) + self.error)[self.undecided].max())
+            yield f"{unknown} undecided or neutral: growth below {most:.2g} 1/s"
         if self.criterion is None:
             yield f"criterion: does not apply: {self.no_criterion}"
         for count, reason in kinds_of(failed)[:3]:
@@ -72,8 +84,8 @@ class StabilityMap(Map):
             word = ""
             if self.criterion is not None:
                 word = "stable" if self.criterion[j, i] < 0.0 else "unstable"
-            rows.append((*self._place(j, i), float(growth), word))
-        heads = (*self.labels, "growth rate [1/s]", "criterion")
+            rows.append((*self._place(j, i), float(growth), word, float(self.error[j, i])))
+        heads = (*self.labels, "growth rate [1/s]", "criterion", "error of the rate [1/s]")
         return Sheet(heads, rows, title=self.title)
 
 
@@ -99,16 +111,17 @@ def stability_map(
     jobs = [(scene, slow.path, slow.values[i : i + rows].tolist(), fast) for i in starts]
     kept = None
     if store is not None:
-        kept = open_map(store, "stability map", scene, x, y)
+        kept = open_map(store, "stability map with errors", scene, x, y)
     strips = in_order(_strip, jobs, workers, progress, kept)
     grids = [np.concatenate(arrays) for arrays in zip(*strips, strict=True)]
-    growth, criterion, why_not = (grid.T if transposed else grid for grid in grids)
+    growth, error, criterion, why_not = (grid.T if transposed else grid for grid in grids)
     applies = bool(np.isfinite(criterion).any())
     return StabilityMap(
         scene,
         x,
         y,
         growth,
+        error,
         criterion if applies else None,
         "" if applies else _why_no_criterion(scene),
         why_not,
@@ -117,8 +130,8 @@ def stability_map(
 
 def _strip(
     job: tuple[Scene, str, list[float], Axis],
-) -> tuple[Vector, Vector, Reasons]:
-    """Growth rates, the criterion, reasons, (values of the slow axis, all of the fast)."""
+) -> tuple[Vector, Vector, Vector, Reasons]:
+    """Growth rates, errors, the criterion, reasons, (values of the slow axis, all of the fast)."""
     scene, slow, values, fast = job
     along = fast.path == SPEED
     others = [{}] if along else [{fast.path: value} for value in fast.values]
@@ -127,26 +140,28 @@ def _strip(
         each.refuse_unrest("a map of growth rates")
     assemblies = [s.assembly() for s in scenes]
     speeds = fast.values if along else np.array([scenes[0].profile().end])
-    growth, why_not = _rates(assemblies, speeds)
+    growth, error, why_not = _rates(assemblies, speeds)
     criterion = np.concatenate([_criterion(a, speeds) for a in assemblies])
     shape = len(values), len(fast.values)
-    return growth.reshape(shape), criterion.reshape(shape), why_not.reshape(shape)
+    grids = (growth.reshape(shape), error.reshape(shape), criterion.reshape(shape))
+    return (*grids, why_not.reshape(shape))
 
 
-def _rates(assemblies: Sequence[Assembly], speeds: Vector) -> tuple[Vector, Reasons]:
-    """Growth rates (assemblies, speeds); what cannot be solved is NaN, and why."""
+def _rates(assemblies: Sequence[Assembly], speeds: Vector) -> tuple[Vector, Vector, Reasons]:
+    """Growth rates and errors (assemblies, speeds); what cannot be solved is NaN, and why."""
     why_not = np.full((len(assemblies), len(speeds)), "", dtype=object)
     try:
-        return growth_map(assemblies, speeds), why_not
+        return (*growth_map_with_errors(assemblies, speeds), why_not)
     except (ValueError, ArithmeticError):  # of NumPy's own LinAlgError is one
         pass
-    growth = np.full(why_not.shape, math.nan)
+    growth, error = np.full(why_not.shape, math.nan), np.zeros(why_not.shape)
     for i, j in np.ndindex(why_not.shape):
         try:
-            growth[i, j] = growth_map([assemblies[i]], speeds[j : j + 1])[0, 0]
-        except (ValueError, ArithmeticError) as error:
-            why_not[i, j] = str(error)
-    return growth, why_not
+            one = growth_map_with_errors([assemblies[i]], speeds[j : j + 1])
+            growth[i, j], error[i, j] = (each[0, 0] for each in one)
+        except (ValueError, ArithmeticError) as fault:
+            why_not[i, j] = str(fault)
+    return growth, error, why_not
 
 
 def _criterion(assembly: Assembly, speeds: Vector) -> Vector:

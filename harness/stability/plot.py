@@ -41,8 +41,14 @@ def plot_map(data: StabilityMap, path: Path | None) -> Path | Drawing:
     bar = figure.colorbar(colours, ax=axes, extend="both", pad=0.015)
     bar.set_label("largest growth rate [1/s]: below 0 balanced, above 0 not")
     handles: list[Artist] = [_boundary(axes, x, y, data.growth, "black", "-", "Floquet boundary")]
+    if data.undecided.any():
+        shown = np.where(data.undecided, 1.0, np.nan)
+        axes.pcolormesh(x, y, shown, cmap=ListedColormap(["0.85"]), shading="nearest")
+        handles.append(Patch(facecolor="0.85", label="undecided: growth below its error"))
     if data.criterion is not None:
-        handles.append(_boundary(axes, x, y, data.criterion, "#e0a000", "--", "criterion boundary"))
+        handles.append(
+            _boundary(axes, x, y, data.criterion, "#e0a000", "--", "criterion boundary (a rule)")
+        )
     if np.isnan(data.growth).any():
         axes.set_facecolor("0.85")
         axes.patch.set_hatch("///")
@@ -102,9 +108,11 @@ def plot_speeds(data: Speeds, path: Path | None) -> Path | Drawing:
             axes.barh(row, high - low, left=low, height=0.6, color=colours.get(side, "0.8"))
         for speed in ends[1:-1]:
             axes.annotate(f"{speed:.5g}", (speed, row), ha="center", va="center", fontsize="small")
-    axes.set_yticks(range(len(data.methods)), list(data.methods))
+    names = [f"{name} (a rule)" if name == "criterion" else name for name in data.methods]
+    axes.set_yticks(range(len(data.methods)), names)
     axes.set(xlabel="speed [rad/s]", xlim=data.range)
-    axes.set_title(f"{data.scene}: balancing is stable (green), unstable (red)")
+    unknown = ", not decided (grey)" if data.undecided else ""
+    axes.set_title(f"{data.scene}: balancing is stable (green), unstable (red){unknown}")
     return save(figure, path)
 
 

@@ -68,18 +68,30 @@ def states(scene: Scene) -> list[State]:
 
 
 def derivative(
-    function: Callable[[Matrix], Matrix], state: Vector, directions: Matrix, scale: Vector
+    function: Callable[[Matrix], Matrix],
+    state: Vector,
+    directions: Matrix,
+    scale: Vector,
+    moved: float = PERTURBATION,
+    order: int = 2,
 ) -> Matrix:
     """Central differences of a function of the states along `directions` (n, d), one a column.
 
     Args:
         function: values (k, m) of states (k, n).
-        scale: (n,) size of each state; no state is moved by more than `PERTURBATION` of it.
+        scale: (n,) size of each state.
+        moved: no state is moved by more than this part of it, or twice that at order 4.
+        order: of the differences, 2 or 4.
     """
-    steps = PERTURBATION / np.abs(directions.T / scale).max(axis=1, keepdims=True)
+    steps = moved / np.abs(directions.T / scale).max(axis=1, keepdims=True)
     moves = steps * directions.T
-    ahead, behind = np.split(function(np.concatenate([state + moves, state - moves])), 2)
-    return ((ahead - behind) / (2.0 * steps)).T
+    times = [1.0, -1.0] if order == 2 else [1.0, -1.0, 2.0, -2.0]
+    ends = np.split(function(np.concatenate([state + t * moves for t in times])), len(times))
+    near: Matrix = ((ends[0] - ends[1]) / (2.0 * steps)).T
+    if order == 2:
+        return near
+    far: Matrix = ((ends[2] - ends[3]) / (4.0 * steps)).T
+    return (4.0 * near - far) / 3.0
 
 
 class Revolution(Closing):
@@ -108,6 +120,11 @@ class Revolution(Closing):
         self._drives = [one.name for one in units if one.driven]
         start = {one.name: one.start for one in units}
         self.first = np.array([float(start[s.unit].get(s.start, 0.0)) for s in self.states])
+
+    @property
+    def is_separate(self) -> bool:
+        """Whether separate FMUs are coupled in Python."""
+        return self._one_file is None
 
     @cached_property
     def cosim(self) -> CoSimulation:

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, ClassVar
 
-from ...models.linear.boundaries import Crossing
+from ...models.linear.regions import Crossing, Regions, Side, Undecided
 from ..output.outcome import Outcome
 from ..output.table import Sheet
-from .crossings import Side
 from .whirl import Whirls
 
 if TYPE_CHECKING:
@@ -25,6 +25,7 @@ class Speeds(Outcome):
         range: low and high [rad/s].
         methods: crossings of every method that applies, ascending.
         lowest: what each of these finds at the low end of the range.
+        undecided: regions in which a method cannot tell stable from unstable.
         refused: why each other method gives no answer.
         whirl: what remains where the weights cannot balance; None where they can, or without the
             method floquet.
@@ -39,10 +40,29 @@ class Speeds(Outcome):
     range: tuple[float, float]
     methods: dict[str, tuple[Crossing, ...]] = field(default_factory=dict)
     lowest: dict[str, Side] = field(default_factory=dict)
+    undecided: dict[str, tuple[Undecided, ...]] = field(default_factory=dict)
     refused: dict[str, str] = field(default_factory=dict)
     whirl: Whirls | None = None
     proof: Proof | None = None
     captured: Captured | None = None
+
+    def put(self, method: str, found: Regions) -> None:
+        """Add what a method found."""
+        self.methods[method] = found.crossings
+        self.lowest[method] = found.lowest
+        if found.undecided:
+            self.undecided[method] = found.undecided
+
+    def unknown(self) -> Iterator[str]:
+        """Where a method cannot tell stable from unstable, in words."""
+        for method, regions in self.undecided.items():
+            for each in regions:
+                neutral = each.word == "neutral"
+                why = "nothing damps the machine" if neutral else "the method's own error"
+                yield (
+                    f"{method}: {each.word} from {each.low:.6g} to {each.high:.6g} rad/s, growth "
+                    f"below {each.growth_below:.2g} 1/s: {why}"
+                )
 
     def table(self) -> Sheet:
         """A row for every crossing of every method."""
@@ -65,6 +85,14 @@ class Speeds(Outcome):
             "methods": methods,
             **proof,
             "below_first": dict(self.lowest),
+            "undecided": {
+                name: [
+                    {"from": u.low, "to": u.high, "growth_below": u.growth_below, "state": u.word}
+                    for u in regions
+                ]
+                for name, regions in self.undecided.items()
+            },
+            "errors": {name: [c.error for c in found] for name, found in self.methods.items()},
             "not_applicable": dict(self.refused),
             "whirl": None if self.whirl is None else self.whirl.as_json(),
             "capture": None if self.captured is None else self.captured.as_json(),

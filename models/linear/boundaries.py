@@ -3,76 +3,59 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
-from dataclasses import dataclass
 from functools import partial
-from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..assembly import Assembly
-from ..stability import active_growth
+from ..stability import growth_and_errors
+from .balanced import WeightTable
 from .linearised import Linearised, linearise
+from .regions import Crossing, Measure, Regions, Samples, Side, find_regions
 
-MARGIN = 1e-10  # growth per revolution that rounding alone can make
 GRID = 1000  # intervals of the scan, unless the caller says how narrow a band may be missed
-_SPLIT = 12  # parts of a bracket per round of refinement
+_SPLIT = 12  # parts of the spacing in which an extremum is looked for, a round
 _PLATEAU = 1e-9  # of the growth: what rounding makes of one that does not depend on the speed
 _PROBE_ROUNDS = 6  # an extremum is located to (2/_SPLIT)^rounds of the scan's spacing
 _TOLERANCE = 1e-9  # of the speed
 
 
-@dataclass(frozen=True)
-class Crossing:
-    """A boundary of stability: its speed [rad/s] and what holds just above it."""
-
-    speed: float
-    above: Literal["stable", "unstable"]
-
-
-def _growth(system: Linearised, speeds: NDArray) -> NDArray[np.float64]:
-    """Growth rate of one system [1/s] at speeds of any shape."""
+def _measure(system: Linearised, speeds: NDArray) -> tuple[NDArray, NDArray]:
+    """Growth rates of one system and their errors [1/s] at speeds of any shape."""
     which = np.zeros(speeds.size, int)
-    return active_growth([system], which, speeds.ravel()).reshape(speeds.shape)
+    found = growth_and_errors([system], which, speeds.ravel())
+    growth, error = (each.reshape(speeds.shape) for each in found)
+    return growth, error
 
 
-def _decided(speeds: NDArray, growth: NDArray) -> NDArray[np.bool_]:
-    """Where the sign of the growth is more than rounding."""
-    return np.abs(growth) * (2.0 * math.pi) > MARGIN * speeds
-
-
-def _probe(
-    growth_at: Callable[[NDArray], NDArray], w: NDArray, g: NDArray
-) -> tuple[NDArray, NDArray]:
+def _probe(measure: Measure, samples: Samples) -> Samples:
     """Samples that show a change of sign between two of the scan's speeds.
 
     Looked for wherever the growth, seen at three neighbouring speeds, comes closest to zero in the
     middle: the extremum is closed in on until the sign changes or the spacing is used up.
     """
-    same = (np.sign(g[:-2]) == np.sign(g[1:-1])) & (np.sign(g[1:-1]) == np.sign(g[2:]))
+    w, g, signs = samples.speeds, samples.growth, samples.signs
+    same = (signs[:-2] == signs[1:-1]) & (signs[1:-1] == signs[2:]) & (signs[1:-1] != 0)
     before, size, behind = np.abs(g[:-2]), np.abs(g[1:-1]), np.abs(g[2:])
     near = (size <= np.minimum(before, behind)) & (
         np.maximum(before, behind) > (1.0 + _PLATEAU) * size
     )
-    middle = np.flatnonzero(same & near & _decided(w[1:-1], g[1:-1])) + 1
-    low, high, sign = w[middle - 1], w[middle + 1], np.sign(g[middle])
-    found_w: list[NDArray] = []
-    found_g: list[NDArray] = []
+    middle = np.flatnonzero(same & near) + 1
+    low, high, sign = w[middle - 1], w[middle + 1], signs[middle]
     for _ in range(_PROBE_ROUNDS):
         if not len(low):
             break
         nodes = low[:, None] + (high - low)[:, None] * np.linspace(0.0, 1.0, _SPLIT + 1)
-        values = growth_at(nodes)
-        crossed = ((np.sign(values) == -sign[:, None]) & _decided(nodes, values)).any(axis=1)
-        found_w.append(nodes[crossed].ravel())
-        found_g.append(values[crossed].ravel())
+        values, errors = measure(nodes)
+        crossed = ((np.sign(values) == -sign[:, None]) & (np.abs(values) > errors)).any(axis=1)
+        samples = samples.with_more(nodes[crossed], values[crossed], errors[crossed])
         best = np.abs(values).argmin(axis=1)
         rows = np.arange(len(low))
         low = nodes[rows, np.maximum(best - 1, 0)][~crossed]
         high = nodes[rows, np.minimum(best + 1, _SPLIT)][~crossed]
         sign = sign[~crossed]
-    return np.concatenate([w, *found_w]), np.concatenate([g, *found_g])
+    return samples
 
 
 def balancing_boundaries(
@@ -83,13 +66,26 @@ def balancing_boundaries(
     narrowest: float | None = None,
     tolerance: float = _TOLERANCE,
 ) -> list[Crossing]:
-    """Every speed between `low` and `high` at which stability changes, ascending.
+    """The crossings of `balancing_regions`, which has the same arguments."""
+    found = balancing_regions(assembly, low, high, narrowest=narrowest, tolerance=tolerance)
+    return list(found.crossings)
+
+
+def balancing_regions(
+    assembly: Assembly,
+    low: float,
+    high: float,
+    *,
+    narrowest: float | None = None,
+    tolerance: float = _TOLERANCE,
+) -> Regions:
+    """Every speed between `low` and `high` at which stability changes, and what holds between.
 
     The range is scanned with a spacing of at most `narrowest`: no stable or unstable band wider
     than that is missed.  Narrower bands are looked for wherever the growth comes near zero between
     two of the scan's speeds; they are found down to about `narrowest`/10^4 when the growth rate
-    is smooth there, and can be missed otherwise.  Speeds at which the growth is zero to rounding
-    (no damping at all) count as neither stable nor unstable: none is reported among them.
+    is smooth there, and can be missed otherwise.  Where the growth does not exceed its error, as
+    without any damping, it is undecided: see `Regions`.
 
     Args:
         low, high: range of speeds [rad/s], 0 < low < high.
@@ -106,41 +102,28 @@ def balancing_boundaries(
     if not width > 0.0:
         raise ValueError(f"narrowest = {width:g} rad/s: must be positive")
     scan = np.linspace(low, high, max(3, math.ceil((high - low) / width) + 1))
-    return growth_boundaries(partial(_growth, linearise(assembly)), scan, tolerance)
+    measure, word = partial(_measure, linearise(assembly)), unknown_word(assembly)
+    return growth_regions(measure, scan, tolerance, word)
 
 
-def growth_boundaries(
-    growth_at: Callable[[NDArray], NDArray], scan: NDArray, tolerance: float = _TOLERANCE
-) -> list[Crossing]:
-    """Where a growth rate changes its sign, as `balancing_boundaries`.
+def growth_regions(
+    measure: Measure, scan: NDArray, tolerance: float = _TOLERANCE, word: Side = "undecided"
+) -> Regions:
+    """Where a growth rate changes its sign, as `balancing_regions`.
 
     Args:
-        growth_at: growth rates [1/s] at speeds of any shape [rad/s].
+        measure: growth rates and their errors [1/s] at speeds of any shape [rad/s].
         scan: speeds to begin with, ascending [rad/s].
         tolerance: relative error of the speeds.
+        word: for what cannot be decided.
     """
-    w, g = _probe(growth_at, scan, growth_at(scan))
-    left, right, sign = _brackets(w, g)
-    while len(left) and ((right - left) > tolerance * right).any():
-        nodes = left[:, None] + (right - left)[:, None] * np.linspace(0.0, 1.0, _SPLIT + 1)
-        values = np.empty_like(nodes)
-        values[:, 1:-1] = growth_at(nodes[:, 1:-1])
-        values[:, 0], values[:, -1] = sign, -sign
-        # a bracket may hold more than one change: every one found is kept
-        row, column = np.nonzero(np.sign(values[:, 1:]) != np.sign(values[:, :-1]))
-        left, right = nodes[row, column], nodes[row, column + 1]
-        sign = np.sign(values[row, column])
-    return [
-        Crossing(float(speed), "stable" if before > 0.0 else "unstable")
-        for speed, before in zip((left + right) / 2.0, sign, strict=True)
-    ]
+    samples = Samples(scan, *measure(scan))
+    return find_regions(measure, _probe(measure, samples), tolerance, word)
 
 
-def _brackets(w: NDArray, g: NDArray) -> tuple[NDArray, NDArray, NDArray]:
-    """Neighbouring decided speeds between which the sign changes, and the sign before."""
-    w, unique = np.unique(w, return_index=True)
-    g = g[unique]
-    sure = _decided(w, g)
-    w, sign = w[sure], np.sign(g[sure])
-    change = np.flatnonzero(sign[1:] != sign[:-1])
-    return w[change], w[change + 1], sign[change]
+def unknown_word(assembly: Assembly) -> Side:
+    """What a growth rate within its error is called: "neutral" where nothing damps the machine."""
+    rotor = assembly.rotor
+    parts = [rotor.damping_x, rotor.damping_y, rotor.internal_damping]
+    parts.append(WeightTable.of(assembly).damping_rate)
+    return "undecided" if any(part.any() for part in parts) else "neutral"

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from scipy.linalg import eigh
 
 from ..rotor import LinearRotor
+from .growth import Growth, State, eigenpairs_with_errors
 
 _PLANAR = 1e-6  # |whirl| below it is a straight line: rounding of equal x and y frequencies
 _REAL = 1e-9  # |Im|/|lambda| below it is an overdamped motion, not an oscillation
@@ -29,7 +30,8 @@ class Modes:
 
     Attributes:
         speed: of the rotor [rad/s].
-        eigenvalues: (m,) lambda with Im >= 0 [1/s].
+        eigenvalues: (m,) lambda with Im >= 0 [1/s]; of a neutral mode the real part is 0: its
+            rounding is no growth.
         shapes: (m, 2, n) complex amplitudes of x and y per station, largest modulus 1:
             x = Re(X e^{lambda t}).
         whirl: (m,) +1 forward circles, -1 backward circles, 0 a straight line, ellipses between.
@@ -47,9 +49,14 @@ class Modes:
 
     @property
     def damping_ratios(self) -> NDArray[np.float64]:
-        """-Re lambda/|lambda| (m,), negative when unstable, 0 where lambda = 0."""
+        """-Re lambda/|lambda| (m,): negative when unstable, 0 when neutral."""
         size = np.abs(self.eigenvalues)
-        return -self.eigenvalues.real / np.where(size > 0.0, size, 1.0)
+        return (0.0 - self.eigenvalues.real) / np.where(size > 0.0, size, 1.0)
+
+    @property
+    def states(self) -> tuple[State, ...]:
+        """ "stable", "unstable" or, where nothing damps it, "neutral" for each mode."""
+        return tuple(Growth(float(rate), 0.0).state for rate in self.eigenvalues.real)
 
     @property
     def directions(self) -> tuple[str, ...]:
@@ -149,8 +156,10 @@ def speeds_of_interest(rotor: LinearRotor, speed: float) -> tuple[float, float]:
 
 def _eigenpairs(rotor: LinearRotor, speed: float) -> tuple[NDArray, NDArray]:
     """Eigenvalues (2 dof,) and displacement parts of the eigenvectors, (2 dof, dof)."""
-    values, vectors = np.linalg.eig(rotor.first_order(speed))
-    return values, vectors[: len(values) // 2].T
+    values, vectors, errors = eigenpairs_with_errors(rotor.first_order(speed)[None])
+    damped = np.abs(values[0].real) > errors[0]
+    found = np.where(damped, values[0], values[0] - values[0].real)
+    return found, vectors[0, : len(found) // 2].T
 
 
 def _normalised(shapes: NDArray) -> NDArray:

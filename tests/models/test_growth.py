@@ -74,7 +74,8 @@ def test_balancing_changes_no_eigenvalue_and_makes_norms_alike():
     generator = np.random.default_rng(2)
     units = 10.0 ** np.array([0.0, 5.0, -7.0, 3.0])
     matrix = generator.standard_normal((4, 4)) * units[:, None] / units
-    balanced = balance(matrix[None])[0]
+    (balanced,), (factors,) = balance(matrix[None])
+    np.testing.assert_array_equal(balanced * factors[:, None] / factors, matrix)
     assert np.trace(balanced) == pytest.approx(np.trace(matrix), rel=1e-12)
     assert np.linalg.norm(balanced) < 10.0
 

@@ -132,3 +132,18 @@ def test_unbalance_response_peaks_at_the_critical_speeds():
     for speed in critical_speeds(rotor):
         beside, at = (np.abs(influence(rotor, speed * f)).max() for f in (1.01, 1.0))
         assert at > 5 * beside
+
+
+@pytest.mark.parametrize("stiffness", [((9e4, 9e4), (9e4, 9e4)), ANISOTROPIC])
+@pytest.mark.parametrize("damping", [0.0, 1e-7, -1e-7])
+def test_undamped_modes_are_neutral_and_damping_however_small_is_told_from_none(stiffness, damping):
+    found = modes(drum(stiffness=stiffness, damping=damping), 150.0)
+    expected = "neutral" if damping == 0.0 else "stable" if damping > 0.0 else "unstable"
+    assert set(found.states) == {expected}
+    assert (found.damping_ratios == 0.0).all() == (damping == 0.0)
+
+
+def test_internal_damping_alone_destabilises_above_the_critical_speed():
+    rotor = LinearRotor.planar(1.0, (100.0, 100.0), internal_damping=1e-6)
+    assert "unstable" in modes(rotor, 10.001).states
+    assert "unstable" not in modes(rotor, 9.999).states

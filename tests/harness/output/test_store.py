@@ -100,7 +100,7 @@ def test_points_without_a_rate_keep_their_reasons(tmp_path, monkeypatch):
     def fails(assemblies, speeds):
         raise ValueError(f"not at {speeds[0]:g}")
 
-    monkeypatch.setattr("autobalancer.harness.stability.map.growth_map", fails)
+    monkeypatch.setattr("autobalancer.harness.stability.map.growth_map_with_errors", fails)
     scene, axes = load_scene("filimonikhina"), (Axis.parse("speed=1:2:2"),)
     axes += (Axis.parse("weights.drag=1:2:2"),)
     maps = [stability_map(scene, *axes, store=tmp_path / "a.store") for _ in range(2)]

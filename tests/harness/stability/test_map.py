@@ -126,7 +126,7 @@ def test_a_map_from_speed_zero_is_refused_in_words():
 def test_a_point_that_cannot_be_solved_costs_itself_alone(monkeypatch, axes):
     from autobalancer.harness.stability import map as module
 
-    solve, scene = module.growth_map, load_scene("two_balls")
+    solve, scene = module.growth_map_with_errors, load_scene("two_balls")
     spans = {
         "speed": "speed=5:11:3",
         "weights.drag": "weights.drag=0.01:0.1:4:log",
@@ -145,7 +145,7 @@ def test_a_point_that_cannot_be_solved_costs_itself_alone(monkeypatch, axes):
                 raise np.linalg.LinAlgError("Eigenvalues did not converge")
         return solve(assemblies, speeds)
 
-    monkeypatch.setattr(module, "growth_map", fails)
+    monkeypatch.setattr(module, "growth_map_with_errors", fails)
     data = stability_map(scene, x, y)
     assert data.failure[2, 1] == "Eigenvalues did not converge"
     assert any(line.startswith("1 without a verdict") for line in data.lines())

@@ -2,19 +2,21 @@
 
 import json
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from autobalancer.harness import SimulationError, UserError, check, load_scene, speeds
 from autobalancer.harness.checks.critical_speeds import needed_revolutions
-from autobalancer.harness.stability.crossings import crossings, nodes_around
+from autobalancer.harness.stability.crossings import Measured, measured_regions, nodes_around
 from autobalancer.harness.stability.main_motion import MainMotion, NoMainMotion
 from autobalancer.harness.stability.revolution import Revolution
 from autobalancer.harness.stability.speeds import Speeds
 from autobalancer.models.linear.balanced import balanced_angles
-from autobalancer.models.linear.boundaries import Crossing
+from autobalancer.models.linear.growth import Growth
 from autobalancer.models.linear.linearised import linearise
+from autobalancer.models.linear.regions import Crossing
 from autobalancer.models.spacing import closest
 from autobalancer.models.stability import growth_rates
 from tests.floquet import multipliers
@@ -186,7 +188,7 @@ def test_methods_that_fail_leave_the_answers_of_the_others(monkeypatch, invoke):
     def fails(motion, speed):
         raise SimulationError("weights overlap by 0.0345 rad")
 
-    monkeypatch.setattr(MainMotion, "growth", fails)
+    monkeypatch.setattr(MainMotion, "find_growth", fails)
     found = speeds(load_scene("filimonikhina"), (4.5, 5.5))
     assert found.refused == {"cosim": "weights overlap by 0.0345 rad"}
     assert list(found.methods) == ["criterion", "floquet"]
@@ -197,11 +199,40 @@ def test_methods_that_fail_leave_the_answers_of_the_others(monkeypatch, invoke):
         speeds(load_scene("filimonikhina"), (4.5, 5.5), ["cosim"])
 
 
+def regions_by(growth, nodes, error=0.0):
+    """Regions of a growth rate (function of the speed) that is known to an error."""
+    return measured_regions(
+        lambda w: Measured(Growth(growth(w), error), 1), lambda w, steps: growth(w), nodes
+    )
+
+
 def test_crossings_are_bracketed_and_refined():
-    found, first = crossings(lambda w: (w - 1.25) * (w - 2.75) * (3.5 - w), [0.5, 2.0, 3.0, 4.0])
-    assert first == "unstable"
-    assert [c.above for c in found] == ["stable", "unstable", "stable"]
-    np.testing.assert_allclose([c.speed for c in found], [1.25, 2.75, 3.5], rtol=1e-6)
+    found = regions_by(lambda w: (w - 1.25) * (w - 2.75) * (3.5 - w), [0.5, 2.0, 3.0, 4.0])
+    assert found.lowest == "unstable"
+    assert [c.above for c in found.crossings] == ["stable", "unstable", "stable"]
+    np.testing.assert_allclose([c.speed for c in found.crossings], [1.25, 2.75, 3.5], rtol=1e-6)
+    assert all(c.error < 1e-4 for c in found.crossings)
+
+
+@pytest.mark.parametrize(("error", "decided"), [(1e-8, True), (1e-2, False)])
+def test_no_limit_is_stated_where_the_growth_beside_it_is_within_its_error(error, decided):
+    found = regions_by(lambda w: 0.1 * (2.0 - w), [1.0, 1.5, 2.5, 3.0], error)
+    if decided:
+        assert [c.above for c in found.crossings] == ["stable"]
+        assert found.crossings[0].speed == pytest.approx(2.0, abs=1e-6)
+        return
+    assert [c.above for c in found.crossings] == ["undecided", "stable"]
+    (region,) = found.undecided
+    assert region.low == pytest.approx(1.9, abs=0.01)
+    assert region.high == pytest.approx(2.1, abs=0.01)
+    assert 0.01 <= region.growth_below < 0.03
+
+
+def test_a_growth_that_touches_zero_is_undecided_there():
+    found = regions_by(lambda w: -((w - 2.0) ** 2), [1.0, 1.5, 2.0, 2.5, 3.0], 1e-4)
+    assert found.lowest == "stable"
+    assert [c.above for c in found.crossings] == ["undecided", "stable"]
+    np.testing.assert_allclose([c.speed for c in found.crossings], [1.99, 2.01], atol=2e-3)
 
 
 def test_both_sides_of_every_guess_are_looked_at():
@@ -294,12 +325,14 @@ def test_check_compares_units_with_floquet():
 def test_check_fails_when_floquet_is_not_that_of_the_units(monkeypatch):
     from autobalancer.models.linear import boundaries as module
 
-    true = module.balancing_boundaries
+    true = module.balancing_regions
 
     def shifted(assembly, low, high, **options):
-        return [Crossing(1.002 * c.speed, c.above) for c in true(assembly, low, high, **options)]
+        found = true(assembly, low, high, **options)
+        moved = [Crossing(1.002 * c.speed, c.above) for c in found.crossings]
+        return replace(found, crossings=tuple(moved))
 
-    monkeypatch.setattr("autobalancer.harness.stability.boundaries.balancing_boundaries", shifted)
+    monkeypatch.setattr("autobalancer.harness.stability.boundaries.balancing_regions", shifted)
     (row,) = check(quick())
     assert not row.holds
     assert row.error == pytest.approx(0.002, rel=1e-2)
