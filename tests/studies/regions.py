@@ -19,8 +19,8 @@ from dataclasses import dataclass, field
 from itertools import pairwise
 from typing import Any
 
+import autobalancer as ab
 from autobalancer.harness import UserError
-from autobalancer.harness.scene import Scene
 from autobalancer.harness.stability.speeds import Speeds
 
 KINDS = ("tiny mass", "huge drag", "nearly equal stiffness")
@@ -94,7 +94,7 @@ def _log(generator: random.Random, low: float, high: float) -> float:
 def compare(seed: int, number: int, proved: bool = True) -> Found:
     """Speeds of one scene by all methods, compared two by two."""
     kind, document = draw(seed, number)
-    scene, found, begun = Scene.from_document(document), Found(kind, number), time.process_time()
+    scene, found, begun = ab.Scene.from_document(document), Found(kind, number), time.process_time()
     frequency = scene.operation.speed / 2.0
     span = LOWEST * frequency, HIGHEST * frequency
     speeds = scene.speeds(*span, "floquet,cosim")

@@ -7,8 +7,7 @@ import json
 import numpy as np
 import pytest
 
-from autobalancer.harness import load_scene
-from autobalancer.harness.scene import Scene
+import autobalancer as ab
 from tests.studies.regions import compare, contradictions, states_alternate, stretches
 
 pytestmark = pytest.mark.slow
@@ -22,7 +21,7 @@ def disc(mass, stiffness, damping, unbalance, balancers):
         for k, each in enumerate(balancers)
     ]
     rotor = {"kind": "planar", "mass": mass, "stiffness": stiffness, "damping": damping}
-    return Scene.from_document(
+    return ab.Scene.from_document(
         {
             "rotor": {**rotor, "unbalance": unbalance},
             "balancer": tables,
@@ -130,7 +129,7 @@ def test_a_contradiction_is_found():
     true = [(1.0, 2.0, "stable"), (2.1, 3.0, "unstable")]
     assert list(contradictions(true, [(1.0, 3.0, "unstable")])) == [(1.0, 2.0)]
     assert not list(contradictions(true, [(1.0, 2.05, "stable"), (2.05, 3.0, "undecided")]))
-    found = load_scene("filimonikhina").speeds(0.5, 12.0, "floquet")
+    found = ab.load("filimonikhina").speeds(0.5, 12.0, "floquet")
     assert [state for *_, state in stretches(found, "floquet")] == [
         "unstable",
         "stable",
