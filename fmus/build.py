@@ -3,29 +3,25 @@
 from __future__ import annotations
 
 import re
-import zipfile
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
-from xml.etree import ElementTree
-
-from fmpy import platform, platform_tuple
 
 from .catalogue import equations, sized_unit
-from .native.build.compile import SOURCE, libraries, stamp
+from .native.build.compile import SOURCE, stamp
 from .native.build.layout import identity_of, start_entries, token
-from .native.build.package import holds_universal, native_files
+from .native.build.package import native_files
 from .unit import SizedUnit, Unit, alternatives
 from .xml import fmi2, fmi3
-from .xml.archive import digest, unzipped, write, zipped
-from .xml.description import Capabilities, options_in
+from .xml.archive import digest, write, zipped
+from .xml.description import Capabilities
 from .xml.documentation import LICENCE, html
 from .xml.terminals import icon
 
 _DESCRIBED_BY = {2: fmi2.model_description, 3: fmi3.model_description}
-_DESCRIPTION = "modelDescription.xml"
+DESCRIPTION = "modelDescription.xml"
 COMPOSITION = "resources/composition.txt"  # as fmi/front.c reads it
 
 
@@ -51,7 +47,7 @@ def build(
         fmi: 2 or 3; Python units are of FMI 2.0 only.
         platforms: of native units, default: all.
         name: model name and file name, default: that of the unit.
-        start: start values of parameters and inputs in place of the unit's own; native units alone.
+        start: start values of parameters and inputs in place of the unit's own.
         about: `summary`, `stop` and `step` of the description of a unit that has them.
         options: frame ("rotor", or "fixed" for signals along fixed axes); of a rotor kind,
             stations, planes, unbalances and shaft; of a ball balancer weights.  `Sizes` of the
@@ -115,13 +111,13 @@ def contents(
         shown = sized.started(start, about or {})
         files = native_contents(shown, identifier, identity_of(text), can, fmi, platforms)
         return {**files, COMPOSITION: text.encode()}
-    if start:
-        raise ValueError("start: only native units have start values of a scene")
     if fmi != 2:
         raise ValueError(f"fmi = {fmi!r}: Python units are of FMI 2.0 only; build native ones")
     if platforms is not None:
         raise ValueError("platforms: only native units have them to choose from")
-    return _python(sized.in_python, identifier)
+    if problems := sized.python_problems(start or {}):
+        raise ValueError("; ".join(problems))
+    return _python(sized.started(start or {}, about or {}).in_python, identifier, start or {})
 
 
 def _refuse_wrong(identifier: str, fmi: int) -> None:
@@ -143,16 +139,23 @@ def _documented(
     }
 
 
-def _python(unit: SizedUnit, identifier: str) -> dict[str, bytes]:
+def _python(
+    unit: SizedUnit, identifier: str, start: Mapping[str, float | bool]
+) -> dict[str, bytes]:
     """Files of a Python FMU; its GUID is a hash of all the others."""
     from .python.package import python_files
 
-    files = {**_documented(unit, identifier), **icon(unit, 2), **python_files(unit, identifier)}
-    draft = _described(unit, identifier, 2, "", Capabilities())
-    content = digest({**files, _DESCRIPTION: draft})
-    guid = f"{{{content[:8]}-{content[8:12]}-{content[12:16]}-{content[16:20]}-{content[20:32]}}}"
-    files[_DESCRIPTION] = _described(unit, identifier, 2, guid, Capabilities())
+    files = {**_documented(unit, identifier), **icon(unit, 2)}
+    files |= python_files(unit, identifier, {k: v for k, v in start.items() if unit.has(k)})
+    files[DESCRIPTION] = _described(unit, identifier, 2, "", Capabilities())
+    files[DESCRIPTION] = _described(unit, identifier, 2, content_guid(files), Capabilities())
     return files
+
+
+def content_guid(files: Mapping[str, bytes]) -> str:
+    """Identity of a Python FMU whose description has none yet."""
+    content = digest(files)
+    return f"{{{content[:8]}-{content[8:12]}-{content[12:16]}-{content[16:20]}-{content[20:32]}}}"
 
 
 def native_contents(
@@ -181,7 +184,7 @@ def native_contents(
     chosen = {} if platforms is None else {"platforms": platforms}
     files = native_files(identifier, fmi=fmi, **chosen)
     can = replace(can, sources=(SOURCE,))
-    files[_DESCRIPTION] = _described(unit, identifier, fmi, identity, can)
+    files[DESCRIPTION] = _described(unit, identifier, fmi, identity, can)
     return {**_documented(unit, identifier, machine, parts), **icon(unit, fmi), **files}
 
 
@@ -194,51 +197,3 @@ def _release() -> str:
         return version("autobalancer")
     except PackageNotFoundError:
         return "0"
-
-
-def is_present_build(path: Path | str, unit: str, **options: Any) -> bool:
-    """Whether an FMU file is what `build` writes from the present sources, either backend.
-
-    Start values and description may be those of any scene, and other platforms' libraries any.
-
-    Raises:
-        ValueError: the file is not an FMU.
-        OSError: it cannot be read.
-    """
-    files, root = opened(path)
-    text = files.get(COMPOSITION, b"").decode()
-    if any(name.startswith("resources/") for name in files) and not text:
-        return digest(files) == digest(contents(unit, backend="python", **options))
-    library = libraries([platform_tuple])[platform_tuple].read_bytes()
-    places = tuple(f"binaries/{folder}/" for folder in (platform, platform_tuple))
-    found = [data for name, data in files.items() if name.startswith(places)]
-    if library not in found and not any(holds_universal(data, library) for data in found):
-        return False
-    if text:
-        own = f"{token(sized_unit(unit, **options), stamp())};"
-        return text.startswith(own) and root.get("guid") == identity_of(text)
-    return files[_DESCRIPTION] == contents(unit, **options)[_DESCRIPTION]
-
-
-def options_of(path: Path | str) -> dict[str, Any]:
-    """What an FMU file was built as, by its model description: its options, and `unit`, its name.
-
-    Empty for an FMU that `build` did not write.
-
-    Raises:
-        ValueError: the file is not an FMU.
-        OSError: it cannot be read.
-    """
-    return options_in(opened(path)[1])
-
-
-def opened(path: Path | str) -> tuple[dict[str, bytes], ElementTree.Element]:
-    """Files of an FMU, and its model description."""
-    try:
-        files = unzipped(path)
-        root = ElementTree.fromstring(files[_DESCRIPTION])
-        if root.tag != "fmiModelDescription":
-            raise KeyError(f"{_DESCRIPTION} begins with {root.tag}")
-    except (zipfile.BadZipFile, KeyError, ElementTree.ParseError) as error:
-        raise ValueError(f"{path}: not an FMU ({error})") from None
-    return files, root

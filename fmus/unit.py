@@ -192,6 +192,15 @@ class SizedUnit:
         ]
         return SizedUnit(self.unit, self.sizes, Layout(self.name, kept))
 
+    def has(self, name: str) -> bool:
+        """Whether it has a variable of this name."""
+        return name in self.layout.index or name in self.layout.boolean_index
+
+    def python_problems(self, start: Mapping[str, float | bool]) -> list[str]:
+        """Why a Python unit cannot have these start values, one line a value."""
+        given = ((v, start[v.name]) for v in self.layout.variables if v.name in start)
+        return [text for variable, value in given if (text := variable.python_problem(value))]
+
     def started(self, start: Mapping[str, float | bool], about: Mapping[str, Any]) -> SizedUnit:
         """The same with start values of its own, and what a description says of the unit then.
 

@@ -15,6 +15,7 @@ from .variables import CompositeSizes, variables
 
 SCHEMES = ("auto", "iterated")
 MOST_CORRECTIONS = 100
+SET_BY_COUPLING = ("track_mobility", "shortest_stopped_step")  # parameters that no scene has
 
 
 @dataclass(frozen=True)
@@ -155,7 +156,7 @@ class Composition:
 
     def _hides(self, variable: Variable) -> bool:
         """Whether descriptions leave a variable out: what the coupling sets itself, figures."""
-        if variable.name.split(".")[-1] in ("track_mobility", "shortest_stopped_step"):
+        if variable.name.split(".")[-1] in SET_BY_COUPLING:
             return True
         slope = variable.name.startswith("der(")
         figure = variable.name.startswith("coupling.") and variable.causality == "output"

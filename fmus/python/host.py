@@ -43,8 +43,9 @@ def entered(module: dict[str, Any], namespace: Any) -> None:
         module: the module's `globals()`.
         namespace: its `locals()`; another dictionary when the loader, not `import`, runs the code.
     """
-    if namespace is not module:
-        keep(module)
+    if namespace is module:
+        return  # the loader follows, and needs the folder that it has put on sys.path
+    keep(module)
     # the loader puts the resources folder on sys.path at each instantiation and leaves it there; it
     # is another folder than that of the module when the same FMU was unpacked before
     file = f"{module['__name__']}.py"

@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 import hashlib
 import json
+from collections.abc import Mapping
 from functools import cache
 from pathlib import Path
 
@@ -13,7 +14,7 @@ import pythonfmu
 from ..unit import SizedUnit
 from ..xml.archive import digest, source
 from ..xml.documentation import PYTHONFMU_LICENCE
-from .slave import OPTIONS
+from .resources import OPTIONS, START
 
 _ROOT = Path(__file__).resolve().parents[2]
 _PYTHONFMU = Path(pythonfmu.__file__).resolve().parent
@@ -21,11 +22,43 @@ _PYTHONFMU = Path(pythonfmu.__file__).resolve().parent
 _EMBEDDED = ("_version", "default_experiment", "enums", "fmi2slave", "logmsg", "variables")
 _SEAM = "fmus/python/_pythonfmu.py"
 
-_SLAVE = '''"""Loaded by pythonfmu."""
-from {package}.fmus.python.host import entered
-from {package}.fmus.{folder}.slave import {unit}
+# pythonfmu's loader imports this file once a process, runs its text at every instantiation, and
+# takes the class out of the module.  The sources beside it are a package that is named by their
+# content: what was edited is another package, whatever the process has loaded before.
+_SLAVE = '''"""Loaded by pythonfmu: the unit, of the sources that are beside this file now."""
+import sys
 
-entered(globals(), locals())
+
+def _load(file):
+    """The class, and the module that says what the loader has done."""
+    from hashlib import sha256
+    from importlib import import_module
+    from importlib.util import module_from_spec, spec_from_file_location
+    from pathlib import Path
+
+    home = next(Path(at) for at in sys.path if at and (Path(at) / file).is_file())
+    sources = {{
+        path.relative_to(home / "{package}").as_posix(): path.read_bytes()
+        for path in (home / "{package}").rglob("*.py")
+    }}
+    content = sha256()
+    for path in sorted(sources):
+        content.update(f"{{path}}\\0{{len(sources[path])}}\\0".encode() + sources[path])
+    package = f"autobalancer_{{content.hexdigest()[:16]}}"
+    if package not in sys.modules:
+        folder = str(home / "{package}")
+        spec = spec_from_file_location(
+            package, f"{{folder}}/__init__.py", submodule_search_locations=[folder]
+        )
+        sys.modules[package] = module = module_from_spec(spec)
+        spec.loader.exec_module(module)
+    unit = import_module(f"{{package}}.fmus.{folder}.slave").{unit}
+    return unit, import_module(f"{{package}}.fmus.python.host")
+
+
+{unit}, _host = _load(f"{{__name__}}.py")
+globals()["{unit}"] = {unit}
+_host.entered(globals(), locals())
 '''
 
 _NEEDS = """{unit} runs Python code: the host process needs CPython 3.10 or newer, 64 bit{numpy}.
@@ -44,15 +77,18 @@ Binaries: linux64, win64.
 """
 
 
-def python_files(unit: SizedUnit, identifier: str) -> dict[str, bytes]:
+def python_files(
+    unit: SizedUnit, identifier: str, start: Mapping[str, float | bool]
+) -> dict[str, bytes]:
     """Files of a Python FMU by their names in it, all but what is said about the unit.
 
-    The sources are the same for all sizes of a unit; a slave reads its options from a file when it
-    is instantiated.
+    The sources are the same for all sizes of a unit and all start values; a slave reads both from
+    files when it is instantiated.
 
     Args:
         unit: with its sizes.
         identifier: model identifier.
+        start: start values in place of the unit's own.
     """
     name, folder = unit.name, unit.unit.folder
     sources = embedded(f"fmus.{folder}.slave")
@@ -63,6 +99,8 @@ def python_files(unit: SizedUnit, identifier: str) -> dict[str, bytes]:
     files[f"resources/{module}.py"] = slave
     files["resources/slavemodule.txt"] = module.encode()
     files[f"resources/{OPTIONS}"] = json.dumps(unit.options).encode()
+    if start:
+        files[f"resources/{START}"] = json.dumps(dict(start)).encode()
     for library in sorted((_PYTHONFMU / "resources" / "binaries").glob("*/*")):
         if library.suffix in (".so", ".dll", ".dylib"):
             inside = f"binaries/{library.parent.name}/{identifier}{library.suffix}"

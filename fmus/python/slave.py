@@ -8,14 +8,16 @@ from __future__ import annotations
 
 import json
 import math
+import os
 from collections.abc import Mapping, Sequence
 from typing import Any, ClassVar
 
 from ..unit import Sizes, Unit
 from ._pythonfmu import Fmi2Slave, Fmi2Status
 from .host import keep
+from .resources import OPTIONS, START
 
-OPTIONS = "options.json"  # file in an FMU's resources: build options, and with them the sizes
+POINT_OF_STEP, POINT_OF_TIME = 1e-6, 1e-10  # a host's own sums of times are off by their rounding
 FRESH, OBSERVED, COMPUTED, BEGINNING = range(4)  # how stale the outputs are
 _FIXED = "fixed once initialisation has ended"
 
@@ -75,8 +77,9 @@ class Slave(Fmi2Slave):
 
     def __init__(self, *, options: Mapping[str, Any] | None = None, **kwargs: Any) -> None:
         super().__init__(**kwargs)
+        start: Mapping[str, float | bool] = {}
         if options is None:
-            options = _options_in(self.resources) if self.resources else {}
+            options, start = _kept_in(self.resources) if self.resources else ({}, {})
         sized = self.unit.sized(options).in_python
         self.sizes = sized.sizes
         self.layout = sized.layout
@@ -84,8 +87,13 @@ class Slave(Fmi2Slave):
         self._native_inputs = [vr for vr in range(first, end) if self.layout.reals[vr].native]
         self.real: list[float] = self.layout.starts[:]
         self.boolean: list[bool] = self.layout.boolean_starts[:]
+        for name, value in start.items():
+            if name in self.layout.index:
+                self.real[self.layout.index[name]] = float(value)
+            else:
+                self.boolean[self.layout.boolean_index[name]] = bool(value)
         self.memory: list[float] = []
-        self.time = 0.0
+        self.time, self.stop = 0.0, math.inf
         self._running = False
         self._stale = BEGINNING
         self._warned: set[str] = set()
@@ -93,8 +101,10 @@ class Slave(Fmi2Slave):
     def setup_experiment(
         self, start_time: float, stop_time: float | None, tolerance: float | None
     ) -> None:
-        """Remember the start time."""
+        """Remember start and stop time; a stop time of NaN or None is none."""
         self.time = start_time
+        is_defined = stop_time is not None and not math.isnan(stop_time)
+        self.stop = stop_time if is_defined and stop_time is not None else math.inf
 
     def exit_initialization_mode(self) -> None:
         """Check every parameter and start the equations; raises what is wrong, logged."""
@@ -117,6 +127,7 @@ class Slave(Fmi2Slave):
             self._running = True
             if not 0.0 < step_size < math.inf:
                 raise ValueError(f"communication step size = {step_size!r} s: must be above 0 s")
+            self._demand_place(current_time, step_size)
             self._demand_allowed_inputs()
             self.step(step_size)
             self._demand_finite(self.layout.computed)
@@ -278,6 +289,19 @@ class Slave(Fmi2Slave):
         if problems:
             raise ValueError("; ".join(problems))
 
+    def _demand_place(self, time: float, step: float) -> None:
+        """A step begins where the unit is, and ends at the stop time at the latest."""
+        rounding = POINT_OF_STEP * step + POINT_OF_TIME * abs(self.time)
+        if not abs(time - self.time) <= rounding:
+            raise ValueError(
+                f"communication point = {time!r} s: must be where the unit is, {self.time!r} s"
+            )
+        if time + step > self.stop + rounding:
+            raise ValueError(
+                f"end of the step = {time + step!r} s: must not be beyond the stop time, "
+                f"{self.stop!r} s"
+            )
+
     def _demand_allowed_inputs(self) -> None:
         """Inputs are finite, and a Python unit computes them."""
         self._demand_finite(self.layout.inputs)
@@ -325,15 +349,24 @@ def _refuse_unknown(vrs: Sequence[int], count: int) -> None:
         raise ValueError(f"value references {unknown}: unknown, there are 0 to {count - 1}")
 
 
-_options: dict[str, dict[str, Any]] = {}  # by resources folder
+_kept: dict[str, tuple[dict[str, Any], dict[str, float | bool]]] = {}  # by resources folder
 
 
-def _options_in(resources: str) -> dict[str, Any]:
-    """Options of the FMU whose resources are there; for a reset the folder may be gone by then."""
+def _kept_in(resources: str) -> tuple[dict[str, Any], dict[str, float | bool]]:
+    """Options and start values of the FMU whose resources are there.
+
+    For a reset the folder may be gone by then.
+    """
     try:
         with open(f"{resources}/{OPTIONS}", encoding="utf-8") as file:
-            _options[resources] = json.load(file)
+            options = json.load(file)
     except FileNotFoundError:
-        if resources not in _options:
+        if resources not in _kept:
             raise
-    return _options[resources]
+        return _kept[resources]
+    start = {}
+    if os.path.isfile(f"{resources}/{START}"):
+        with open(f"{resources}/{START}", encoding="utf-8") as file:
+            start = json.load(file)
+    _kept[resources] = options, start
+    return options, start

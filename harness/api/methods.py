@@ -345,7 +345,7 @@ class Methods:
 
         >>> built = ab.load("two_balls").build("units", platforms=["x86_64-linux"])
         >>> [path.name for path in built.files]
-        ['RotorOnSupports.fmu', 'BallBalancer-weights-2.fmu']
+        ['rotor.fmu', 'weights.fmu']
         """
         from autobalancer.harness.export.build import build_files
 

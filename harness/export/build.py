@@ -105,17 +105,20 @@ def _wanted(
             f"{unit} (native only)" for unit in CATALOGUE if unit not in kinds
         ]
     from ..master.plan import about, plan
-    from ..master.runtime import runtime
+    from .python_units import refuse_native_only
     from .start import start_values
 
-    native = not python and runtime("native").backend == "native"
-    units, start = plan(scene).units, start_values(scene) if native else {}
-    wanted = {}
-    for unit in units:
-        made = {"start": start[unit.name], "about": about(unit, scene)} if start else {}
-        # equal units differ in their values
-        name = unit.file_name if unit.file_name not in wanted else f"{unit.name}.fmu"
-        wanted[name] = (unit.model, dict(unit.sizes), made)
+    if python:
+        refuse_native_only(scene)
+    units, start = plan(scene).units, start_values(scene)
+    wanted = {
+        f"{unit.name}.fmu": (
+            unit.model,
+            dict(unit.sizes),
+            {"start": start[unit.name], "about": about(unit, scene)},
+        )
+        for unit in units
+    }
     used = {unit.model for unit in units}
     return wanted, [f"{unit} (none in the scene)" for unit in CATALOGUE if unit not in used]
 

@@ -6,14 +6,16 @@ import atexit
 import shutil
 import tempfile
 import threading
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from functools import cache, lru_cache
 from pathlib import Path
+from typing import Any
 
 import fmpy
 from fmpy.model_description import ModelDescription
 
-from ...fmus.build import build, is_present_build, options_of
+from ...fmus.build import build
+from ...fmus.present import changed_files, is_present_build, opened, options_of
 from ..errors import UnitError
 from .names import readable
 from .plan import UnitPlan
@@ -63,7 +65,7 @@ def _found(unit: UnitPlan, fmus: Path) -> Path:
             refuse_other_build(candidate, unit)
             return candidate
     raise UnitError(
-        f"{fmus}: no FMU for {unit.name!r}: expected {candidates[1].name} or "
+        f"{fmus}: no FMU for {unit.name!r}: expected {candidates[0].name} or "
         f"{candidates[2].name}; `autobalancer build -o {fmus} SCENE` makes them"
     )
 
@@ -82,6 +84,22 @@ def refuse_other_build(path: Path, unit: UnitPlan) -> None:
         raise UnitError(str(error)) from error
     except OSError as error:
         raise UnitError(f"{path}: cannot be read: {error.strerror or error}") from error
+    raise UnitError(
+        f"{path}: is of a different build than {unit.name!r} of this scene needs: "
+        f"{_what_differs(path, unit, built)}; build it for this scene"
+    )
+
+
+def _what_differs(path: Path, unit: UnitPlan, built: Mapping[str, Any]) -> str:
+    """Why an FMU is not what this installation would build for a unit."""
+    version = opened(path)[1].get("fmiVersion", "")
+    if not version.startswith("2."):
+        return f"it is of FMI {version}, and separate units are coupled by FMI 2.0"
+    if not built:
+        return (
+            "it is not from `autobalancer build`; units of others are coupled by a master of your "
+            "own: the manual has one, how-to/fmi.md"
+        )
     different = [
         f"{key} = {built[key]} instead of {value}"
         for key, value in {
@@ -91,15 +109,11 @@ def refuse_other_build(path: Path, unit: UnitPlan) -> None:
         }.items()
         if key in built and built[key] != value
     ]
-    why = "its content is not what this installation builds"
     if different:
-        why = f"it was built with {', '.join(different)}"
-    elif not built:
-        why = "it is not from `autobalancer build`"
-    raise UnitError(
-        f"{path}: is of a different build than {unit.name!r} of this scene needs: {why}; build "
-        "it for this scene"
-    )
+        return f"it was built with {', '.join(different)}"
+    changed = changed_files(path, unit.model, **unit.sizes)
+    named = f" ({', '.join(changed[:3])}{' ...' if len(changed) > 3 else ''})" if changed else ""
+    return f"its content is not what this installation builds{named}"
 
 
 def described(path: Path) -> ModelDescription:

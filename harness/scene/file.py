@@ -50,6 +50,11 @@ def find(source: str | Path) -> Path:
         SceneError: there is neither, or it is a directory.
     """
     path = Path(source)
+    if path.is_file() and path.suffix == ".fmu":
+        raise SceneError(
+            f"{path}: is an FMU, and a scene is a TOML file: give the scene, and its FMUs by "
+            "`run --fmus DIR`"
+        )
     if path.is_file():
         return path
     names = bundled_scenes()

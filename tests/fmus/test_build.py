@@ -16,8 +16,9 @@ import fmpy
 import pytest
 from fmpy.validation import validate_fmu
 
-from autobalancer.fmus.build import build, contents, is_present_build, options_of
+from autobalancer.fmus.build import build, contents
 from autobalancer.fmus.catalogue import CATALOGUE
+from autobalancer.fmus.present import is_present_build, options_of
 from autobalancer.fmus.python.package import imports
 from tests.fmus.conftest import ELSEWHERE, SHAPES
 

@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 from fmpy.build import build_platform_binary
 
-from autobalancer.fmus.build import build, contents, is_present_build
+from autobalancer.fmus.build import build, contents
 from autobalancer.fmus.catalogue import CATALOGUE
 from autobalancer.fmus.native.build.compile import (
     PLATFORMS,
@@ -25,6 +25,7 @@ from autobalancer.fmus.native.build.compile import (
     texts,
 )
 from autobalancer.fmus.native.build.package import universal
+from autobalancer.fmus.present import is_present_build
 from tests.wheel import build_backend
 
 pytestmark = pytest.mark.slow

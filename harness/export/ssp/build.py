@@ -12,6 +12,7 @@ from ....fmus.xml.archive import write, zipped
 from ...master.plan import about, plan
 from ...scene import Scene
 from ..one_file import build_one_file
+from ..python_units import refuse_native_only
 from .documents import PARAMETERS, description, parameter_file, resource
 from .structure import coupled, separate
 
@@ -45,6 +46,8 @@ def build_ssp(
         "SystemStructure.ssd": description(structure),
         PARAMETERS: parameter_file(structure),
     }
+    if backend == "python":
+        refuse_native_only(scene)
     if one_file:
         with tempfile.TemporaryDirectory(prefix="autobalancer-") as folder:
             fmu = build_one_file(scene, Path(folder) / "one.fmu", platforms=platforms)
@@ -52,8 +55,7 @@ def build_ssp(
     else:
         for unit, element in zip(plan(scene).units, structure.elements, strict=True):
             form: dict[str, Any] = {"backend": backend, "platforms": platforms, **unit.sizes}
-            if backend == "native":
-                form |= {"start": element.start, "about": about(unit, scene)}
+            form |= {"start": element.start, "about": about(unit, scene)}
             made = contents(unit.model, **form)
             files[resource(element)] = zipped(made)
     write(destination, zipped(files))

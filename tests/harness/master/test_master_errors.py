@@ -8,7 +8,7 @@ import zipfile
 
 import pytest
 
-from autobalancer.fmus.build import options_of
+from autobalancer.fmus.present import options_of
 from autobalancer.harness import SimulationError, UnitError, build, cosimulate, load_scene
 from autobalancer.harness.master import cosimulation
 from autobalancer.harness.master.cosimulation import CoSimulation
@@ -47,7 +47,7 @@ def test_ready_made_fmus_give_what_built_ones_give(scene, fmus):
 
 def test_a_missing_fmu_is_named_with_what_was_expected(scene, fmus):
     (fmus / "BallBalancer.fmu").unlink()
-    with pytest.raises(UnitError, match=r"'weights'.*BallBalancer-weights-2\.fmu.*build") as error:
+    with pytest.raises(UnitError, match=r"'weights'.*weights\.fmu.*build") as error:
         cosimulate(scene, fmus=fmus)
     assert str(fmus) in str(error.value)
 
