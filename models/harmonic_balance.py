@@ -48,7 +48,7 @@ def unbalance_response(rotor: LinearRotor, speeds: ArrayLike) -> Complex:
     forces[:, 0] = np.concatenate([rotor.unbalance, -1j * rotor.unbalance])
     forces[at, range(1, 1 + len(at))] = 1.0
     try:
-        solutions = np.linalg.solve(stiffness - w**2 * mass + 1j * w * damping, forces)
+        solutions = np.linalg.solve(stiffness - w**2 * mass + 1j * w * damping, forces[None])
     except np.linalg.LinAlgError:
         raise NoResponse("an undamped rotor has no bounded response at a critical speed") from None
     motion, compliance = w[:, 0] ** 2 * solutions[..., 0], solutions[..., 1:]

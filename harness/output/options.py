@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from contextvars import ContextVar
-from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -31,7 +30,10 @@ CLUSTER = typer.Option(
 
 def quantity(symbol: str, help: str, *names: str) -> Any:
     """A number in this SI unit, or with a unit."""
-    parser = partial(si_number, symbol=symbol, what=names[0])
+
+    def parser(text: str) -> float:
+        return si_number(text, symbol, names[0])
+
     return typer.Option(*names, help=help, parser=parser, metavar="NUMBER")
 
 

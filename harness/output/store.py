@@ -11,8 +11,9 @@ import hashlib
 import io
 import json
 import sqlite3
-from collections.abc import Mapping
-from contextlib import closing
+from collections.abc import Iterator, Mapping
+from contextlib import closing, contextmanager
+from functools import partial
 from itertools import zip_longest
 from pathlib import Path
 from typing import Any
@@ -24,9 +25,15 @@ from .terminal import stores
 
 _MADE = "fmus/native/bin/"  # by a compiler, from the other sources
 _SHOWN = 60  # characters of what a store was made for
+_MAGIC, _IDENTITY_AT = (
+    b"SQLite format 3\0",
+    68,
+)  # of a database file, and of its application's number
+_IDENTITY = 0x41426C73  # "ABls": SQLite's `application_id` of a store
 _BEGIN = (
-    "CREATE TABLE IF NOT EXISTS outcome (item PRIMARY KEY, value)",
-    "CREATE TABLE IF NOT EXISTS made_for (words)",
+    f"PRAGMA application_id = {_IDENTITY}",
+    "CREATE TABLE outcome (item INTEGER PRIMARY KEY, value BLOB, checksum TEXT)",
+    "CREATE TABLE made_for (words TEXT, checksum TEXT)",
 )
 
 
@@ -44,7 +51,10 @@ class StoredItems:
         return item in self._finished
 
     def __getitem__(self, item: int) -> tuple[Any, ...]:
-        ((value,),) = _run(self._path, "SELECT value FROM outcome WHERE item = ?", item)
+        """The outcome of an item; raises UserError where the file is damaged."""
+        wanted = "SELECT value, checksum FROM outcome WHERE item = ?"
+        ((value, checksum),) = _run(self._path, wanted, item) or ((None, None),)
+        _demand_whole(self._path, f"outcome {item}", item, value, checksum, bytes)
         with np.load(io.BytesIO(value)) as arrays:
             return tuple(each if each.ndim else each.item() for each in arrays.values())
 
@@ -52,8 +62,8 @@ class StoredItems:
         arrays = map(np.asarray, outcome)
         value = io.BytesIO()
         np.savez(value, *(a.astype(str) if a.dtype == object else a for a in arrays))
-        inserted = "INSERT OR REPLACE INTO outcome VALUES (?, ?)"
-        _run(self._path, inserted, item, value.getvalue())
+        row = (item, value.getvalue(), _checksum(item, value.getvalue()))
+        _run(self._path, "INSERT OR REPLACE INTO outcome VALUES (?, ?, ?)", *row)
         self._finished.add(item)
 
 
@@ -64,28 +74,93 @@ def open_store(path: Path, made_for: Mapping[str, str]) -> StoredItems:
         made_for: in words whatever the outcomes depend on, but for the program, which is added.
 
     Raises:
-        UserError: what is there is no store, or was made for something else.
+        UserError: what is there is no store (it is left as it is then), is damaged or in use, or
+            was made for something else.
     """
     ours = {**made_for, "program": _program()}
-    for statement in _BEGIN:
-        _run(path, statement)
-    if found := _run(path, "SELECT words FROM made_for"):
-        _refuse_foreign(path, json.loads(found[0][0]), ours)
+    if _is_new(path):
+        words = json.dumps(ours)
+        _begin(path, words)
     else:
-        _run(path, "INSERT INTO made_for VALUES (?)", json.dumps(ours))
+        rows = _run(path, "SELECT words, checksum FROM made_for")
+        words, checksum = rows[0] if rows else (None, None)
+        _demand_whole(path, "what it was made for", 0, words, checksum, str)
+        _refuse_foreign(path, json.loads(words), ours)
     stores.append(path)
     return StoredItems(path)
 
 
+def _is_new(path: Path) -> bool:
+    """Whether nothing is there yet; raises UserError for what is no store of ours.
+
+    Looks at the first bytes alone: to open another program's database can change it.
+    """
+    try:
+        with path.open("rb") as file:
+            head = file.read(_IDENTITY_AT + 4)
+    except FileNotFoundError:
+        return True
+    except OSError as error:
+        raise _no_store(path, str(error.strerror)) from error
+    if head and not head.startswith(_MAGIC):
+        raise _no_store(path, "file is not a database")
+    if head and int.from_bytes(head[_IDENTITY_AT:], "big") != _IDENTITY:
+        raise _no_store(path, "it is a database of another program, or of an older version")
+    return not head
+
+
+def _no_store(path: Path, why: str) -> UserError:
+    return UserError(
+        f"{path}: is no store that can be continued: {why}; name another file, or remove it"
+    )
+
+
+def _begin(path: Path, words: str) -> None:
+    """Make the tables, all of them or none."""
+    with _opened(path) as file:
+        file.execute("BEGIN")
+        for statement in _BEGIN:
+            file.execute(statement)
+        file.execute("INSERT INTO made_for VALUES (?, ?)", (words, _checksum(0, words)))
+
+
 def _run(path: Path, statement: str, *values: Any) -> list[tuple[Any, ...]]:
     """Rows of one statement, which takes effect whole or not at all."""
+    with _opened(path) as file:
+        return file.execute(statement, values).fetchall()
+
+
+@contextmanager
+def _opened(path: Path) -> Iterator[sqlite3.Connection]:
+    """The database for one transaction; its errors in words."""
     try:
         with closing(sqlite3.connect(path)) as file, file:
-            return file.execute(statement, values).fetchall()
-    except sqlite3.Error as error:
+            file.text_factory = partial(str, encoding="utf-8", errors="replace")
+            yield file
+    except sqlite3.OperationalError as error:
+        if "locked" not in str(error):
+            raise _no_store(path, str(error)) from error
         raise UserError(
-            f"{path}: is no store that can be continued: {error}; name another file, or remove it"
+            f"{path}: another program is writing to this store; wait until it has finished, or "
+            "name another file"
         ) from error
+    except sqlite3.Error as error:
+        raise _no_store(path, str(error)) from error
+
+
+def _checksum(item: int, value: str | bytes) -> str:
+    content = value.encode() if isinstance(value, str) else value
+    return hashlib.sha256(b"%d:" % item + content).hexdigest()
+
+
+def _demand_whole(
+    path: Path, what: str, item: int, value: Any, checksum: object, kind: type
+) -> None:
+    """Refuse a row that is not as it was written."""
+    if not isinstance(value, kind) or _checksum(item, value) != checksum:
+        raise UserError(
+            f"{path}: is damaged: {what} is not as it was written; name another file, or remove it"
+        )
 
 
 def _program() -> str:

@@ -59,7 +59,7 @@ class Receptance:
 
     def between_planes(self, frequency: Array, speed: float | Array) -> Complex:
         """g (b, p, p) at frequencies (b,) while the rotor turns at `speed`, one or (b,) [m/N]."""
-        moved = np.linalg.solve(self._dynamic(frequency, speed), self._forces)
+        moved = np.linalg.solve(self._dynamic(frequency, speed), self._forces[None])
         return self._share * (self._forces.conj().T @ moved)
 
     def displacements(self, frequency: Array, speed: float, forces: Complex) -> Complex:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import sqlite3
+from contextlib import closing
 
 import numpy as np
 import pytest
@@ -80,6 +81,54 @@ def test_what_is_no_store_is_refused(tmp_path):
         roots(tmp_path / "a.store")
     with pytest.raises(UserError, match="no store that can be continued"):
         roots(tmp_path)
+
+
+DAMAGE = {
+    "a bit": "UPDATE outcome SET value = substr(value, 1, 90) || x'ff' || substr(value, 92)",
+    "a text": "UPDATE outcome SET value = 'none'",
+    "none": "UPDATE outcome SET value = NULL",
+    "another item's": "UPDATE outcome SET value = (SELECT value FROM outcome WHERE item = 0), "
+    "checksum = (SELECT checksum FROM outcome WHERE item = 0)",
+}
+
+
+@pytest.mark.parametrize("statement", DAMAGE.values(), ids=list(DAMAGE))
+def test_a_damaged_outcome_is_refused(tmp_path, statement):
+    roots(tmp_path / "a.store")
+    with sqlite3.connect(tmp_path / "a.store") as file:
+        file.execute(statement)
+    with pytest.raises(UserError, match=r"a\.store: is damaged: outcome [01] is not as it was"):
+        roots(tmp_path / "a.store")
+
+
+def test_a_damaged_heading_is_refused(tmp_path):
+    roots(tmp_path / "a.store")
+    with sqlite3.connect(tmp_path / "a.store") as file:
+        file.execute("UPDATE made_for SET words = '{'")
+    with pytest.raises(UserError, match="is damaged: what it was made for"):
+        roots(tmp_path / "a.store")
+
+
+def test_the_database_of_another_program_is_left_as_it_is(tmp_path):
+    path = tmp_path / "mails.db"
+    for statement in ("CREATE TABLE mails (words)", "CREATE TABLE outcome (item, value)"):
+        with sqlite3.connect(path) as file:
+            file.execute(statement)
+        before = path.read_bytes()
+        with pytest.raises(UserError, match="a database of another program"):
+            roots(path)
+        assert path.read_bytes() == before
+        assert list(tmp_path.iterdir()) == [path]
+
+
+def test_a_store_in_use_is_named_as_such(tmp_path, monkeypatch):
+    roots(tmp_path / "a.store")
+    connect = sqlite3.connect
+    with closing(connect(tmp_path / "a.store")) as other:
+        other.execute("BEGIN EXCLUSIVE")
+        monkeypatch.setattr(sqlite3, "connect", lambda path: connect(path, timeout=0.0))
+        with pytest.raises(UserError, match="another program is writing to this store"):
+            roots(tmp_path / "a.store")
 
 
 @pytest.mark.parametrize("speed_is", ["x", "y", "neither"])
