@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, Any
 
 from pydantic import (
+    AfterValidator,
     BaseModel,
     BeforeValidator,
     ConfigDict,
@@ -23,6 +25,9 @@ from ..units import to_si
 
 LARGEST_ANGLE = 1e9  # rad: doubles that large lie 1e-7 rad apart
 LARGEST = 1e60  # in SI units: products of five such numbers still fit into a double
+SMALLEST = 1.0 / LARGEST  # of a number above 0: quotients fit as well
+# what XML cannot hold, and what a terminal obeys; lines and tabs are allowed
+_CONTROL = re.compile(r"[\x00-\x08\x0b\x0c\x0e-\x1f\x7f-\x9f\ud800-\udfff\ufffe\uffff]")
 
 
 @dataclass(frozen=True)
@@ -161,14 +166,29 @@ def _pair_schema(**bounds: float) -> WithJsonSchema:
     return WithJsonSchema({"anyOf": [number, pair]})
 
 
+def _not_tiny(value: float) -> float:
+    if value < SMALLEST:
+        raise PydanticCustomError("tiny", "is too close to 0: must be {least} or more", _LEAST)
+    return value
+
+
+def _without_control(text: str) -> str:
+    if found := _CONTROL.search(text):
+        where = {"code": f"U+{ord(found[0]):04X}", "place": found.start() + 1}
+        words = "has a control character, {code}, at place {place}: remove it"
+        raise PydanticCustomError("control", words, where)
+    return text
+
+
+_LEAST = {"least": f"{SMALLEST:g}"}
 # strict: text and true/false are not numbers
 Real = Annotated[float, Field(strict=True, allow_inf_nan=False, ge=-LARGEST, le=LARGEST)]
 Angle = Annotated[Real, Field(ge=-LARGEST_ANGLE, le=LARGEST_ANGLE), SI("rad")]
-Positive = Annotated[Real, Field(gt=0)]
+Positive = Annotated[Real, Field(gt=0), AfterValidator(_not_tiny)]
 NotNegative = Annotated[Real, Field(ge=0)]
 Whole = Annotated[int, Field(strict=True)]
 Flag = Annotated[bool, Field(strict=True)]
-Text = Annotated[str, Field(strict=True)]
+Text = Annotated[str, Field(strict=True), AfterValidator(_without_control)]
 PositivePair = Annotated[
     tuple[Positive, Positive], BeforeValidator(_pair), _pair_schema(exclusiveMinimum=0)
 ]

@@ -10,12 +10,16 @@ from autobalancer.harness.scene import Scene
 from autobalancer.harness.scene.changes import parse_change
 
 SCENE = load_scene("two_balls")
+MINIMAL = {
+    "rotor": {"kind": "planar", "mass": 1.0, "stiffness": 1.0, "unbalance": 0.1},
+    "operation": {"speed": 3.0},
+}
 
 
 @pytest.mark.parametrize(
     ("changes", "words"),
     [
-        ({"run.revolutions": 1e-200}, "must be 1e-09 or more"),
+        ({"run.revolutions": 1e-50}, "must be 1e-09 or more"),
         ({"rotor.unbalance": 1e61}, r"rotor\.unbalance = 1e\+61 .*1e\+60 or less"),
         ({"run.initial.angle": 1e14}, r"must be 1e\+09 or less"),
         ({"weights.angles": [-1e14, 0.0]}, r"must be -1e\+09 or more"),
@@ -55,3 +59,22 @@ def test_a_file_larger_than_any_scene_is_refused_unread(tmp_path):
         stream.truncate(10_000_001)
     with pytest.raises(SceneError, match=r"large\.toml: has 10000001 bytes; .* at most 10000000"):
         load_scene(path)
+
+
+@pytest.mark.parametrize("letter", ["\x00", "\x07", "\x1b", "\x7f", "\x9b", "\ufffe"])
+@pytest.mark.parametrize("key", ["title", "source"])
+def test_a_control_character_is_refused_with_its_place(key, letter):
+    """XML cannot hold it, and a terminal would obey it."""
+    with pytest.raises(SceneError, match=rf"{key} = .*U\+{ord(letter):04X}, at place 3: remove it"):
+        Scene.from_document({**MINIMAL, key: f"ab{letter}c"})
+
+
+def test_lines_and_letters_of_any_language_are_allowed():
+    assert Scene.from_document({**MINIMAL, "title": "Größe\t→ 振動 🙂\nb"}).title.endswith("\nb")
+
+
+@pytest.mark.parametrize("key", ["rotor.stiffness", "rotor.mass"])
+def test_a_positive_number_too_close_to_0_is_refused(key):
+    """Its inverse leaves no room for products: a division by zero later on."""
+    with pytest.raises(SceneError, match=rf"{key} = 1e-300 .*too close to 0: must be 1e-60 or"):
+        SCENE.replace({key: 1e-300})
