@@ -11,12 +11,12 @@ import hashlib
 import io
 import json
 import sqlite3
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import closing, contextmanager
 from functools import partial
 from itertools import zip_longest
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -36,6 +36,8 @@ _BEGIN = (
     "CREATE TABLE made_for (words TEXT, checksum TEXT)",
 )
 
+Content = TypeVar("Content", str, bytes)
+
 
 class StoredItems:
     """Outcomes of numbered items, each a tuple of arrays, numbers and texts."""
@@ -53,8 +55,8 @@ class StoredItems:
     def __getitem__(self, item: int) -> tuple[Any, ...]:
         """The outcome of an item; raises UserError where the file is damaged."""
         wanted = "SELECT value, checksum FROM outcome WHERE item = ?"
-        ((value, checksum),) = _run(self._path, wanted, item) or ((None, None),)
-        _demand_whole(self._path, f"outcome {item}", item, value, checksum, bytes)
+        row = _run(self._path, wanted, item)
+        value = _whole(self._path, f"outcome {item}", item, row, bytes)
         with np.load(io.BytesIO(value)) as arrays:
             return tuple(each if each.ndim else each.item() for each in arrays.values())
 
@@ -82,9 +84,8 @@ def open_store(path: Path, made_for: Mapping[str, str]) -> StoredItems:
         words = json.dumps(ours)
         _begin(path, words)
     else:
-        rows = _run(path, "SELECT words, checksum FROM made_for")
-        words, checksum = rows[0] if rows else (None, None)
-        _demand_whole(path, "what it was made for", 0, words, checksum, str)
+        row = _run(path, "SELECT words, checksum FROM made_for")
+        words = _whole(path, "what it was made for", 0, row, str)
         _refuse_foreign(path, json.loads(words), ours)
     stores.append(path)
     return StoredItems(path)
@@ -153,14 +154,16 @@ def _checksum(item: int, value: str | bytes) -> str:
     return hashlib.sha256(b"%d:" % item + content).hexdigest()
 
 
-def _demand_whole(
-    path: Path, what: str, item: int, value: Any, checksum: object, kind: type
-) -> None:
-    """Refuse a row that is not as it was written."""
-    if not isinstance(value, kind) or _checksum(item, value) != checksum:
+def _whole(
+    path: Path, what: str, item: int, row: Sequence[tuple[Any, ...]], kind: type[Content]
+) -> Content:
+    """The content of a row (content, checksum); raises UserError unless it is as it was written."""
+    content, checksum = row[0] if row else (None, None)
+    if not isinstance(content, kind) or _checksum(item, content) != checksum:
         raise UserError(
             f"{path}: is damaged: {what} is not as it was written; name another file, or remove it"
         )
+    return content
 
 
 def _program() -> str:
