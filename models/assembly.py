@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from bisect import bisect_right
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import accumulate, pairwise
@@ -213,3 +214,18 @@ class SpeedProfile:
         lines = zip(pairwise(self.times), pairwise(self.speeds), strict=True)
         parts = [(end - begin) * (low + high) / 2.0 for (begin, end), (low, high) in lines]
         return [0.0, *accumulate(parts)]
+
+
+@dataclass(frozen=True)
+class Start:
+    """Motion at time 0: displacements and velocities per station (or of all), angle of the rotor.
+
+    `x`, `y` [m], under gravity from the sag, `vx`, `vy` [m/s], `angle` [rad].  The weights' start
+    is in their `Mounted`.
+    """
+
+    x: float | Sequence[float] = 0.0
+    y: float | Sequence[float] = 0.0
+    vx: float | Sequence[float] = 0.0
+    vy: float | Sequence[float] = 0.0
+    angle: float = 0.0

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .assembly import Assembly
-from .linear.boundaries import Crossing
+from .boundaries import Crossing
 
 
 @dataclass(frozen=True)

@@ -35,3 +35,21 @@ class Drive:
             if pull > 0.0 >= brake:
                 return low + (high - low) * pull / (pull - brake)
         return 0.0
+
+
+@dataclass(frozen=True)
+class MotorDriven:
+    """A speed that a motor of limited power makes, from `start` on [rad/s]."""
+
+    motor: Drive
+    start: float = 0.0
+
+    @property
+    def end(self) -> float:
+        """Without load [rad/s]."""
+        return self.motor.top_speed
+
+    @property
+    def top(self) -> float:
+        """Highest speed that a load leaves [rad/s]."""
+        return max(abs(self.start), self.end)

@@ -14,8 +14,10 @@ and is half the size of the real one; an anisotropic rotor needs both axes.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import wraps
+from typing import Any, Concatenate, ParamSpec
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -24,6 +26,7 @@ from . import rotor_kinds
 from .arrays import numbers
 
 Matrix = NDArray[np.float64]
+Parameters = ParamSpec("Parameters")
 
 
 @dataclass(frozen=True)
@@ -40,6 +43,20 @@ class Slider:
     axis: int
     limit: float
     stiffness: float = 0.0
+
+
+def _made_of(
+    matrices: Callable[Parameters, dict[str, Any]],
+) -> Callable[Concatenate[type[LinearRotor], Parameters], LinearRotor]:
+    """A constructor with the parameters and the description of a kind of rotor."""
+
+    @wraps(matrices)
+    def make(
+        cls: type[LinearRotor], *args: Parameters.args, **values: Parameters.kwargs
+    ) -> LinearRotor:
+        return cls(**matrices(*args, **values))
+
+    return make
 
 
 @dataclass(frozen=True, eq=False)
@@ -109,8 +126,8 @@ class LinearRotor:
             deflection=cell(1.0),
         )
 
-    two_support = classmethod(rotor_kinds.two_support)
-    flexible = classmethod(rotor_kinds.flexible)
+    two_support = classmethod(_made_of(rotor_kinds.two_support))
+    flexible = classmethod(_made_of(rotor_kinds.flexible))
 
     @property
     def stations(self) -> int:

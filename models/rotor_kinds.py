@@ -1,4 +1,4 @@
-"""`LinearRotor` of the rigid rotor on two supports and of the flexible shaft with n discs.
+"""Matrices of the rigid rotor on two supports and of the flexible shaft with n discs.
 
 Polushkin 2016 (8), (9) for the rigid rotor, with polar inertia and any centre of mass added;
 Filimonikhin 2011 (1) for the shaft, with the shaft's compliance inverted to a stiffness.
@@ -7,7 +7,7 @@ Filimonikhin 2011 (1) for the shaft, with the shaft's compliance inverted to a s
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,14 +23,10 @@ from .shaft import (
     symmetric_compliance,
 )
 
-if TYPE_CHECKING:
-    from .rotor import LinearRotor
-
 Unbalance = tuple[float, float, float]
 
 
 def two_support(
-    cls: type[LinearRotor],
     *,
     mass: float,
     inertia: float,
@@ -41,7 +37,7 @@ def two_support(
     com: float | None = None,
     planes: Sequence[float] = (),
     unbalances: Sequence[tuple[float, float, float]] = (),
-) -> LinearRotor:
+) -> dict[str, Any]:
     """Rigid rotor, q = displacement at its two supports: Polushkin 2016 (8), (9).
 
     The run-up torque is taken to act along the tilted axis: the polar inertia then leaves no
@@ -67,22 +63,21 @@ def two_support(
     tilt = numbers([[-1.0, 1.0]]) / span
     at_centre = line_rows([span / 2.0 if com is None else com], span)
     u = _unbalances(unbalances)
-    return cls(
-        mass=mass * at_centre.T @ at_centre + inertia * tilt.T @ tilt,
-        damping_x=np.diag(c[:, 0]),
-        damping_y=np.diag(c[:, 1]),
-        stiffness_x=np.diag(k[:, 0]),
-        stiffness_y=np.diag(k[:, 1]),
-        internal_damping=np.zeros((2, 2)),
-        gyroscopic=polar_inertia * tilt.T @ tilt,
-        planes=line_rows(planes, span),
-        unbalance=line_rows([z for z, _ in u], span).T @ np.array([m for _, m in u], complex),
-        deflection=np.zeros((1, 2)),
-    )
+    return {
+        "mass": mass * at_centre.T @ at_centre + inertia * tilt.T @ tilt,
+        "damping_x": np.diag(c[:, 0]),
+        "damping_y": np.diag(c[:, 1]),
+        "stiffness_x": np.diag(k[:, 0]),
+        "stiffness_y": np.diag(k[:, 1]),
+        "internal_damping": np.zeros((2, 2)),
+        "gyroscopic": polar_inertia * tilt.T @ tilt,
+        "planes": line_rows(planes, span),
+        "unbalance": line_rows([z for z, _ in u], span).T @ np.array([m for _, m in u], complex),
+        "deflection": np.zeros((1, 2)),
+    }
 
 
 def flexible(
-    cls: type[LinearRotor],
     *,
     stations: Sequence[float],
     masses: Sequence[float],
@@ -94,7 +89,7 @@ def flexible(
     internal_damping: float = 0.0,
     unbalances: Sequence[tuple[float, float, float]] = (),
     elastic: Callable[[Matrix, Matrix], tuple[Matrix, float]] = shaft_stiffness,
-) -> LinearRotor:
+) -> dict[str, Any]:
     """Discs on a massless shaft, q = their displacements: Filimonikhin 2011 (1).
 
     Every disc is a correction plane.  The shaft's material is viscous (Dubovik's p = c * its
@@ -131,19 +126,19 @@ def flexible(
     shaft, softest = elastic(delta, rows)
     if internal_damping > 0.0 and not len(rows):
         raise ValueError("internal_damping: a shaft with discs at its supports only cannot bend")
-    return cls(
-        mass=np.diag(m),
-        damping_x=_at(ends, c[:, 0], len(z)),
-        damping_y=_at(ends, c[:, 1], len(z)),
-        stiffness_x=shaft + _at(ends, k[:, 0], len(z)),
-        stiffness_y=shaft + _at(ends, k[:, 1], len(z)),
+    return {
+        "mass": np.diag(m),
+        "damping_x": _at(ends, c[:, 0], len(z)),
+        "damping_y": _at(ends, c[:, 1], len(z)),
+        "stiffness_x": shaft + _at(ends, k[:, 0], len(z)),
+        "stiffness_y": shaft + _at(ends, k[:, 1], len(z)),
         # Dubovik's p belongs to the stiffness 1/delta that a disc feels where the shaft is softest
-        internal_damping=internal_damping * softest * shaft,
-        gyroscopic=np.zeros_like(shaft),
-        planes=np.eye(len(z)),
-        unbalance=_shaft_unbalance(z, unbalances, uniform=compliance is None),
-        deflection=rows if len(rows) else np.zeros((1, len(z))),
-    )
+        "internal_damping": internal_damping * softest * shaft,
+        "gyroscopic": np.zeros_like(shaft),
+        "planes": np.eye(len(z)),
+        "unbalance": _shaft_unbalance(z, unbalances, uniform=compliance is None),
+        "deflection": rows if len(rows) else np.zeros((1, len(z))),
+    }
 
 
 def line_rows(positions: Sequence[float], span: float) -> Matrix:

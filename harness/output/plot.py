@@ -21,7 +21,7 @@ from matplotlib.ticker import MaxNLocator
 from ..errors import UserError
 from ..units import in_words, shown_in
 from .files import picture_format, write_whole
-from .picture import Field, Line, Panel, Picture, PlotAxis
+from .panels import Field, Line, Panel, Panels, PlotAxis
 from .words import printable
 
 _PREFIXES = ((1.0, "m"), (1e-3, "mm"), (1e-6, "µm"), (1e-9, "nm"))
@@ -132,7 +132,7 @@ def readable(largest: float, units: Sequence[tuple[float, str]]) -> tuple[float,
     return 1.0 / size, unit
 
 
-def drawn(picture: Picture) -> Figure:
+def drawn(picture: Panels) -> Figure:
     """A picture as a figure of matplotlib."""
     rows = -(-len(picture.panels) // picture.columns)
     size = (picture.width * picture.columns, 1.0 + picture.height * rows)

@@ -7,8 +7,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from pathlib import Path
-from typing import Any, ClassVar, Literal, get_args
+from typing import Any, ClassVar, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,7 +26,6 @@ from ...models.papers.influence import influence
 from ..errors import UserError
 from ..master.names import stations
 from ..output.outcome import Outcome
-from ..output.picture import Picture
 from ..output.table import Sheet
 from ..result.run import cosimulate
 from ..result.sag import from_sag
@@ -87,7 +85,7 @@ class RotorAnalysis(Outcome):
             balancers' masses fixed to it [rad/s].
     """
 
-    drawn_by: ClassVar[str] = "..rotor.analysis:draw"
+    drawn_by: ClassVar[str] = "..rotor.plot:draw"
 
     scene: Scene
     low: float
@@ -200,27 +198,6 @@ def analyse(scene: Scene, low: float | str | None, high: float | str | None) -> 
         )
     critical = [critical_speeds(rotor) for rotor in (assembly.rotor, assembly.loaded_rotor)]
     return RotorAnalysis(scene, first, last, modes(assembly.rotor, speed), *critical)
-
-
-def draw(found: RotorAnalysis, path: Path | None, kind: Kind = "campbell") -> Path | Picture:
-    """A picture of a kind: modes, campbell, response, or run-up.
-
-    Raises:
-        UserError: the kind is unknown, or the rotor has nothing of it to show.
-    """
-    from ..result.in_space import mode_shapes
-    from . import plot
-
-    if kind not in get_args(Kind):
-        raise UserError(f"kind {kind!r}: must be one of {', '.join(get_args(Kind))}")
-    pictures = {
-        "campbell": plot.campbell_diagram,
-        "response": plot.response_curves,
-        "run-up": plot.run_up_curves,
-        "modes": lambda found: mode_shapes(found.scene),
-    }
-    picture = pictures[kind](found)
-    return picture if path is None else picture.save(path)
 
 
 def _displacements(count: int) -> list[str]:

@@ -4,11 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
+from pathlib import Path
+from typing import get_args
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ...models.arrays import Array
+from ..errors import UserError
 from ..output.picture import (
     GREY,
     Line,
@@ -20,9 +23,10 @@ from ..output.picture import (
     unbroken,
 )
 from ..output.plot import metres
+from ..result.in_space import mode_shapes
 from ..result.motion import station_names
 from ..result.sag import FROM_SAG
-from .analysis import RotorAnalysis
+from .analysis import Kind, RotorAnalysis
 
 CRITICAL = "#D62728"
 SPEED = PlotAxis("speed", "rad/s")
@@ -33,6 +37,24 @@ _WHIRL: dict[int, tuple[str, Style]] = {
     0: ("planar", "dotted"),
 }
 _STRAIGHT = 1e-6  # |whirl| below it is no whirl, as in the modes
+
+
+def draw(found: RotorAnalysis, path: Path | None, kind: Kind = "campbell") -> Path | Picture:
+    """A picture of a kind: modes, campbell, response, or run-up.
+
+    Raises:
+        UserError: the kind is unknown, or the rotor has nothing of it to show.
+    """
+    if kind not in get_args(Kind):
+        raise UserError(f"kind {kind!r}: must be one of {', '.join(get_args(Kind))}")
+    pictures = {
+        "campbell": campbell_diagram,
+        "response": response_curves,
+        "run-up": run_up_curves,
+        "modes": lambda found: mode_shapes(found.scene),
+    }
+    picture = pictures[kind](found)
+    return picture if path is None else picture.save(path)
 
 
 def campbell_diagram(found: RotorAnalysis) -> Picture:

@@ -9,7 +9,7 @@ from typing import Any, Literal, get_args, get_origin
 
 from pydantic import BaseModel, ValidationError
 
-from .quantities import fields_of, unit_of
+from .fields import fields_of, unit_of
 
 Location = tuple[str | int, ...]
 

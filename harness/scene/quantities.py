@@ -17,32 +17,19 @@ from pydantic import (
     ValidationError,
     WithJsonSchema,
 )
-from pydantic.fields import FieldInfo
 from pydantic_core import PydanticCustomError, PydanticKnownError, core_schema
 
 from ..errors import SceneError
-from ..units import to_si
+from .fields import SI as SI
+from .fields import fields_of as fields_of
+from .fields import unit_of as unit_of
+from .messages import problems
 
 LARGEST_ANGLE = 1e9  # rad: doubles that large lie 1e-7 rad apart
 LARGEST = 1e60  # in SI units: products of five such numbers still fit into a double
 SMALLEST = 1.0 / LARGEST  # of a number above 0: quotients fit as well
 # what XML cannot hold, and what a terminal obeys; lines and tabs are allowed
 _CONTROL = re.compile(r"[\x00-\x08\x0b\x0c\x0e-\x1f\x7f-\x9f\ud800-\udfff\ufffe\uffff]")
-
-
-@dataclass(frozen=True)
-class SI:
-    """Unit of measurement of a field, in an `Annotated` type: text with a unit is read as it."""
-
-    symbol: str
-
-    def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> Any:
-        return core_schema.no_info_before_validator_function(self._read, handler(source))
-
-    def _read(self, value: Any) -> Any:
-        if isinstance(value, (list, tuple)):
-            return [self._read(inner) for inner in value]
-        return to_si(value, self.symbol) if isinstance(value, str) else value
 
 
 class Mean(float):
@@ -124,8 +111,6 @@ class Table(BaseModel):
             try:
                 super().__init__(**values)
             except ValidationError as error:
-                from .messages import problems
-
                 name = type(self).__name__
                 lines = problems(error, values, type(self))
                 raise SceneError("\n".join(f"{name}: {line}" for line in lines)) from None
@@ -139,16 +124,6 @@ class Table(BaseModel):
 def refusal(key: str, words: str) -> PydanticCustomError:
     """What a table raises that compares several of its keys: `words`, said of `key`."""
     return PydanticCustomError("refusal", "{words}", {"key": key, "words": words})
-
-
-def fields_of(table: type[BaseModel]) -> dict[str, FieldInfo]:
-    """A table's fields by their keys as written in the file."""
-    return {field.alias or name: field for name, field in table.model_fields.items()}
-
-
-def unit_of(field: FieldInfo) -> str:
-    """Unit symbol of a field, empty for text, counts and ratios."""
-    return next((item.symbol for item in field.metadata if isinstance(item, SI)), "")
 
 
 def _pair(value: Any) -> Any:

@@ -8,11 +8,9 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Field, model_validator
 
-from ...models.assembly import SpeedProfile
+from ...models.assembly import SpeedProfile, Start
 from ...models.constants import DEFAULT_STEPS, FEWEST_STEPS
-from ...models.motor import Drive
-from ...models.reference.coupled import Start
-from ...models.reference.driven import MotorDriven
+from ...models.motor import Drive, MotorDriven
 from .quantities import SI, Angle, NotNegative, Positive, Real, Table, Text, Whole, refusal
 
 DEFAULT_TOLERANCE = 1e-4  # of the motion: no picture shows it

@@ -25,9 +25,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...models.assembly import Assembly
+from ...models.boundaries import balancing_regions, unknown_word
 from ...models.criteria import Criterion
 from ...models.linear.balanced import CannotBalance, balanced_angles
-from ...models.linear.boundaries import balancing_regions, unknown_word
 from ...models.linear.regions import NARROW
 from ..capture.captured import captured_or_none
 from ..errors import SimulationError, UserError

@@ -16,7 +16,7 @@ from typing import Any
 import flint
 import numpy as np
 
-from ...models.linear.boundaries import Crossing
+from ...models.boundaries import Crossing
 from ...models.proof.certificate import Certificate, State
 from ...models.proof.rotors import Unproved
 from ...models.proof.window import WindowBalls, ends

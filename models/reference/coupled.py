@@ -12,32 +12,16 @@ are put into the force: N weights leave the mass N m 1 - (m/kappa) sum [[s^2, -s
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable
 
 import numpy as np
 
 from ..arrays import Array
-from ..assembly import Assembly, SpeedProfile, weights_of
+from ..assembly import Assembly, SpeedProfile, Start, weights_of
 from .lagrange import Lagrange
 
 Turning = tuple[Array, Array, Array]  # angle, speed and angular acceleration of the rotor
 RightHandSide = Callable[[float, Array], "Array | list[float]"]
-
-
-@dataclass(frozen=True)
-class Start:
-    """Motion at time 0: displacements and velocities per station (or of all), angle of the rotor.
-
-    `x`, `y` [m], under gravity from the sag, `vx`, `vy` [m/s], `angle` [rad].  The weights' start
-    is in their `Mounted`.
-    """
-
-    x: float | Sequence[float] = 0.0
-    y: float | Sequence[float] = 0.0
-    vx: float | Sequence[float] = 0.0
-    vy: float | Sequence[float] = 0.0
-    angle: float = 0.0
 
 
 REST = Start()

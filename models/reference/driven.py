@@ -6,32 +6,12 @@ more coordinate of Lagrange's equations.  Sommerfeld 1902.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from ..arrays import Array
 from ..assembly import Assembly, SpeedProfile
-from ..motor import Drive
+from ..motor import Drive, MotorDriven
 from .coupled import REST, Monolith, Start, Turning
-
-
-@dataclass(frozen=True)
-class MotorDriven:
-    """A speed that a motor of limited power makes, from `start` on [rad/s]."""
-
-    motor: Drive
-    start: float = 0.0
-
-    @property
-    def end(self) -> float:
-        """Without load [rad/s]."""
-        return self.motor.top_speed
-
-    @property
-    def top(self) -> float:
-        """Highest speed that a load leaves [rad/s]."""
-        return max(abs(self.start), self.end)
 
 
 class Driven:

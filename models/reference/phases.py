@@ -2,26 +2,56 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable, Sequence
+from typing import Any, Protocol
 
 import numpy as np
 from scipy.integrate import solve_ivp
 from scipy.optimize import OptimizeResult
 
 from ..arrays import Array
-from .coupled import Start
-
-if TYPE_CHECKING:
-    from .colliding import Colliding
-    from .dry import Dry
+from .coupled import Monolith, Start
 
 LONGEST = 0.3  # rad of the fastest turning in a step: nothing may come and go within one
 MOST_EVENTS = 5000  # of a run
 
 
+class Bodies(Protocol):
+    """What collides or sticks: bodies that move by one set of equations between two events."""
+
+    system: Monolith
+
+    def begin(self, initial: Start, /) -> tuple[Array, Any]:
+        """The state at the start, and the phase that holds there."""
+
+    def scales(self, initial: Start, /) -> Array:
+        """Sizes of the states, of which tolerances are parts."""
+
+    def accelerations(self, t: float, y: Array, phase: Any, /) -> Any:
+        """Of rotor and weights in a state of a phase."""
+
+    def settled(self, t: float, y: Array, phase: Any, /) -> tuple[Array, Any]:
+        """State and phase where the system has changed."""
+
+    def rhs(self, t: float, y: Array, phase: Any, /) -> Array:
+        """The derivative of the state."""
+
+    def fastest(self, y: Array, /) -> float:
+        """Fastest turning [rad/s], which limits a step."""
+
+    @property
+    def solve(self) -> Callable[..., OptimizeResult]:
+        """Of `t`, the end, a state and a phase: the motion up to the end or the next event."""
+
+    def watched(self, t: float, y: Array, phase: Any, /) -> Array:
+        """Values that fall through 0 where the phase ends."""
+
+    def after(self, t: float, y: Array, phase: Any, happened: list[int], /) -> tuple[Array, Any]:
+        """State and phase behind the events of these numbers."""
+
+
 def integrate_phases(
-    bodies: Colliding | Dry, time: Array, initial: Start, *, method: str, rtol: float
+    bodies: Bodies, time: Array, initial: Start, *, method: str, rtol: float
 ) -> tuple[Array, list[tuple[Array, Array]]]:
     """States at ascending times (T, size), and the accelerations there.
 
@@ -62,7 +92,7 @@ def integrate_phases(
 
 
 def solve_to_event(
-    bodies: Colliding | Dry, t: float, end: float, y: Array, phase: Any, **options: Any
+    bodies: Bodies, t: float, end: float, y: Array, phase: Any, **options: Any
 ) -> OptimizeResult:
     """The motion from `t` up to `end`, or until a value of `bodies.watched` falls through 0."""
     last: list = [None, None, None]

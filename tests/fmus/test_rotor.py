@@ -10,11 +10,10 @@ from numpy.polynomial import Polynomial
 from scipy.integrate import solve_ivp
 
 from autobalancer.fmus.variables import derivative
-from autobalancer.harness import SceneError, cosimulate, load_scene
+from autobalancer.harness import Scene, SceneError, cosimulate, load_scene
 from autobalancer.harness.master.plan import plan
-from autobalancer.harness.scene import Scene
 from autobalancer.harness.stability.main_motion import MainMotion
-from autobalancer.models.linear.boundaries import balancing_boundaries
+from autobalancer.models.boundaries import balancing_boundaries
 from autobalancer.models.linear.modes import critical_speeds as rotor_critical_speeds
 from autobalancer.models.monolith import reference
 from autobalancer.models.stability import growth_rates

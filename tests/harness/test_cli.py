@@ -12,8 +12,8 @@ from fmpy import read_model_description
 from typer.main import get_command
 
 from autobalancer.fmus import catalogue
+from autobalancer.harness import bundled_scenes, load_scene
 from autobalancer.harness.__main__ import program
-from autobalancer.harness.scene import bundled_scenes, load_scene
 
 pytestmark = pytest.mark.slow
 

@@ -7,9 +7,9 @@ import shutil
 import pytest
 from typer.main import get_command
 
+from autobalancer.harness import bundled_scenes, load_scene
 from autobalancer.harness.__main__ import program
 from autobalancer.harness.manual import site
-from autobalancer.harness.scene import bundled_scenes, load_scene
 from tests.browser import Opened, chromium
 
 pytestmark = pytest.mark.slow

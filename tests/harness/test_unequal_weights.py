@@ -5,11 +5,11 @@ import math
 import numpy as np
 import pytest
 
+from autobalancer.harness import Scene
 from autobalancer.harness.errors import SceneError, UserError
 from autobalancer.harness.result.run import cosimulate
 from autobalancer.harness.scatter.study import scatter
 from autobalancer.harness.scatter.vary import Variation
-from autobalancer.harness.scene import Scene
 from autobalancer.models.linear.balanced import CannotBalance, balanced_angles
 from autobalancer.models.stability import growth_rates
 from autobalancer.models.weights import Weights

@@ -10,9 +10,9 @@ import pytest
 
 flint = pytest.importorskip("flint", reason="the extra `proof` is not installed")
 
-from autobalancer.harness.scene import load_scene  # noqa: E402
+from autobalancer.harness import load_scene  # noqa: E402
 from autobalancer.harness.stability.exact import Change, system  # noqa: E402
-from autobalancer.models.linear.boundaries import balancing_boundaries  # noqa: E402
+from autobalancer.models.boundaries import balancing_boundaries  # noqa: E402
 from autobalancer.models.proof.certificate import Certificate  # noqa: E402
 from autobalancer.models.proof.rotors import Unproved  # noqa: E402
 from autobalancer.models.proof.series import Series  # noqa: E402

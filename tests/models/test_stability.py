@@ -8,6 +8,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from autobalancer.models.assembly import Assembly, Mounted, SpeedProfile
+from autobalancer.models.boundaries import balancing_boundaries, growth_regions
 from autobalancer.models.linear import floquet
 from autobalancer.models.linear.balanced import (
     CannotBalance,
@@ -15,7 +16,6 @@ from autobalancer.models.linear.balanced import (
     balanced_angles,
     residual_unbalance,
 )
-from autobalancer.models.linear.boundaries import balancing_boundaries, growth_regions
 from autobalancer.models.linear.linearised import linearise
 from autobalancer.models.linear.regions import Regions
 from autobalancer.models.liquid import Liquid

@@ -15,12 +15,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
+from autobalancer.harness import Scene, load_scene
 from autobalancer.harness.master.cosimulation import CoSimulation
 from autobalancer.harness.master.recorder import Recorder, recorded
 from autobalancer.harness.output.machine import machine
 from autobalancer.harness.output.table import Sheet
 from autobalancer.harness.result.result import Result
-from autobalancer.harness.scene import Scene, load_scene
 
 ROUNDS = 7  # of time, both ways in turns
 

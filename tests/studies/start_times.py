@@ -26,8 +26,7 @@ import numpy as np
 from fmpy import fmi2, fmi3, platform_tuple
 from numpy.typing import NDArray
 
-from autobalancer.harness import bundled_scenes, load_scene
-from autobalancer.harness.scene import Scene
+from autobalancer.harness import Scene, bundled_scenes, load_scene
 from tests.native.packaging import Host
 
 STARTS = (-30.0, -5.0, -0.001, 0.2, 100.0, 1e6)

@@ -3,9 +3,9 @@
 import pytest
 from scipy.interpolate import CubicSpline
 
+from autobalancer.harness import Scene
 from autobalancer.harness.errors import SimulationError
 from autobalancer.harness.result.run import cosimulate
-from autobalancer.harness.scene import Scene
 from tests.studies.truth.draw import draw
 from tests.studies.truth.judge import RTOLS, deviations, motion, referred
 

@@ -7,8 +7,7 @@ import numpy as np
 import pytest
 import typer
 
-from autobalancer.harness import load_scene
-from autobalancer.harness.scene import Scene
+from autobalancer.harness import Scene, load_scene
 from autobalancer.models.stability import growth_rates
 from tests.studies.truth.__main__ import command, counts
 from tests.studies.truth.draw import FAMILIES, draw

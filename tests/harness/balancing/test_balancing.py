@@ -8,10 +8,9 @@ import math
 import numpy as np
 import pytest
 
-from autobalancer.harness import SceneError, SimulationError, load_scene
+from autobalancer.harness import Scene, SceneError, SimulationError, load_scene
 from autobalancer.harness.balancing.cycles import balance, support_levers
 from autobalancer.harness.balancing.machine import Machine
-from autobalancer.harness.scene import Scene
 from autobalancer.harness.scene.grade import permissible
 from autobalancer.harness.stability.revolution import Revolution
 from autobalancer.models.linear.synchronous import synchronous

@@ -2,10 +2,9 @@
 
 import pytest
 
-from autobalancer.harness import check
+from autobalancer.harness import check, load_scene
 from autobalancer.harness.checks.sommerfeld import variants_of
 from autobalancer.harness.errors import SceneError
-from autobalancer.harness.scene import load_scene
 
 pytestmark = pytest.mark.slow
 

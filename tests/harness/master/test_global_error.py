@@ -5,13 +5,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from autobalancer.harness import load_scene
+from autobalancer.harness import Scene, load_scene
 from autobalancer.harness.master.cosimulation import CoSimulation
 from autobalancer.harness.master.one_file_run import OneFileRun
 from autobalancer.harness.master.recorder import Recorder, recorded
 from autobalancer.harness.master.simulation import Repeated
 from autobalancer.harness.result.run import cosimulate
-from autobalancer.harness.scene import Scene
 from autobalancer.models.monolith import reference, simulate
 from tests.studies.truth.judge import deviations, motion
 

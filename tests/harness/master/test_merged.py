@@ -5,11 +5,10 @@ import math
 import numpy as np
 import pytest
 
-from autobalancer.harness import cosimulate, cosimulate_many
+from autobalancer.harness import Scene, cosimulate, cosimulate_many
 from autobalancer.harness.scatter.report import document, lines
 from autobalancer.harness.scatter.study import scatter
 from autobalancer.harness.scatter.vary import Variation
-from autobalancer.harness.scene import Scene
 from autobalancer.models.linear.together import difference_growth
 
 TOGETHER = [0.1, 0.1, 0.1]

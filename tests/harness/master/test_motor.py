@@ -3,9 +3,8 @@
 import numpy as np
 import pytest
 
-from autobalancer.harness import cosimulate
+from autobalancer.harness import Scene, cosimulate
 from autobalancer.harness.errors import SceneError
-from autobalancer.harness.scene import Scene
 from tests.studies.truth.judge import deviations, motion
 
 pytestmark = pytest.mark.slow

@@ -2,7 +2,7 @@
 
 import pytest
 
-from autobalancer.harness.scene import load_scene
+from autobalancer.harness import load_scene
 
 pytest_plugins = ["pytester"]
 

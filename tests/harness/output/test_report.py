@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from autobalancer.harness.scene import Scene, load_scene
+from autobalancer.harness import Scene, load_scene
 from autobalancer.harness.scene.file import tomllib
 
 pytestmark = pytest.mark.slow

@@ -7,13 +7,12 @@ import math
 import numpy as np
 import pytest
 
-from autobalancer.harness import UserError, cosimulate, load_scene
+from autobalancer.harness import Scene, UserError, cosimulate, load_scene
 from autobalancer.harness.output.picture import Picture
 from autobalancer.harness.result.in_space import mode_shapes
 from autobalancer.harness.result.motion import Motion
 from autobalancer.harness.result.orders import spectra, synchronous
 from autobalancer.harness.result.result import UnknownSignalError
-from autobalancer.harness.scene import Scene
 
 pytestmark = pytest.mark.slow
 

@@ -8,10 +8,9 @@ import math
 import numpy as np
 import pytest
 
-from autobalancer.harness import UserError, load_scene
+from autobalancer.harness import Scene, UserError, load_scene
 from autobalancer.harness.balancing.cycles import balance
 from autobalancer.harness.output.picture import Line, Picture, colour
-from autobalancer.harness.scene import Scene
 
 pytestmark = pytest.mark.slow
 

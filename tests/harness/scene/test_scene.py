@@ -6,9 +6,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from autobalancer.harness import Scene, bundled_scenes, load_scene
 from autobalancer.harness.errors import SceneError
 from autobalancer.harness.master.plan import plan
-from autobalancer.harness.scene import Scene, bundled_scenes, load_scene
 from autobalancer.models.papers.window import LiquidWindow
 
 LIQUID_CASES = [name for name in bundled_scenes() if name.startswith("liquid_")]

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from autobalancer.harness import load_scene
+from autobalancer.harness import Scene, load_scene
 from autobalancer.harness.errors import SceneError, UserError
-from autobalancer.harness.scene import Scene
 from autobalancer.harness.scene.changes import parse_change
 
 SCENE = load_scene("two_balls")

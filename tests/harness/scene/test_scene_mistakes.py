@@ -4,8 +4,8 @@ import re
 
 import pytest
 
+from autobalancer.harness import load_scene
 from autobalancer.harness.errors import SceneError
-from autobalancer.harness.scene import load_scene
 
 GOOD = """
 title = "good"

@@ -2,7 +2,7 @@
 
 import pytest
 
-from autobalancer.harness.scene import Scene
+from autobalancer.harness import Scene
 from autobalancer.harness.scene.messages import tables_in
 from autobalancer.harness.scene.quantities import fields_of, unit_of
 from autobalancer.harness.scene.reference import meanings, reference

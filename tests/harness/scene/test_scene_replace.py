@@ -9,8 +9,8 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
+from autobalancer.harness import Scene, load_scene
 from autobalancer.harness.errors import SceneError
-from autobalancer.harness.scene import Scene, load_scene
 from autobalancer.harness.scene.run import UNCORRECTED
 
 SCENE = load_scene("two_balls")

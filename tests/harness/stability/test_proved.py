@@ -19,7 +19,7 @@ from autobalancer.harness.checks.proved import bracket_rows  # noqa: E402
 from autobalancer.harness.checks.row import Rows  # noqa: E402
 from autobalancer.harness.stability.exact import Tables, tolerances  # noqa: E402
 from autobalancer.harness.stability.proved import Band, Proof, prove  # noqa: E402
-from autobalancer.models.linear.boundaries import balancing_boundaries  # noqa: E402
+from autobalancer.models.boundaries import balancing_boundaries  # noqa: E402
 from autobalancer.models.stability import growth_rates  # noqa: E402
 from tests.studies.truth.draw import draw  # noqa: E402
 

@@ -9,8 +9,8 @@ from typing import Any
 
 import typer
 
+from autobalancer.harness import bundled_scenes
 from autobalancer.harness.__main__ import program
-from autobalancer.harness.scene import bundled_scenes
 
 from . import scenes
 from .judge import KEPT

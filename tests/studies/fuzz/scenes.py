@@ -10,7 +10,7 @@ from typing import Any, Literal, get_args, get_origin
 from pydantic import BaseModel
 from tomli_w import dumps
 
-from autobalancer.harness.scene import Scene, bundled_scenes, load_scene
+from autobalancer.harness import Scene, bundled_scenes, load_scene
 from autobalancer.harness.scene.file import tomllib
 from autobalancer.harness.scene.messages import choose_table, tables_in
 from autobalancer.harness.scene.quantities import fields_of

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.optimize import minimize
 
+from autobalancer.harness import Scene, load_scene
 from autobalancer.harness.checks.rig import BANDS, GROUPS
 from autobalancer.harness.checks.rig_data import (
     WASHER,
@@ -25,7 +26,6 @@ from autobalancer.harness.checks.rig_data import (
 )
 from autobalancer.harness.checks.rig_sweeps import FITTED_DRAG, SWEPT, first_peak
 from autobalancer.harness.checks.row import Rows
-from autobalancer.harness.scene import Scene, load_scene
 from autobalancer.harness.scene.balancer import WeightBalancer
 from autobalancer.harness.units import RPM
 from autobalancer.models.arrays import Array

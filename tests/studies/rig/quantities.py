@@ -12,11 +12,11 @@ from typing import NamedTuple
 
 import numpy as np
 
+from autobalancer.harness import Scene, load_scene
 from autobalancer.harness.checks.rig import BANDS, HIGH, peak
 from autobalancer.harness.checks.rig_data import at, response, steady, swept
 from autobalancer.harness.checks.rig_picture import STEPS, WASHERS
 from autobalancer.harness.checks.rig_sweeps import FIRST, FITTED_DRAG, SWEPT, gained, lost
-from autobalancer.harness.scene import Scene, load_scene
 from autobalancer.models.arrays import Array
 
 FITTED, OTHERS = [1, 3], [0, 2, 4]  # washers

@@ -12,11 +12,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from autobalancer.harness import Scene
 from autobalancer.harness.errors import SimulationError, UserError
 from autobalancer.harness.master.names import kin
 from autobalancer.harness.result.result import Result
 from autobalancer.harness.result.run import cosimulate
-from autobalancer.harness.scene import Scene
 from autobalancer.harness.scene.plausible import ImplausibleWarning
 from autobalancer.models.assembly import Assembly
 from autobalancer.models.constants import STATED_ERROR

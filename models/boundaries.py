@@ -8,11 +8,11 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from ..assembly import Assembly
-from ..stability import growth_and_errors
-from .balanced import WeightTable
-from .linearised import Linearised, linearise
-from .regions import Crossing, Measure, Regions, Samples, Side, find_regions
+from .assembly import Assembly
+from .linear.balanced import WeightTable
+from .linear.linearised import Linearised, linearise
+from .linear.regions import Crossing, Measure, Regions, Samples, Side, find_regions
+from .stability import growth_and_errors
 
 GRID = 1000  # intervals of the scan, unless the caller says how narrow a band may be missed
 _SPLIT = 12  # parts of the spacing in which an extremum is looked for, a round
