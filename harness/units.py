@@ -183,7 +183,7 @@ def engineers(value: float, symbol: str, digits: int = 4) -> str:
 def rounded(value: float, digits: int = 4) -> str:
     """A value with so many digits, and without an exponent below a billion."""
     text = f"{value:.{digits}g}"
-    return f"{float(text):.0f}" if 10**digits <= abs(value) < 1e9 else text
+    return f"{float(text):.0f}" if 10**digits <= abs(float(text)) < 1e9 else text
 
 
 def rounded_outwards(low: float, high: float, digits: int = 10) -> tuple[str, str]:

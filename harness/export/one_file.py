@@ -10,7 +10,7 @@ from ...fmus.composite.build import build_composite
 from ...models.harmonic_balance import NoResponse
 from ..master.one_file import composition, model_name
 from ..master.schedule import end_time
-from ..result.summary import BALANCED, vibration_alone
+from ..result.verdict import BALANCED, vibration_alone
 from ..scene import Scene
 from .reference_files import reference_files
 

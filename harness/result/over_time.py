@@ -16,7 +16,7 @@ from .motion import Motion, station_names
 from .sag import FROM_SAG, from_sag
 
 if TYPE_CHECKING:
-    from .summary import Summary
+    from .verdict import Verdict
 
 ONE_TURN = PlotAxis(ANGLE, "deg", range(0, 361, 90), limits=(-5.0, 365.0))
 _DECADES = 5  # below the largest amplitude that are drawn
@@ -28,7 +28,7 @@ def history(
     signals: Mapping[str, Array],
     units: Mapping[str, str],
     title: str,
-    judged: Summary | None = None,
+    judged: Verdict | None = None,
     sag: Mapping[str, Array] | None = None,
 ) -> Picture:
     """Time history of everything recorded: displacements, weights' angles, the rest by quantity.
@@ -98,7 +98,7 @@ def _amplitudes(
     time: Array,
     sizes: Sequence[Array],
     names: Sequence[str],
-    judged: Summary | None,
+    judged: Verdict | None,
     called: str = "displacement",
 ) -> Panel:
     """Distances from the axis or the sag (T,) [m], logarithmic: a decay is a straight line."""
@@ -121,7 +121,7 @@ def _amplitudes(
     return Panel((PlotAxis("time", "s"), upward), lines)
 
 
-def motion_with_weights(motion: Motion, judged: Summary | None = None) -> Picture:
+def motion_with_weights(motion: Motion, judged: Verdict | None = None) -> Picture:
     """Displacement of every station, speed where it changes, and the angles of all weights."""
     size, time = np.hypot(motion.displacement[:, 0], motion.displacement[:, 1]), motion.time
     panels = [_amplitudes(time, list(size.T), station_names(motion.scene), judged, motion.called)]

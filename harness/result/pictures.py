@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from ..output.workers import Progress
     from ..scene import Scene
     from .motion import Motion
-    from .summary import Summary
+    from .verdict import Verdict
 
     class _Result:
         time: NDArray[np.float64]
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
         def __getitem__(self, name: str) -> NDArray[np.float64]: ...
 
-        def summary(self) -> Summary: ...
+        def summary(self) -> Verdict: ...
 
         def sag(self) -> dict[str, NDArray[np.float64]]: ...
 else:

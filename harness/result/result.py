@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -20,7 +21,7 @@ if TYPE_CHECKING:
     from xarray import Dataset
 
     from ..scene import Scene
-    from .summary import Summary
+    from .verdict import Verdict
 
 Signal = NDArray[np.float64]
 
@@ -71,7 +72,7 @@ class Result(Pictures):
     scene: Scene | None = field(default=None, repr=False)
     velocity: dict[str, Signal] = field(default_factory=dict, repr=False)
 
-    def summary(self) -> Summary:
+    def summary(self) -> Verdict:
         """What the run comes to: balanced or why not, vibration, capacity in use, unbalance left.
 
         Raises:
@@ -81,9 +82,13 @@ class Result(Pictures):
         >>> run.summary().balanced, run.summary().after < 30.0
         (True, True)
         """
-        from .summary import summarise
+        return self._verdict
 
-        return summarise(self, self._scene())
+    @cached_property
+    def _verdict(self) -> Verdict:
+        from .verdict import judge
+
+        return judge(self, self._scene())
 
     def sag(self) -> dict[str, Signal]:
         """Displacements of every station at rest under gravity, (T,) each [m], by signal.

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
 from ..output.table import Sheet
@@ -30,8 +29,7 @@ def summary(result: Result) -> Sheet:
 def _summary(result: Result) -> dict[str, Any] | None:
     if result.scene is None:
         return None
-    found = result.summary()
-    return {**asdict(found), "balanced": found.balanced, "text": str(found)}
+    return result.summary().as_json()
 
 
 def as_json(result: Result) -> dict[str, Any]:

@@ -42,7 +42,7 @@ def moments(scene: Scene) -> list[str] | None:
 
 
 def residual_unbalance(
-    machine: Scene, held: Mapping[str, float], time: float = 0.0
+    machine: Scene, held: Mapping[str, float], time: float = 0.0, speed: float | None = None
 ) -> tuple[float, float]:
     """What the weights leave of the unbalance.
 
@@ -51,6 +51,7 @@ def residual_unbalance(
     Args:
         held: values of `moments` [kg m]; NaN gives NaN.
         time: of the unbalance that is meant, where it changes [s].
+        speed: at which the machine runs [rad/s]; by default that of its operation.
 
     Returns:
         The largest at a support [kg m], and the smallest grade that permits it at all [mm/s].
@@ -69,5 +70,6 @@ def residual_unbalance(
     ]
     places, amounts = zip(*present, strict=True) if present else ((), ())
     at_supports = np.abs(rotor.levers(places) @ np.array(amounts, complex))
-    grade = float((at_supports / permissible(machine, _ONE)[1]).max())
+    setup = Balancing(grade="G1", service_speed=speed) if speed else _ONE
+    grade = float((at_supports / permissible(machine, setup)[1]).max())
     return float(at_supports.max()), grade

@@ -78,7 +78,19 @@ def test_velocity_is_recorded_without_changing_the_run():
             "capacity exceeded: 50 g m to balance, the weights hold at most 30 g m",
         ),
         ({"balls.rolling_resistance": 0.01}, "balls stuck"),
-        ({"operation.gravity": 9.81, "balls.drag": 0.02}, "gravity swings the weights"),
+        (
+            {
+                "operation.gravity": 9.81,
+                "speed": 60.0,
+                "rotor.stiffness": [8e3, 10e3],
+                "rotor.unbalance": 5e-4,
+                "balls.count": 2,
+                "balls.angles": None,
+                "balls.track_radius": 0.05,
+                "run.revolutions": 300,
+            },
+            "gravity swings the weights",
+        ),
         (
             {
                 "operation.run_up": {"from": 60.0, "to": 300.0, "seconds": 20.0},

@@ -1,0 +1,83 @@
+"""A look ahead: what becomes of a run that has not settled, by a longer run of the same scene.
+
+It runs only where a run's end leaves the question open, in C and no longer than `MOST_PASSES`
+passes, and never for FMUs that were coupled separately: these may be another machine.
+"""
+
+from __future__ import annotations
+
+import math
+import warnings
+from typing import TYPE_CHECKING
+
+from ...errors import SimulationError, UserError
+from ...scene import Scene
+from .known import Known
+from .stretches import Stretch
+
+if TYPE_CHECKING:
+    from ..result import Result
+
+LONGER = 10.0  # times the run, at least
+TIME_CONSTANTS = 25.0  # of the balanced motion, and as many of the weights' drag
+SPARE = 20.0  # revolutions on top
+MOST_PASSES = 100_000.0  # of a look ahead: about a second
+FEWEST_PASSES = 30.0  # in a revolution, by which the cost of a very short run is guessed
+MOST_OF_MOTOR = 4.0  # times the run of a motor, which turns faster later
+FEWEST_LONGER = 1.5  # times the run: a shorter look ahead tells nothing
+TOLERANCE = 1e-3  # of a look ahead: what becomes of a run needs no more
+
+
+def look_ahead(
+    result: Result, scene: Scene, stretch: Stretch, known: Known | None
+) -> tuple[Result, Scene] | None:
+    """A longer run that keeps a stretch's speed, and its scene; None where it would cost too much.
+
+    Args:
+        known: facts at the speed that is kept; None: a motor still changes it.
+    """
+    if result.calls:
+        return None
+    scene = _kept(scene, stretch, float(result.time[-1]))
+    turned = max(scene.profile().angle(stretch.end) / math.tau, 1e-9)
+    wanted = LONGER * turned
+    if known is not None:
+        slowest = min(known.time_constant, 1e300)
+        rates = known.table.damping_rate
+        if len(rates) and rates.min() > 0.0:
+            slowest = max(slowest, 1.0 / float(rates.min()))
+        further = TIME_CONSTANTS * slowest * known.speed / math.tau + SPARE
+        wanted = max(wanted, turned + further)
+    each = max(FEWEST_PASSES, result.passes / max(result_turns(result, scene), 1e-9))
+    longer = min(wanted, MOST_PASSES / each)
+    if scene.operation.motor:
+        longer = min(longer, MOST_OF_MOTOR * turned)
+    if longer < FEWEST_LONGER * turned:
+        return None
+    changes: dict[str, float] = {"run.revolutions": longer}
+    if scene.coupling.tolerance is not None:
+        changes["coupling.tolerance"] = max(scene.coupling.tolerance, TOLERANCE)
+    ahead = scene.replace(changes)
+    from ..run import cosimulate
+
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            return cosimulate(ahead, record=list(result.signals)), ahead
+    except (UserError, SimulationError):
+        return None
+
+
+def result_turns(result: Result, scene: Scene) -> float:
+    """Revolutions of a run."""
+    return scene.profile().angle(float(result.time[-1])) / math.tau
+
+
+def _kept(scene: Scene, stretch: Stretch, end: float) -> Scene:
+    """The scene with the speed of a stretch before its end kept from there on."""
+    if not stretch.end < end * (1.0 - 1e-9):
+        return scene
+    profile = scene.profile()
+    corners = zip(profile.times, profile.speeds, strict=True)
+    before = [(time, speed) for time, speed in corners if time < stretch.end]
+    return scene.replace({"operation.profile": [*before, (stretch.end, stretch.speed)]})

@@ -1,0 +1,61 @@
+"""Changes of speed between plateaus, and the largest vibration in each."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Sequence
+
+import numpy as np
+
+from ....models.arrays import Array
+from ...errors import SimulationError, UserError
+from ...master.names import stations
+from ...scene import Scene
+from ..sag import from_sag
+from .stretches import Stretch
+from .verdict import Passage
+
+
+def passages(
+    scene: Scene, stretches: Sequence[Stretch], time: Array, size: Array
+) -> tuple[Passage, ...]:
+    """Stretches in which the speed changes, with their largest vibration.
+
+    The rotor without balancers runs along the same profile for comparison, but not before a motor.
+
+    Args:
+        size: largest distance of a station from the sag (T,) at `time` (T,) [s, m].
+    """
+    changing = [one for one in stretches if not one.steady]
+    alone = None
+    if changing and scene.balancer and not scene.operation.motor:
+        alone = _alone(scene)
+    found = []
+    for one in changing:
+        bare = None if alone is None else _largest(*alone, one)
+        largest = _largest(time, size, one)
+        found.append(Passage(one.begin, one.end, one.start, one.speed, largest, bare))
+    return tuple(found)
+
+
+def _alone(scene: Scene) -> tuple[Array, Array] | None:
+    """Times and largest distances of the rotor without balancers; None where it cannot run."""
+    from ..run import cosimulate
+
+    bare = scene.without_balancers()
+    prefixes = stations(len(bare.rotor.stations))
+    names = [f"rotor.{p}{axis}" for p in prefixes for axis in "xy"]
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            run = cosimulate(bare, record=names)
+    except (UserError, SimulationError):
+        return None
+    moved = from_sag(run.signals, run.sag())
+    sizes = [np.hypot(moved[f"rotor.{p}x"], moved[f"rotor.{p}y"]) for p in prefixes]
+    return run.time, np.asarray(np.max(sizes, axis=0))
+
+
+def _largest(time: Array, size: Array, stretch: Stretch) -> float:
+    inside = (time >= stretch.begin) & (time <= stretch.end)
+    return float(size[inside].max(initial=0.0))

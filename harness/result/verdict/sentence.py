@@ -1,0 +1,128 @@
+"""A verdict in words."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from ...scene.grade import GRADES
+from ...units import brief, in_both, readable_unbalance
+from .outcome import Outcome
+from .ruling import millimetres, percent
+from .verdict import Passage, Verdict
+
+MATTERS = 0.1  # of the whole vibration: a smaller part is not stated
+
+
+def sentences(verdict: Verdict) -> Iterator[str]:
+    """What a run comes to, sentence by sentence."""
+    if verdict.vibration is None:
+        yield f"Not judged: {verdict.reason}."
+        return
+    said = _vibration(verdict)
+    if verdict.balanced:
+        yield f"Balanced after {brief(verdict.after or 0.0, 3)} s: v{said}."
+    elif verdict.balanced is False:
+        yield f"Not balanced: {verdict.reason}. V{said}."
+    elif verdict.outcome is Outcome.CANNOT_TELL:
+        yield f"Cannot tell whether it is balanced: {verdict.reason}. V{said}."
+    elif verdict.outcome is Outcome.LOWERED:
+        yield f"Vibration lowered: {verdict.reason}. V{said}."
+    else:
+        yield f"V{said}{f'; not judged: {verdict.reason}' if verdict.reason else ''}."
+    yield from _parts(verdict)
+    yield from _unbalance(verdict)
+    yield from _plateaus(verdict)
+    yield from map(_passage, verdict.passages)
+    if verdict.remedy:
+        yield f"{verdict.remedy[0].upper()}{verdict.remedy[1:]}."
+
+
+def _vibration(verdict: Verdict) -> str:
+    assert verdict.vibration is not None
+    size = verdict.vibration if verdict.synchronous is None else verdict.synchronous
+    mostly_other = _is_mostly_other(verdict)
+    said = f"ibration {millimetres(verdict.vibration)}"
+    if verdict.velocity is not None:
+        value = 1e3 * verdict.velocity
+        rms = "below 0.0001" if value < 1e-4 else brief(value)
+        said += f" ({rms} mm/s rms)"
+    if verdict.balancers and verdict.alone:
+        share = percent((size if mostly_other else verdict.vibration) / verdict.alone)
+        at = f"; at the rotor's frequency {millimetres(size)}" if mostly_other else ""
+        said += f"{at}, {share} of {_three(verdict.alone)} without {verdict.balancers}"
+    return said
+
+
+def _three(size: float) -> str:
+    return f"{1e3 * size:.3g} mm"
+
+
+def _is_mostly_other(verdict: Verdict) -> bool:
+    """Whether the vibration at other frequencies, or a mean, matters beside the rotor's."""
+    if verdict.synchronous is None or verdict.vibration is None:
+        return False
+    limit = MATTERS * max(verdict.vibration, 0.05 * (verdict.alone or 0.0))
+    return verdict.vibration - verdict.synchronous > limit
+
+
+def _parts(verdict: Verdict) -> Iterator[str]:
+    """The vibration at other frequencies and the mean, where they matter."""
+    if not _is_mostly_other(verdict):
+        return
+    assert verdict.vibration is not None
+    assert verdict.speed is not None
+    if verdict.other and verdict.other[1] > MATTERS * verdict.vibration:
+        frequency, size = verdict.other
+        kind = "a slow precession" if frequency < 0.5 * verdict.speed else "a vibration"
+        yield f"Beside it {kind} of {millimetres(size)} at {in_both(frequency, 'rad/s')}."
+    if verdict.mean is not None and verdict.mean > MATTERS * verdict.vibration:
+        yield f"Mean displacement {millimetres(verdict.mean)}."
+
+
+def _unbalance(verdict: Verdict) -> Iterator[str]:
+    if len(verdict.used) == 1:
+        used, most = verdict.used[0][1:]
+        yield (
+            f"{verdict.balancers.capitalize()} use {100.0 * used:.0f} % of their capacity "
+            f"({readable_unbalance(most)})."
+        )
+    elif verdict.used:
+        parts = (
+            f"{name} {100.0 * u:.0f} % of {readable_unbalance(c)}" for name, u, c in verdict.used
+        )
+        yield f"Capacity in use: {', '.join(parts)}."
+    if verdict.left is not None:
+        word = "left" if verdict.balancers else "of the rotor"
+        yield f"Unbalance {word} {_unbalanced(verdict.left[0])}: {_grade(verdict.left[1])}."
+
+
+def _unbalanced(value: float) -> str:
+    return "below 0.0001 g mm" if value < 1e-10 else readable_unbalance(value)
+
+
+def _plateaus(verdict: Verdict) -> Iterator[str]:
+    """Plateaus before the one that is judged first."""
+    for begin, end, one in verdict.plateaus:
+        if one.speed is None or (one.speed == verdict.speed and one.after == verdict.after
+                                 and one.reason == verdict.reason):  # fmt: skip
+            continue
+        word = "balanced" if one.balanced else one.reason or "vibration as of the rotor alone"
+        size = "" if one.vibration is None else f", vibration {millimetres(one.vibration)}"
+        yield (
+            f"From {brief(begin, 3)} to {brief(end, 3)} s at {in_both(one.speed, 'rad/s')}: "
+            f"{word}{size}."
+        )
+
+
+def _passage(one: Passage) -> str:
+    alone = "" if one.alone is None else f" (without balancers {millimetres(one.alone)})"
+    return (
+        f"From {one.start:.4g} to {one.speed:.4g} rad/s within {brief(one.end - one.begin, 3)} s: "
+        f"largest vibration {millimetres(one.largest)}{alone}."
+    )
+
+
+def _grade(value: float) -> str:
+    """The smallest grade of ISO 21940-11 that permits it."""
+    name = next((f"G{grade:g}" for grade in GRADES if value <= grade), "")
+    return name or f"above G{GRADES[-1]:g}"

@@ -1,0 +1,100 @@
+"""The verdict on a run as data: one object, whose text is the sentence after a run."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass, replace
+from typing import Any
+
+from .outcome import Outcome
+
+
+@dataclass(frozen=True)
+class Passage:
+    """A change of speed between plateaus.
+
+    Attributes:
+        begin, end: [s].
+        start, speed: at both ends [rad/s].
+        largest: vibration in it [m], and without balancers; None: not known.
+    """
+
+    begin: float
+    end: float
+    start: float
+    speed: float
+    largest: float
+    alone: float | None = None
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """What a run comes to; as text a few sentences.
+
+    Attributes:
+        balancers: what they are called: balls, rollers, pendulums, weights, liquid or balancers;
+            empty where there are none.
+        vibration: largest distance of a station from the middle in the last revolution [m]; under
+            gravity from its mean.
+        velocity: vibration velocity of the last revolution [m/s rms], the larger of x and y.
+        alone: vibration of the rotor without balancers at this speed [m].
+        after: time from which on the vibration is less than `BALANCED` of it [s].
+        reason: why it is not; why that is not known.
+        used: by balancer, share of the capacity that its weights use, and the capacity [kg m].
+        left: unbalance that is left at a support [kg m], and the grade that permits it [mm/s].
+        outcome: what the run comes to.
+        remedy: what to do about it.
+        revolutions: length of the run after which the rotor is balanced; None: not known.
+        speed: of the rotor that is judged [rad/s].
+        synchronous: vibration at the rotor's frequency [m]; None: the run is too short.
+        mean: largest distance of a station's mean from the middle, under gravity from the sag [m].
+        other: frequency [rad/s] and vibration [m] of the largest part at another frequency.
+        left_behind: speed of weights that turn slower than the rotor, and the nearest natural
+            frequency [rad/s].
+        growth, growth_error: of a small deviation from balance [1/s].
+        capacity, needed: of the weights' moment, where it does not suffice [kg m].
+        plateaus: verdicts of all plateaus of a profile, begin and end [s].
+        passages: changes of speed with their largest vibration.
+    """
+
+    balancers: str
+    vibration: float | None = None
+    velocity: float | None = None
+    alone: float | None = None
+    after: float | None = None
+    reason: str = ""
+    used: tuple[tuple[str, float, float], ...] = ()
+    left: tuple[float, float] | None = None
+    outcome: Outcome = Outcome.NOT_RECORDED
+    remedy: str = ""
+    revolutions: int | None = None
+    speed: float | None = None
+    synchronous: float | None = None
+    mean: float | None = None
+    other: tuple[float, float] | None = None
+    left_behind: tuple[float, float] | None = None
+    growth: float | None = None
+    growth_error: float | None = None
+    needed: float | None = None
+    capacity: float | None = None
+    plateaus: tuple[tuple[float, float, Verdict], ...] = ()
+    passages: tuple[Passage, ...] = ()
+
+    @property
+    def balanced(self) -> bool | None:
+        """Whether balancers balance the rotor; None where it is not known, there are none, or a
+        liquid alone lowers the vibration."""
+        return self.outcome.balanced if self.balancers else None
+
+    def __str__(self) -> str:
+        from .sentence import sentences
+
+        return " ".join(sentences(self))
+
+    def as_json(self) -> dict[str, Any]:
+        """The same as data, SI units; `balanced` and the sentence beside it."""
+        fields = asdict(replace(self, plateaus=()))
+        plateaus = [
+            {"begin": begin, "end": end, **one.as_json()} for begin, end, one in self.plateaus
+        ]
+        fields |= {"plateaus": plateaus, "outcome": self.outcome.value}
+        return {**fields, "balanced": self.balanced, "text": str(self)}

@@ -1,0 +1,222 @@
+"""What a run comes to: each outcome on a machine of which it is known, by a longer run or a formula."""
+
+from __future__ import annotations
+
+import json
+import math
+
+import pytest
+
+from autobalancer.harness import Scene, cosimulate
+from autobalancer.harness.result.verdict import Outcome
+from autobalancer.harness.result.verdict.sentence import sentences
+from autobalancer.harness.result.verdict.verdict import Verdict
+
+BALLS = {"kind": "balls", "count": 3, "mass": 0.05, "track_radius": 0.2, "drag": 0.2}
+ROTOR = {"kind": "planar", "mass": 8.0, "stiffness": [20e3, 30e3], "damping": [80.0, 100.0]}
+
+
+def drum(unbalance: float = 0.02, speed: float = 150.0, turns: float = 150.0, **changes) -> Scene:
+    scene = Scene(
+        rotor=ROTOR | {"unbalance": unbalance},
+        balancer=[BALLS],
+        operation={"speed": speed},
+        run={"revolutions": turns},
+    )
+    return scene.replace({path.replace("__", "."): value for path, value in changes.items()})
+
+
+def verdict(scene: Scene) -> Verdict:
+    return cosimulate(scene).summary()
+
+
+@pytest.mark.parametrize(
+    ("scene", "outcome"),
+    [
+        (drum(0.2, turns=0.05), Outcome.OVER_CAPACITY),
+        (drum(speed=40.0, turns=0.05), Outcome.BELOW_CRITICAL),
+        (drum(0.06, operation__gravity=1e-6), Outcome.OVER_CAPACITY),
+        (drum(turns=20, operation__gravity=1e-6), Outcome.NOT_SETTLED),
+    ],
+    ids=["capacity", "critical speed", "capacity in weak gravity", "settling in weak gravity"],
+)
+def test_a_vibration_that_has_not_grown_and_weak_gravity_hide_no_reason(scene, outcome):
+    found = verdict(scene)
+    assert found.outcome is outcome
+    assert found.balanced is False
+    assert "gravity" not in found.reason
+
+
+def test_over_capacity_at_resonance_is_not_balanced_however_large_the_rotor_alone_would_shake():
+    """Undamped but for 0.02 N s/m, at its natural frequency: 50 m without balls."""
+    scene = Scene(
+        rotor={"kind": "planar", "mass": 8.0, "stiffness": 20e3, "damping": 0.02,
+               "unbalance": 0.02},
+        balancer=[BALLS | {"count": 2, "mass": 0.01, "drag": 0.05, "angles": [0.0, 3.1]}],
+        speed=50.0,
+        run={"revolutions": 20},
+    )  # fmt: skip
+    found = verdict(scene)
+    assert found.vibration < 0.05 * found.alone
+    assert found.outcome is Outcome.OVER_CAPACITY
+    assert found.needed == pytest.approx(0.02)
+    assert found.capacity == pytest.approx(2 * 0.01 * 0.2)
+
+
+def test_advice_suffices_when_it_is_followed():
+    for turns in (5.0, 20.0, 40.0):
+        found = verdict(drum(turns=turns))
+        assert found.outcome is Outcome.NOT_SETTLED
+        assert found.reason.endswith(f"set run.revolutions = {found.revolutions}")
+        assert verdict(drum(turns=found.revolutions)).balanced
+
+
+def test_a_change_of_unbalance_starts_the_transient_anew():
+    change = [{"time": 5.0, "amount": 0.01, "angle": 2.0}]
+    late = drum(turns=125, operation__unbalance_changes=change)
+    found = verdict(late)
+    assert found.outcome is Outcome.NOT_SETTLED
+    assert found.reason.startswith("not settled yet since the change at 5 s")
+    assert verdict(late.replace({"run.revolutions": found.revolutions})).balanced
+
+
+def test_an_undamped_machine_is_neutral():
+    found = verdict(drum(turns=20, rotor__damping=0.0, rotor__stiffness=20e3, balls__drag=0.0))
+    assert found.outcome is Outcome.NEUTRAL
+    assert abs(found.growth) <= found.growth_error < 1e-9
+    assert "unstable" not in str(found)
+
+
+LIQUID = {
+    "kind": "liquid", "chamber_radius": 0.1, "float_radius": 0.05, "height": 0.05,
+    "density": 1000.0,
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(("speed", "outcome"), [(22.0, "RAISED"), (24.0, "LOWERED")])
+def test_a_liquid_lowers_the_vibration_above_its_speed(speed, outcome):
+    """Dubovik 2006 (11): less bending above w_* = sqrt(2c/(m1 + m))."""
+    rotor = {"kind": "planar", "mass": 1.0, "stiffness": 1000.0, "damping": 10.0,
+             "internal_damping": 1.0, "unbalance": 1e-5}  # fmt: skip
+    found = verdict(Scene(rotor=rotor, balancer=[LIQUID], speed=speed, run={"revolutions": 100}))
+    assert found.outcome.name == outcome
+    above = math.sqrt(2.0 * 1000.0 / (1.0 + 1.0 + 1000.0 * math.pi * 0.1**2 * 0.05))
+    assert above == pytest.approx(23.67, abs=0.01)
+    if outcome == "RAISED":
+        assert f"below w_* = {above:.4g} rad/s" in found.reason
+
+
+def test_balls_left_behind_have_their_speed_and_the_natural_frequency_and_no_advice_to_wait():
+    """Closed form of the locked motion: h (W - w) = k m^2 w^4 g(w) gives 0.9127 rad/s."""
+    scene = Scene(
+        rotor={"kind": "planar", "mass": 1.0, "stiffness": 1.0, "damping": 0.02,
+               "unbalance": 0.01},
+        balancer=[{"kind": "balls", "count": 2, "mass": 0.03267, "track_radius": 1.0,
+                   "drag": 0.001, "angles": [0.3, 2.1], "speeds": [-3.0, -3.0]}],
+        speed=3.0,
+        run={"revolutions": 573},
+    )  # fmt: skip
+    found = verdict(scene)
+    assert found.outcome is Outcome.ANOTHER_MOTION
+    assert found.left_behind == pytest.approx((0.9127, (1.0 / 1.06534) ** 0.5), rel=2e-3)
+    assert found.revolutions is None
+    assert "left behind" in found.reason
+    assert found.other == pytest.approx((0.9127, 0.488), rel=0.05)
+
+
+def test_vibration_is_compared_at_the_rotors_frequency_and_a_precession_is_stated_apart():
+    """A push of 1 mm starts a slow precession that light damping keeps; the balls start balanced."""
+    places = [math.pi - math.acos(0.5), math.pi + math.acos(0.5)]
+    scene = Scene(
+        rotor={"kind": "planar", "mass": 5.0, "stiffness": 2e3, "damping": 0.2,
+               "unbalance": 0.002},
+        balancer=[BALLS | {"count": 2, "mass": 0.02, "track_radius": 0.1, "angles": places}],
+        speed=300.0,
+        run={"revolutions": 60, "initial": {"x": 1e-3}},
+    )  # fmt: skip
+    found = verdict(scene)
+    assert found.vibration > found.alone
+    assert found.synchronous < 0.05 * found.alone
+    frequency, size = found.other
+    assert frequency == pytest.approx(math.sqrt(2e3 / 5.04), rel=1e-3)
+    assert size == pytest.approx(1e-3, rel=0.1)
+    assert "a slow precession of" in str(found)
+
+
+def profile(*corners: tuple[float, float]) -> Scene:
+    return Scene(
+        rotor=ROTOR | {"unbalance": 0.02},
+        balancer=[BALLS],
+        operation={"profile": [*corners]},
+    )
+
+
+def test_a_profile_is_judged_on_its_plateaus_and_a_standstill_is_not():
+    found = verdict(profile((0, 0), (3, 150), (9, 150), (12, 0)))
+    assert found.balanced
+    assert found.speed == 150.0
+    assert [(begin, end) for begin, end, _ in found.plateaus] == [(3.0, 9.0)]
+    assert 3.0 <= found.after <= 9.0
+    up, down = found.passages
+    assert (up.start, up.speed, down.start, down.speed) == (0.0, 150.0, 150.0, 0.0)
+    assert up.largest > up.alone > 0.0
+    said = str(found)
+    assert "From 0 to 150 rad/s within 3 s: largest vibration" in said
+    assert "without balancers" in said
+    assert "stands still" not in said
+
+
+def test_every_plateau_has_its_verdict():
+    found = verdict(profile((0, 40), (5, 40), (8, 150), (14, 150)))
+    assert [one.outcome for *_, one in found.plateaus] == [
+        Outcome.BELOW_CRITICAL, Outcome.BALANCED,
+    ]  # fmt: skip
+    assert "From 0 to 5 s at 40 rad/s = 382 rpm: below the critical speed" in str(found)
+
+
+def test_a_motor_is_judged_at_its_own_speed():
+    """The grade is the unbalance left times that speed over the mass."""
+    motor = {"inertia": 0.2, "stall_torque": 1.2, "no_load_speed": 300.0}
+    scene = Scene(
+        rotor=ROTOR | {"unbalance": 0.02},
+        balancer=[BALLS],
+        operation={"motor": motor},
+        run={"revolutions": 600},
+    )
+    run = cosimulate(scene)
+    found, speed = run.summary(), run["motor.speed"][-1]
+    assert speed == pytest.approx(57.3, abs=0.1)
+    assert found.left[1] == pytest.approx(1e3 * found.left[0] * found.speed / 8.0)
+    assert found.speed == pytest.approx(speed, rel=0.02)
+    assert "G250" in str(found)
+    assert "the speed still rises" in found.reason
+
+
+def test_numbers_are_readable():
+    assert "vibration below 0.0001 mm (below 0.0001 mm/s rms), below 0.01 %" in said(1e-12, 1e-12)
+    assert "100 %" in said(9.99e-4, 0.01)
+    assert "e+" not in said(9.99e-4, 0.01)
+    slow = verdict(drum(turns=40, balls__drag=1e9))
+    assert "e+" not in str(slow)
+    assert slow.revolutions is None or slow.revolutions <= 1_000_000
+
+
+def said(vibration: float, velocity: float) -> str:
+    found = Verdict("balls", vibration, velocity, alone=1e-3, after=1.0, outcome=Outcome.BALANCED)
+    return " ".join(sentences(found))
+
+
+def test_the_same_facts_are_data():
+    found = verdict(drum())
+    data = json.loads(json.dumps(found.as_json()))
+    assert data["outcome"] == "balanced"
+    assert data["balanced"] is True
+    assert data["text"] == str(found)
+    kept = {"balancers", "vibration", "velocity", "alone", "after", "reason", "used", "left"}
+    assert kept <= data.keys()
+
+
+def test_every_outcome_says_whether_the_rotor_is_balanced():
+    assert [o for o in Outcome if o.balanced] == [Outcome.BALANCED]
+    assert Outcome.CANNOT_TELL.balanced is None
+    assert Outcome.NOT_SETTLED.balanced is False
