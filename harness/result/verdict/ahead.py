@@ -7,16 +7,11 @@ passes, and never for FMUs that were coupled separately: these may be another ma
 from __future__ import annotations
 
 import math
-import warnings
-from typing import TYPE_CHECKING
 
-from ...errors import SimulationError, UserError
 from ...scene import Scene
 from .known import Known
+from .ran import Ran, run_again
 from .stretches import Stretch
-
-if TYPE_CHECKING:
-    from ..result import Result
 
 LONGER = 10.0  # times the run, at least
 TIME_CONSTANTS = 25.0  # of the balanced motion, and as many of the weights' drag
@@ -28,17 +23,15 @@ FEWEST_LONGER = 1.5  # times the run: a shorter look ahead tells nothing
 TOLERANCE = 1e-3  # of a look ahead: what becomes of a run needs no more
 
 
-def look_ahead(
-    result: Result, scene: Scene, stretch: Stretch, known: Known | None
-) -> tuple[Result, Scene] | None:
-    """A longer run that keeps a stretch's speed, and its scene; None where it would cost too much.
+def look_ahead(run: Ran, stretch: Stretch, known: Known | None) -> Ran | None:
+    """A longer run that keeps a stretch's speed; None where it would cost too much.
 
     Args:
         known: facts at the speed that is kept; None: a motor still changes it.
     """
-    if result.calls:
+    if run.separate:
         return None
-    scene = _kept(scene, stretch, float(result.time[-1]))
+    scene, end = _kept(run.scene, stretch, float(run.time[-1])), float(run.time[-1])
     turned = max(scene.profile().angle(stretch.end) / math.tau, 1e-9)
     wanted = LONGER * turned
     if known is not None:
@@ -48,8 +41,8 @@ def look_ahead(
             slowest = max(slowest, 1.0 / float(rates.min()))
         further = TIME_CONSTANTS * slowest * known.speed / math.tau + SPARE
         wanted = max(wanted, turned + further)
-    each = max(FEWEST_PASSES, result.passes / max(result_turns(result, scene), 1e-9))
-    longer = min(wanted, MOST_PASSES / each)
+    all_turns = max(run.scene.profile().angle(end) / math.tau, 1e-9)
+    longer = min(wanted, MOST_PASSES / max(FEWEST_PASSES, run.passes / all_turns))
     if scene.operation.motor:
         longer = min(longer, MOST_OF_MOTOR * turned)
     if longer < FEWEST_LONGER * turned:
@@ -57,20 +50,7 @@ def look_ahead(
     changes: dict[str, float] = {"run.revolutions": longer}
     if scene.coupling.tolerance is not None:
         changes["coupling.tolerance"] = max(scene.coupling.tolerance, TOLERANCE)
-    ahead = scene.replace(changes)
-    from ..run import cosimulate
-
-    try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")
-            return cosimulate(ahead, record=list(result.signals)), ahead
-    except (UserError, SimulationError):
-        return None
-
-
-def result_turns(result: Result, scene: Scene) -> float:
-    """Revolutions of a run."""
-    return scene.profile().angle(float(result.time[-1])) / math.tau
+    return run_again(scene.replace(changes), list(run.signals))
 
 
 def _kept(scene: Scene, stretch: Stretch, end: float) -> Scene:

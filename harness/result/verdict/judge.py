@@ -16,12 +16,13 @@ from ...master.names import stations
 from ...scene import Scene
 from ...scene.balancer import WeightBalancer
 from ...scene.grade import moments, residual_unbalance
-from ..sag import from_sag
+from ..sag import from_sag, sag_of
 from ..velocity import VELOCITY
 from .ahead import look_ahead
 from .known import BALANCED, Known
 from .outcome import Outcome
 from .passages import passages
+from .ran import Ran
 from .ruling import DOUBT, Case, Ruling, rule
 from .seen import Record, seen
 from .stretches import SHORTEST, Stretch, driven, motor_angle, prescribed
@@ -39,12 +40,18 @@ def judge(result: Result, scene: Scene) -> Verdict:
     """The verdict on a scene's run."""
     called = _called(scene)
     prefixes = [f"rotor.{prefix}" for prefix in stations(len(scene.rotor.stations))]
-    missing = [f"{p}{axis}" for p in prefixes for axis in "xy" if f"{p}{axis}" not in result]
-    if scene.operation.motor and "motor.speed" not in result:
+    missing = [
+        f"{p}{axis}" for p in prefixes for axis in "xy" if f"{p}{axis}" not in result.signals
+    ]
+    if scene.operation.motor and "motor.speed" not in result.signals:
         missing.append("motor.speed")
     if missing:
         return Verdict(called, reason=f"{', '.join(missing)} not recorded")
-    run = _Run(result, scene, called)
+    ran = Ran(
+        scene, result.time, result.signals, result.velocity, result.events, result.passes,
+        bool(result.calls),
+    )  # fmt: skip
+    run = _Run(ran, called)
     stretches = run.stretches
     plateaus = [s for s in stretches if s.steady and s.speed and s.revolutions >= SHORTEST]
     last = stretches[-1]
@@ -69,13 +76,14 @@ def _called(scene: Scene) -> str:
 class _Run:
     """A result with what is read from it once."""
 
-    def __init__(self, result: Result, scene: Scene, called: str) -> None:
-        self.result, self.scene, self.called = result, scene, called
-        self.time = result.time
-        self.signals = from_sag(result.signals, result.sag())
+    def __init__(self, ran: Ran, called: str) -> None:
+        self.ran, self.scene, self.called = ran, ran.scene, called
+        self.time, scene = ran.time, ran.scene
+        speeds = ran.signals.get("motor.speed")
+        self.signals = from_sag(ran.signals, sag_of(scene, self.time, speeds))
         start = scene.run.initial.angle
         if scene.operation.motor:
-            speed = np.asarray(result["motor.speed"])
+            speed = np.asarray(ran.signals["motor.speed"])
             self.angle = start + motor_angle(self.time, speed)
             self.stretches = driven(self.time, speed)
         else:
@@ -147,7 +155,7 @@ class _Run:
             return replace(bare, outcome=Outcome.NO_UNBALANCE, reason=reason)
         if not self.called:
             return replace(bare, outcome=Outcome.NO_BALANCER)
-        together = final and any(SHORT in event for event in self.result.events)
+        together = final and any(SHORT in event for event in self.ran.events)
         case = Case(known, record, self.called, together, now, before, weights)
         try:
             found = rule(case) if stretch.steady else self._changing(stretch, known)
@@ -179,10 +187,10 @@ class _Run:
         known = None
         if last.steady:
             known = Known(self.scene, last.end, abs(last.speed))
-        found = look_ahead(self.result, self.scene, last, known)
+        found = look_ahead(self.ran, last, known)
         if found is None:
             return verdict
-        ahead = _Run(*found, self.called)
+        ahead = _Run(found, self.called)
         later = ahead.judge(ahead.stretches[-1])
         if later.outcome is Outcome.BALANCED:
             if later.after is not None and later.after <= last.end and last.steady:
@@ -274,16 +282,16 @@ class _Run:
 
     def _velocity(self, upto: Array) -> float | None:
         names = [f"rotor.{p}{VELOCITY}" for p in stations(len(self.scene.rotor.stations))]
-        if names[0] not in self.result:
+        if names[0] not in self.ran.velocity:
             return None
-        return max(float(self.result[name][upto][-1]) for name in names)
+        return max(float(self.ran.velocity[name][upto][-1]) for name in names)
 
     def _held(self, upto: Array) -> dict[str, float] | None:
         """What the weights hold, by its signals [kg m]; None where it is not known."""
         names = moments(self.scene)
-        if names is None or any(name not in self.result for name in names):
+        if names is None or any(name not in self.ran.signals for name in names):
             return None
-        return {name: float(self.result[name][upto][-1]) for name in names}
+        return {name: float(self.ran.signals[name][upto][-1]) for name in names}
 
 
 def _after(record: Record, known: Known, size: Array) -> float:

@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Sequence
 
 import numpy as np
 
 from ....models.arrays import Array
-from ...errors import SimulationError, UserError
 from ...master.names import stations
 from ...scene import Scene
-from ..sag import from_sag
+from ..sag import from_sag, sag_of
+from .ran import run_again
 from .stretches import Stretch
 from .verdict import Passage
 
@@ -40,18 +39,12 @@ def passages(
 
 def _alone(scene: Scene) -> tuple[Array, Array] | None:
     """Times and largest distances of the rotor without balancers; None where it cannot run."""
-    from ..run import cosimulate
-
     bare = scene.without_balancers()
     prefixes = stations(len(bare.rotor.stations))
-    names = [f"rotor.{p}{axis}" for p in prefixes for axis in "xy"]
-    try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")
-            run = cosimulate(bare, record=names)
-    except (UserError, SimulationError):
+    run = run_again(bare, [f"rotor.{p}{axis}" for p in prefixes for axis in "xy"])
+    if run is None:
         return None
-    moved = from_sag(run.signals, run.sag())
+    moved = from_sag(run.signals, sag_of(bare, run.time))
     sizes = [np.hypot(moved[f"rotor.{p}x"], moved[f"rotor.{p}y"]) for p in prefixes]
     return run.time, np.asarray(np.max(sizes, axis=0))
 

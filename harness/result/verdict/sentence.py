@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from typing import TYPE_CHECKING
 
 from ...scene.grade import GRADES
 from ...units import brief, in_both, readable_unbalance
 from .outcome import Outcome
 from .ruling import millimetres, percent
-from .verdict import Passage, Verdict
+
+if TYPE_CHECKING:
+    from .verdict import Passage, Verdict
 
 MATTERS = 0.1  # of the whole vibration: a smaller part is not stated
 
