@@ -24,7 +24,7 @@ from .outcome import Outcome
 from .passages import passages
 from .ran import Ran
 from .ruling import DOUBT, Case, Ruling, rule
-from .seen import Record, seen
+from .seen import Mask, Record, seen
 from .stretches import SHORTEST, Stretch, driven, motor_angle, prescribed
 from .verdict import Verdict
 
@@ -271,7 +271,7 @@ class _Run:
         reason = f"{verdict.reason}: set run.revolutions = {number}"
         return replace(verdict, revolutions=number, reason=reason)
 
-    def _sizes(self, record: Record, upto: Array) -> tuple[float, Array]:
+    def _sizes(self, record: Record, upto: Mask) -> tuple[float, Array]:
         """Vibration in the last revolution, and largest distance at every time of the record."""
         last = upto & (self.angle >= self.angle[upto][-1] - math.tau)
         motion = self.motion
@@ -280,13 +280,13 @@ class _Run:
         size = np.abs(motion).max(axis=0)
         return float(size[last].max()), size[np.isin(self.time, record.time)]
 
-    def _velocity(self, upto: Array) -> float | None:
+    def _velocity(self, upto: Mask) -> float | None:
         names = [f"rotor.{p}{VELOCITY}" for p in stations(len(self.scene.rotor.stations))]
         if names[0] not in self.ran.velocity:
             return None
         return max(float(self.ran.velocity[name][upto][-1]) for name in names)
 
-    def _held(self, upto: Array) -> dict[str, float] | None:
+    def _held(self, upto: Mask) -> dict[str, float] | None:
         """What the weights hold, by its signals [kg m]; None where it is not known."""
         names = moments(self.scene)
         if names is None or any(name not in self.ran.signals for name in names):

@@ -91,7 +91,7 @@ class Known:
     @cached_property
     def _unit_responses(self) -> Complex:
         """Motion (n, 2, n) of all stations by a unit of unbalance at each [m/(kg m)]."""
-        each = np.eye(self.loaded.stations)
+        each = np.eye(self.loaded.stations, dtype=complex)
         return np.array(
             [unbalance_response(replace(self.loaded, unbalance=u), [self.speed])[0] for u in each]
         )
@@ -112,7 +112,9 @@ class Known:
             NoResponse: see `unbalance_response`.
         """
         if self.loaded.sliders:
-            return unbalance_response(replace(self.loaded, unbalance=moments), [self.speed])[0]
+            return unbalance_response(
+                replace(self.loaded, unbalance=np.asarray(moments, complex)), [self.speed]
+            )[0]
         return np.einsum("j,jan->an", moments, self._unit_responses)
 
     def sizes(self, angles: Array) -> Array:

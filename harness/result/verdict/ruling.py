@@ -8,12 +8,12 @@ from functools import cached_property
 
 import numpy as np
 
-from ....models.arrays import Array
+from ....models.arrays import Array, Complex
 from ...scene.balancer import WeightBalancer
 from ...units import brief, in_both, readable_unbalance
 from .known import Known
 from .outcome import Outcome
-from .seen import STUCK, Record, Vibration, Weights
+from .seen import STUCK, Mask, Record, Vibration, Weights
 
 AGREES = 0.5  # of the limit: what the vibration seen may differ by from that of the unbalance left
 NEAR = 0.35  # rad from the balanced motion up to which its time constant holds
@@ -195,7 +195,7 @@ def _linear(case: Case) -> Ruling:
     )
 
 
-def _half_axes(motion: Array) -> Array:
+def _half_axes(motion: Complex) -> Array:
     """Squares of the half axes (n,) of ellipses (2, n)."""
     x, y = motion
     return 0.5 * (np.abs(x) ** 2 + np.abs(y) ** 2 + np.abs(x**2 + y**2))
@@ -377,7 +377,7 @@ def _turning(case: Case, now: Vibration, weights: Weights, _left: float) -> Ruli
     )
 
 
-def _named(case: Case, which: Array) -> str:
+def _named(case: Case, which: Mask) -> str:
     """Names of weights."""
     names, first = [], 0
     for one in case.known.scene.balancer:

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ....models.arrays import Array, Complex
 from ....models.harmonic_balance import largest_displacement
@@ -15,6 +16,7 @@ from ...master.names import stations, weight
 from ...scene import Scene
 from ...scene.balancer import WeightBalancer
 
+Mask = NDArray[np.bool_]
 MOST_REVOLUTIONS = 10.0  # of the window that synchronous vibration is read from
 LONGEST = 40.0  # revolutions of the window in which other frequencies are told apart
 FEWEST_REVOLUTIONS = 2.0  # since the last change: in fewer nothing can be told from its transient
@@ -62,7 +64,7 @@ class Record:
         names = [f"rotor.{prefix}{axis}" for axis in "xy" for prefix in prefixes]
         return np.stack([self.signals[name] for name in names], axis=1)
 
-    def since(self, revolutions: float) -> Array:
+    def since(self, revolutions: float) -> Mask:
         """Which points lie in the last revolutions (T,)."""
         return self.angle >= self.angle[-1] - math.tau * revolutions * (1.0 + 1e-9)
 
@@ -138,7 +140,7 @@ class Weights:
     turns: Array
 
     @property
-    def turning(self) -> Array:
+    def turning(self) -> Mask:
         """Which weights turn in the rotor instead of resting in it (K,)."""
         return np.abs(self.turns) >= TURNING
 
@@ -183,7 +185,7 @@ def window_of(record: Record) -> float:
     return window
 
 
-def weights_in(record: Record, shown: Array) -> Weights:
+def weights_in(record: Record, shown: Mask) -> Weights:
     """What the weights do at the points `shown` (T,)."""
     assert record.weights is not None
     time, angles = record.time[shown], record.weights[shown]
@@ -203,7 +205,7 @@ def weights_in(record: Record, shown: Array) -> Weights:
     return Weights(at, np.where(resting, late_rates, rates), changes, swing, turns)
 
 
-def _latest(record: Record) -> Array:
+def _latest(record: Record) -> Mask:
     """The last points (T,) that tell where weights are and how fast: some whole revolutions, or
     the last few points of weights at rest, whose steps are long."""
     whole = np.floor(min(LATEST, record.revolutions))
@@ -227,7 +229,7 @@ def _weights_of_points(time: Array) -> Array:
     return 0.5 * (np.append(steps, 0.0) + np.append(0.0, steps))
 
 
-def vibration_in(record: Record, shown: Array, frequencies: Array) -> Vibration:
+def vibration_in(record: Record, shown: Mask, frequencies: Array) -> Vibration:
     """Vibration at the points `shown` (T,), told apart by frequency.
 
     A fit weighed by a Hann window of mean, the rotor's frequency and those given that differ from

@@ -1,4 +1,4 @@
-"""What a run comes to: each outcome on a machine of which it is known, by a longer run or a formula."""
+"""What a run comes to: outcomes on machines of which a longer run or a formula knows them."""
 
 from __future__ import annotations
 
@@ -125,7 +125,7 @@ def test_balls_left_behind_have_their_speed_and_the_natural_frequency_and_no_adv
 
 
 def test_vibration_is_compared_at_the_rotors_frequency_and_a_precession_is_stated_apart():
-    """A push of 1 mm starts a slow precession that light damping keeps; the balls start balanced."""
+    """A push of 1 mm starts a slow precession that light damping keeps; balls start balanced."""
     places = [math.pi - math.acos(0.5), math.pi + math.acos(0.5)]
     scene = Scene(
         rotor={"kind": "planar", "mass": 5.0, "stiffness": 2e3, "damping": 0.2,
