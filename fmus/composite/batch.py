@@ -8,10 +8,10 @@ from ctypes import POINTER, Structure, byref, c_char, c_char_p, c_double, c_int,
 from functools import cache
 
 import numpy as np
-from fmpy import platform_tuple
 from numpy.typing import NDArray
 
 from ..native.build.compile import libraries, stamp
+from ..native.build.targets import present_platform
 from .composition import Composition
 
 _REASON = 512  # BATCH_REASON of fmi/batch.h
@@ -36,7 +36,8 @@ def present() -> tuple[ctypes.CDLL, str]:
     Raises:
         NotCompiled: it is not of the present sources, and there is no compiler.
     """
-    library = ctypes.CDLL(str(libraries([platform_tuple])[platform_tuple]))
+    here = present_platform()
+    library = ctypes.CDLL(str(libraries([here])[here]))
     function = library.autobalancer_runs
     function.argtypes = (c_char_p, POINTER(_Batch), c_size_t, _D, _D, _D, POINTER(c_char))
     function.restype = c_size_t

@@ -168,6 +168,16 @@ class Composition:
         Args:
             stamp: of the C sources.
         """
+        if stamp not in self._tokens:
+            self._tokens[stamp] = self._token(stamp)
+        return self._tokens[stamp]
+
+    @cached_property
+    def _tokens(self) -> dict[str, str]:
+        """Texts by their stamps."""
+        return {}
+
+    def _token(self, stamp: str) -> str:
         passes = "-" if self.corrections is None else str(self.corrections)
         entries = [f"scheme={self.scheme}", f"corrections={passes}"]
         entries += [f"corners={self.corners}"] * bool(self.corners)

@@ -14,7 +14,7 @@ import numpy as np
 from ...models.arrays import Array, Complex
 from ...models.linear.synchronous import synchronous
 from ..errors import SceneError, SimulationError
-from ..master.fmu import Closing
+from ..master.closing import Closing
 from ..master.names import station
 from ..scene import Scene
 from ..scene.balancing import Balancing

@@ -24,8 +24,9 @@ from ...models.constants import (
 )
 from ..errors import SceneError, SimulationError
 from ..scene import Scene
+from .closing import Closing
 from .facts import Facts, advice
-from .fmu import Closing, Fmu
+from .fmu import Fmu
 from .loop import consistent_start, value_eigenvalues
 from .plan import plan
 from .recorder import REPORTED, Recorder

@@ -19,11 +19,12 @@ import numpy as np
 from fmpy import fmi2
 
 from ..errors import SimulationError, UnitError
+from .closing import Closing
 from .library import Library
 from .unit_files import described, measured_in
 
 if TYPE_CHECKING:
-    from typing_extensions import Self
+    pass
 
 _WARNING = fmi2.fmi2Warning
 _STATUS = ("OK", "Warning", "Discard", "Error", "Fatal", "Pending")
@@ -60,20 +61,6 @@ class Variables:
         self.buffer: Array[c_double] = (c_double * self.size).from_buffer(self.reals.data)
         self.call = component, self.references, c_size_t(self.size), self.buffer
         self.vectors = self.reals[: self.size // 2 * 2].view(complex)
-
-
-class Closing:
-    """What is closed at the end of a `with` block."""
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(self, *_exception: object) -> None:
-        self.close()
-
-    def close(self) -> None:
-        """Give back what is held."""
-        raise NotImplementedError
 
 
 class Fmu(Closing):

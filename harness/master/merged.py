@@ -50,6 +50,10 @@ class Merged(NamedTuple):
 
 def names_of_states(scene: Scene) -> list[str]:
     """Outputs that `merged` reads at the end of a run; none where no weights can merge."""
+    return scene.once(_names_of_states)
+
+
+def _names_of_states(scene: Scene) -> list[str]:
     holders = [b for b in scene.balancer if isinstance(b, WeightBalancer)]
     if not any(_can_merge(one) for one in holders):
         return []

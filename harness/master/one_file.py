@@ -20,7 +20,10 @@ def composition(scene: Scene) -> Composition:
     Raises:
         SceneError: the scene is coupled in a way that a composite does not have.
     """
-    scene = as_run(scene)
+    return as_run(scene).once(_composition)
+
+
+def _composition(scene: Scene) -> Composition:
     coupling = scene.coupling
     if coupling.order < 3:
         raise SceneError(f"{scene.name}: coupling.order = {coupling.order}: of one file must be 3")

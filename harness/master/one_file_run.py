@@ -6,7 +6,7 @@ library is called for some rows at once, and releases the interpreter's lock mea
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from functools import lru_cache
 from itertools import pairwise
 from typing import TYPE_CHECKING
@@ -15,12 +15,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...fmus.composite.run import Run, RunFailed, Stretch
-from ...fmus.variables import Variable
 from ...models.constants import FEWEST_CHOSEN, RESIDUAL_SHARE
 from ..errors import LoopError, SimulationError
 from ..scene import Scene
+from .closing import Closing
 from .facts import Facts, advice, exchanging
-from .fmu import Closing
 from .names import readable
 from .one_file import composition_in_c, model_name
 from .recorder import Recorder, Signal
@@ -66,12 +65,8 @@ class OneFileRun(Closing):
         refuse_loose_tolerance(scene)
         made = composition_in_c(scene)
         self._run = Run(made)
-        names = [part.name for part in made.parts]
-        self.units = {name: UnitInside(self._run, name) for name in names}
-        for variable in made.layout.variables:
-            owner, own = _owned(variable.name)
-            if owner in self.units:
-                self.units[owner].add(own, variable, made.layout.index[variable.name])
+        inside = scene.once(_variables_inside)
+        self.units = {name: UnitInside(self._run, name, *of) for name, of in inside.items()}
         self.coupled = exchanging(scene)
         self._chooses_steps = scene.coupling.tolerance is not None and self.coupled
         self.meets_events = meets_events(scene)
@@ -150,15 +145,12 @@ class OneFileRun(Closing):
 class UnitInside:
     """What a `Recorder` reads of a unit within the one file, as of an `Fmu`."""
 
-    def __init__(self, run: Run, name: str) -> None:
+    def __init__(
+        self, run: Run, name: str, variables: Mapping[str, int], measured_in: Mapping[str, str]
+    ) -> None:
+        """Of a run by the unit's name; its variables by their value references in the file."""
         self.name, self._run = name, run
-        self.variables: dict[str, int] = {}
-        self.measured_in: dict[str, str] = {}
-
-    def add(self, name: str, variable: Variable, reference: int) -> None:
-        """A variable of the unit, by its value reference in the file."""
-        self.variables[name] = reference
-        self.measured_in[name] = readable(variable.unit)
+        self.variables, self.measured_in = variables, measured_in
 
     def group(self, names: Sequence[str], memory: NDArray[np.float64]) -> Group:
         """Variables that are read together, and where to."""
@@ -167,6 +159,20 @@ class UnitInside:
     def fetch(self, group: Group) -> None:
         """Read the group's variables."""
         self._run.read(*group)
+
+
+def _variables_inside(scene: Scene) -> dict[str, tuple[dict[str, int], dict[str, str]]]:
+    """By unit: value references of its variables in the one file, and what they are measured in."""
+    made = composition_in_c(scene)
+    found: dict[str, tuple[dict[str, int], dict[str, str]]]
+    found = {part.name: ({}, {}) for part in made.parts}
+    for variable in made.layout.variables:
+        owner, own = _owned(variable.name)
+        if owner in found:
+            references, measured_in = found[owner]
+            references[own] = made.layout.index[variable.name]
+            measured_in[own] = readable(variable.unit)
+    return found
 
 
 def _divided(grid: Signal, parts: int) -> list[float]:

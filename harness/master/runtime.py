@@ -5,9 +5,8 @@ from __future__ import annotations
 from functools import cache
 from typing import Literal, NamedTuple
 
-from fmpy import platform_tuple
-
 from ...fmus.native.build.compile import NotCompiled, libraries
+from ...fmus.native.build.targets import present_platform
 
 Backend = Literal["native", "python"]
 
@@ -29,7 +28,7 @@ def runtime(wanted: Backend) -> Runtime:
     """The units that can be had: without a library for this machine the Python units serve."""
     if wanted == "native":
         try:
-            libraries([platform_tuple])
+            libraries([present_platform()])
         except (NotCompiled, ValueError) as error:
             return Runtime("python", f"units that run Python serve instead of native ones: {error}")
     return Runtime(wanted)

@@ -50,6 +50,10 @@ def brief_step(scene: Scene) -> float:
 
 def at_fixed_steps(scene: Scene) -> Scene:
     """The scene with given steps, the default number where it has a tolerance."""
+    return scene.once(_at_fixed_steps)
+
+
+def _at_fixed_steps(scene: Scene) -> Scene:
     return scene.replace({"coupling.steps_per_rev": steps_per_rev(scene)})
 
 

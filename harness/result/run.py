@@ -10,7 +10,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ..errors import UserError
-from ..master.cosimulation import CoSimulation
 from ..master.facts import Facts, events
 from ..master.global_error import Controlled
 from ..master.left_out import left_out
@@ -87,6 +86,8 @@ def refuse_separate(scene: Scene, fmus: Path | None) -> None:
 def load(scene: Scene, fmus: Path | None = None, separate: bool = False) -> Simulation:
     """What steps a scene: its one file, or its separate units, see `cosimulate`."""
     if separate or why_separate(scene):
+        from ..master.cosimulation import CoSimulation  # loads fmpy
+
         return CoSimulation(scene, fmus=fmus)
     from ..master.one_file_run import OneFileRun  # compiles where it has to
 

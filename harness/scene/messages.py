@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, Literal, get_args, get_origin
@@ -110,6 +109,8 @@ def show(value: Any) -> str:
 
 def did_you_mean(word: Any, known: Sequence[str]) -> str:
     """' (did you mean ...?)' or nothing."""
+    import difflib  # slow to load
+
     close = difflib.get_close_matches(str(word), known, n=1)
     return f' (did you mean "{close[0]}"?)' if close else ""
 

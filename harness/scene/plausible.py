@@ -54,6 +54,10 @@ def understood(scene: Scene) -> str:
 
 def implausible(scene: Scene) -> list[str]:
     """Values in a unit that is probably wrong, one line each: key, value, and the reason."""
+    return [*scene.once(_lines)]
+
+
+def _lines(scene: Scene) -> list[str]:
     return list(_implausible(scene))
 
 
@@ -134,7 +138,8 @@ def _short_of_capacity(scene: Scene) -> Iterator[str]:
 
 def _natural(scene: Scene) -> list[float]:
     """Natural frequencies of the rotor with its balancers at standstill [rad/s]."""
-    return np.unique(np.abs(scene.assembly().loaded_rotor.free_rates(0.0)).round(9)).tolist()
+    rates = np.abs(scene.assembly().loaded_rotor.free_rates(0.0)).round(9)
+    return sorted(set(rates.tolist()))  # np.unique loads masked arrays
 
 
 def _unbalance(scene: Scene, time: float = 0.0) -> float:

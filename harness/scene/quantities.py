@@ -98,7 +98,8 @@ class Each:
 class Table(BaseModel):
     """One table of a scene file: frozen, and no key that it does not know."""
 
-    model_config = ConfigDict(frozen=True, extra="forbid")
+    # what is never read by itself is not built either: a scene reads its tables
+    model_config = ConfigDict(frozen=True, extra="forbid", defer_build=True)
 
     if not TYPE_CHECKING:  # type checkers derive it from the keys
 

@@ -9,12 +9,12 @@ from __future__ import annotations
 import copy
 import math
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from pydantic import BaseModel, Field, PrivateAttr, ValidationError
 
@@ -38,6 +38,9 @@ if TYPE_CHECKING:
     from typing_extensions import Self
 
 __all__ = ["Scene", "bundled_scenes", "load_scene"]
+
+Made = TypeVar("Made")
+_MADE = "_made"  # by `Scene.once`; what begins with _ is no key
 
 
 class Scene(Table):
@@ -159,6 +162,18 @@ class Scene(Table):
         if lines:
             raise SceneError("\n".join(f"{label}: {line}" for line in lines))
         self._document, self._path, self._label = document, path, label
+
+    def once(self, make: Callable[[Self], Made]) -> Made:
+        """What a function makes of the scene, made when it is first asked for: no scene changes."""
+        made: dict[Any, Any] = self.__dict__.setdefault(_MADE, {})
+        if make not in made:
+            made[make] = make(self)
+        return made[make]
+
+    def __getstate__(self) -> dict[Any, Any]:
+        state = super().__getstate__()  # what was made is made again
+        state["__dict__"] = {k: v for k, v in state["__dict__"].items() if k != _MADE}
+        return state
 
     @property
     def path(self) -> Path | None:

@@ -10,10 +10,8 @@ import numpy as np
 
 from ...models.arrays import Array
 from ..errors import SceneError, UserError
-from ..measurements import Known, read_measurements
 from ..units import RPM
 
-COLUMNS = Known("time", ("s",)), Known("speed", ("rad/s",))
 NEAR = 2e-3  # of the highest speed: how far lines may pass a reading
 MOST_LINES = 200  # every corner ends a step; from there on lines may pass by more
 
@@ -48,8 +46,11 @@ def corners_of(path: Path) -> list[list[float]]:
     Raises:
         UserError: the file cannot be read, or is no speed against time.
     """
-    found = read_measurements(path, COLUMNS)
-    columns = [found.column(one.name) for one in COLUMNS]
+    from ..measurements import Known, read_measurements  # few scenes have one
+
+    known = Known("time", ("s",)), Known("speed", ("rad/s",))
+    found = read_measurements(path, known)
+    columns = [found.column(one.name) for one in known]
     if None in columns:
         raise UserError(f"{path}: needs the columns `time [s]` and `speed [rpm]`")
     time, speed = (found.numbers(column) for column in columns if column)

@@ -30,7 +30,7 @@ from ...models.linear.balanced import (
 )
 from ...models.linear.growth import Growth, eigenvalues_with_errors, largest
 from ..errors import SimulationError
-from ..master.fmu import Closing
+from ..master.closing import Closing
 from ..scene import Scene
 from .crossings import Measured
 from .revolution import PERTURBATION, RANK, Matrix, Revolution, Vector, derivative

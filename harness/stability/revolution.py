@@ -18,8 +18,8 @@ from numpy.typing import NDArray
 
 from ...fmus.composite.batch import BatchRuns
 from ..errors import SimulationError
+from ..master.closing import Closing
 from ..master.cosimulation import CoSimulation
-from ..master.fmu import Closing
 from ..master.names import by_unit, stations, weight
 from ..master.one_file import composition_in_c, why_separate
 from ..master.plan import plan

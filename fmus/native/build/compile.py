@@ -13,15 +13,11 @@ sources, says what a library was made from.
 from __future__ import annotations
 
 import hashlib
-import importlib.resources
-import importlib.util
 import os
 import re
-import subprocess
 import sys
-import tempfile
-from collections.abc import Iterable
-from concurrent.futures import ThreadPoolExecutor
+from collections.abc import Iterable, Iterator
+from contextlib import suppress
 from importlib.metadata import version
 from pathlib import Path
 
@@ -34,6 +30,7 @@ COMPILER = "0.17.1"  # version of ziglang: part of the stamp, another writes oth
 
 SOURCES = Path(__file__).resolve().parents[1]
 BINARIES = SOURCES / "bin"
+_KEPT = SOURCES / "__pycache__" / "stamp"
 SOURCE = "autobalancer.c"  # what is compiled: all of them
 
 _INCLUDE = re.compile(r'^#include "(.+)"$', re.M)
@@ -82,8 +79,42 @@ def stale(names: Iterable[str] = TARGETS) -> bool:
 
 
 def stamp() -> str:
-    """Sixteen hexadecimal digits that name the sources of the libraries."""
-    return _complete()[1]
+    """Sixteen hexadecimal digits that name the sources of the libraries.
+
+    An installed package has it beside its libraries.  A checkout computes it, and keeps it with the
+    times and sizes of the files that it was computed from until one of these changes.
+    """
+    if SOURCES.parents[2].name in ("site-packages", "dist-packages"):
+        made = {found for name in PLATFORMS if (found := _made_from(name))}
+        if len(made) == 1:
+            return made.pop()
+    present = _present_files()
+    with suppress(OSError, ValueError):
+        files, found = _KEPT.read_text(encoding="ascii").split()
+        if files == present:
+            return found
+    current = _complete()[1]
+    with suppress(OSError):  # where it cannot be kept it is computed each time
+        write(_KEPT, f"{present} {current}".encode())
+    return current
+
+
+def _present_files() -> str:
+    """Digest of the times and sizes of all files that the stamp is computed from."""
+    known = (COMPILER, COMPILE, LINK, sorted(TARGETS.items()), *_times(SOURCES.parent))
+    shared = os.stat(SOURCES.parents[1] / "models" / "constants.py")
+    return hashlib.sha256(repr((known, shared.st_mtime_ns, shared.st_size)).encode()).hexdigest()
+
+
+def _times(folder: Path | str) -> Iterator[tuple[str, int, int]]:
+    """Path, time and size of every source below a folder, of Python and of C."""
+    for entry in sorted(os.scandir(folder), key=lambda entry: entry.name):
+        if entry.is_dir():
+            if entry.name not in ("bin", "__pycache__"):
+                yield from _times(entry.path)
+        elif entry.name.endswith((".py", ".c", ".h", ".def")):
+            found = entry.stat()
+            yield entry.path, found.st_mtime_ns, found.st_size
 
 
 def one_source(folder: str = "") -> str:
@@ -125,6 +156,9 @@ def _complete() -> tuple[dict[str, str], str]:
 
 def compile(names: list[str]) -> None:
     """Compile the libraries of these targets; raises as `libraries`."""
+    import tempfile
+    from concurrent.futures import ThreadPoolExecutor
+
     _installed()
     current = stamp()
     with (
@@ -154,6 +188,9 @@ def _compiled(platform: Platform, folder: Path) -> bytes:
 
 def _zig(folder: Path, *arguments: str) -> None:
     """Run zig in a folder, with caches where the caller named them, else beside it."""
+    import importlib.resources
+    import subprocess
+
     caches = dict.fromkeys(("ZIG_GLOBAL_CACHE_DIR", "ZIG_LOCAL_CACHE_DIR"), str(folder.parent))
     # not `python -m ziglang`: while that loads it answers Ctrl-C with a traceback
     command = [str(importlib.resources.files("ziglang") / "zig"), *arguments]
@@ -162,6 +199,8 @@ def _zig(folder: Path, *arguments: str) -> None:
 
 
 def _installed() -> None:
+    import importlib.util
+
     if importlib.util.find_spec("ziglang") is None:
         found = "it is not installed"
     elif (present := version("ziglang")) != COMPILER:

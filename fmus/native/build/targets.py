@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import sys
 from dataclasses import dataclass
+from platform import machine
 
 # no contraction to fused multiply-add: the same bits on every processor; sqrt an instruction.  With
 # less put in line than usual, and no loops unrolled or made into vectors, a library is a quarter
@@ -65,3 +67,14 @@ _PAGE = Platform(
     "wasm",
 )
 TARGETS = {**PLATFORMS, PAGE: _PAGE}
+
+
+def present_platform() -> str:
+    """The platform that this process runs on, as FMI 3.0 names it, whether there is one or not."""
+    system = sys.platform.replace("win32", "windows").rstrip("0123456789")
+    known = machine().lower()
+    if known in ("arm64", "aarch64"):
+        return f"aarch64-{system}"
+    if known in ("amd64", "x86_64", "i386", "i686", "x86"):
+        return f"x86_64-{system}" if sys.maxsize > 2**32 else f"x86-{system}"
+    return f"{known}-{system}"

@@ -226,7 +226,7 @@ def test_mistakes_in_the_other_rotors_are_named(tmp_path, text, right, wrong, me
         (b"title = 'x'\n[rotor", "not TOML:"),
         (b"title = 'x'\ntitle = 'y'\n", "not TOML: line 2"),
         (b"title = 'x'\nsource = '\xff'\n", "line 2: byte 0xff is not UTF-8"),
-        (b"PK\x03\x04", "not TOML: line 1"),
+        (b"PK\x03\x04", "a zip archive, not a text file"),
         (b"a = 1\nmass = 8,0", "after a statement: mass = 8,0 (did you mean mass = 8.0?)"),
         (b"mass = 8,0 kg # bare", '(did you mean mass = "8.0 kg" # bare?)'),
         (b"stiffness = 2e4 N/m", '(did you mean stiffness = "2e4 N/m"?)'),
