@@ -161,8 +161,13 @@ class SizedUnit:
         return shown
 
     def label(self, name: str) -> str:
-        """Name of a variable in descriptions: rotor_plane_1_F_x for rotor.plane[1].F_x if flat."""
-        return re.sub(r"\W+", "_", name).strip("_") if self.flat else name
+        """Name of a variable in descriptions: rotor_plane_1_F_x for rotor.plane[1].F_x if flat.
+
+        Else a part with a hyphen is quoted, as FMI's structured names ask: 'left-ring'.drag.
+        """
+        if self.flat:
+            return re.sub(r"\W+", "_", name).strip("_")
+        return re.sub(r"(^|\()(\w+-[\w-]*)\.", r"\1'\2'.", name)
 
     @property
     def returns_early(self) -> bool:

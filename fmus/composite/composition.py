@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -110,9 +111,9 @@ class Composition:
         if any(motors[:-1]):
             raise ValueError("parts: a motor must be the last of them, and the only one")
         for part in self.parts:
-            if not part.name.isidentifier() or not part.name.isascii():
+            if not re.fullmatch(r"[A-Za-z_][A-Za-z0-9_-]*", part.name):
                 raise ValueError(
-                    f"{part.name!r}: a part is named by letters, digits and underscores alone"
+                    f"{part.name!r}: a part is named by letters, digits, _ and -, a letter first"
                 )
             mounted = part is not self.parts[0] and part.model != "Motor"
             if mounted and not 1 <= part.plane <= planes:

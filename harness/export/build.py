@@ -64,19 +64,21 @@ def build_files(
     """
     if (plain or flat or reference) and (ssp or not one_file):
         raise UserError("--plain, --flat-names, --reference: give --one-file and leave out --ssp")
+    form: dict[str, Any]
     if ssp:
-        if scene is None or fmi != 2 or (one_file and python):
+        if scene is None or (python and (one_file or fmi != 2)):
             raise UserError(
-                "--ssp: give a scene, and neither --fmi 3, which SSP 1.0 does not have, nor "
-                "--python with --one-file"
+                "--ssp: give a scene, and with --python neither --one-file nor --fmi 3: Python "
+                "units are separate ones of FMI 2.0"
             )
-        return _build_ssp(scene, output, one_file, "python" if python else "native", platforms)
+        form = {"backend": "python" if python else "native", "platforms": platforms, "fmi": fmi}
+        return _build_ssp(scene, output, one_file, form)
     if one_file:
         if scene is None:
             raise UserError("--one-file: give the scene whose units are to be coupled")
         if python:
             raise UserError("--one-file: has no Python units; leave out --python")
-        form: dict[str, Any] = {"fmi": fmi, "platforms": platforms, "plain": plain, "flat": flat}
+        form = {"fmi": fmi, "platforms": platforms, "plain": plain, "flat": flat}
         form["reference"] = reference
         return _build_one_file(scene, output, form)
     from ...fmus.build import build
@@ -131,16 +133,13 @@ def _build_one_file(scene: Scene, output: Path, form: dict[str, Any]) -> Built:
     return Built("Scene built", ("units", "coupling"), (path,), ((parts, scene.coupling.scheme),))
 
 
-def _build_ssp(
-    scene: Scene, output: Path, one_file: bool, backend: str, platforms: list[str] | None
-) -> Built:
+def _build_ssp(scene: Scene, output: Path, one_file: bool, form: dict[str, Any]) -> Built:
     from .ssp.build import build_ssp
 
     path = output
     if output.suffix != ".ssp":
         path = output / f"{scene.name}.ssp"
-    form: dict[str, Any] = {"one_file": one_file, "backend": backend, "platforms": platforms}
-    written(path, lambda to: build_ssp(scene, to, **form))
+    written(path, lambda to: build_ssp(scene, to, one_file=one_file, **form))
     units = "coupled inside" if one_file else "connected, with slopes"
     return Built("System structure package built", ("units",), (path,), ((units,),))
 

@@ -41,7 +41,8 @@ def cosimulate(
 
     The units are coupled in C, as the scene's one file couples them.  Separate FMUs, coupled in
     Python, run instead if `separate` or `fmus` is given, and for what one file does not have:
-    scheme "jacobi", "gauss-seidel" or "compensated", order 0 or 1, units in Python.
+    scheme "jacobi", "gauss-seidel" or "compensated", order 0 or 1, units in Python; then
+    `Result.events` says so, and why.
 
     Args:
         scene: a scene, the path of a scene file, or the name of a bundled scene.
@@ -72,7 +73,11 @@ def cosimulate(
         refuse_separate(scene, fmus)
     separate = separate or fmus is not None or one_file is False
     with load(scene, fmus, separate) as simulation:
-        return _run(simulation, scene, names, progress)
+        found = _run(simulation, scene, names, progress)
+    if not separate and (why := why_separate(scene)):
+        note = f"separate FMUs ran, coupled in Python, which is slower than one file in C: {why}"
+        found = replace(found, events=(note, *found.events))
+    return found
 
 
 def refuse_separate(scene: Scene, fmus: Path | None) -> None:

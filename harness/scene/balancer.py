@@ -65,8 +65,8 @@ class Balancer(Table):
         def can_stick(self) -> bool: ...
 
     name: Annotated[Text, Field(min_length=1, pattern=r"^[A-Za-z_][A-Za-z0-9_-]*$")] = ""
-    """Names its signals: a letter first, then letters, digits, _ and -; unique; default: the
-    kind."""
+    """Names its signals and its FMU: a letter first, then letters, digits, _ and -; unique;
+    default: the kind.  In FMUs a name with - is quoted: `'left-ring'.drag`."""
     at: Annotated[Whole, Field(ge=1)] = 1
     """Number of the rotor's plane or station it sits on."""
     inertia_as_force: Annotated[Flag, Feeds()] = False

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+import re
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 from ....fmus.catalogue import sized_unit
@@ -21,7 +22,7 @@ DRIVE = ("speed", "acceleration")
 
 
 class Wire(NamedTuple):
-    """An output connected to an input; without a source unit to an input of the whole system."""
+    """A connection; a port without a unit is an input or output of the whole system."""
 
     source: Port
     target: Port
@@ -45,7 +46,11 @@ class Element:
 
 @dataclass(frozen=True)
 class Structure:
-    """The system: the rotor first; `step` between communication points and `end` of the run [s]."""
+    """The system: the rotor first; `step` between communication points and `end` of the run [s].
+
+    Attributes:
+        outputs: wires from what elements show to outputs of the system, such as `rotor_x`.
+    """
 
     name: str
     title: str
@@ -53,6 +58,7 @@ class Structure:
     wires: tuple[Wire, ...]
     step: float
     end: float
+    outputs: tuple[Wire, ...] = ()
 
 
 def separate(scene: Scene, slopes: bool = True) -> Structure:
@@ -85,7 +91,8 @@ def separate(scene: Scene, slopes: bool = True) -> Structure:
         for unit in planned.units
     ]
     driven = [unit.name for unit in planned.units if unit.driven]
-    return _structure(scene, elements, [*wires, *_drive(scene, driven)])
+    drive = _drive(scene, driven)
+    return _structure(scene, elements, [*wires, *drive], lambda element: f"{element.name}.")
 
 
 def coupled(scene: Scene) -> Structure:
@@ -99,13 +106,31 @@ def coupled(scene: Scene) -> Structure:
     given = {f"{part.name}.{k}": v for part in made.parts for k, v in part.start.items()}
     settable = {v.name for v in made.described(scene.name).shown if v.causality != "output"}
     start = {k: v for k, v in {**given, **made.start}.items() if k in settable}
-    element = Element(scene.name, layout, start, tuple(recorded(scene)))
-    return _structure(scene, [element], _drive(scene, [element.name]))
+    said = made.described(scene.name)
+    named = Layout(scene.name, [replace(v, name=said.label(v.name)) for v in layout.variables])
+    start = {said.label(k): v for k, v in start.items()}
+    shown = tuple(map(said.label, recorded(scene)))
+    element = Element(scene.name, named, start, shown)
+    return _structure(scene, [element], _drive(scene, [element.name]), lambda _: "")
 
 
-def _structure(scene: Scene, elements: list[Element], wires: list[Wire]) -> Structure:
+def _structure(
+    scene: Scene, elements: list[Element], wires: list[Wire], of_unit: Callable[[Element], str]
+) -> Structure:
+    """`of_unit`: what a signal's name begins with before the name of a variable."""
     step, end = step_size(scene), end_time(scene)
-    return Structure(scene.name, scene.title, tuple(elements), tuple(wires), step, end)
+    outputs = tuple(
+        Wire(Port(element.name, variable), Port("", _flat(f"{of_unit(element)}{variable}")))
+        for element in elements
+        for variable in element.shown
+    )
+    named = scene.name, scene.title
+    return Structure(*named, tuple(elements), tuple(wires), step, end, outputs)
+
+
+def _flat(signal: str) -> str:
+    """Name of an output of the system."""
+    return re.sub(r"\W+", "_", signal).strip("_")
 
 
 def _wires(scene: Scene, planned: Plan, slopes: bool) -> list[Wire]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 import zipfile
 from functools import cache
 
@@ -17,6 +18,7 @@ from autobalancer.harness import Scene, SceneError, cosimulate, load_scene
 from autobalancer.harness.export.ssp.build import build_ssp
 from autobalancer.harness.export.ssp.structure import separate
 from autobalancer.harness.master.plan import plan
+from autobalancer.harness.master.recorder import recorded
 from autobalancer.harness.master.schedule import end_time, step_size
 from tests.studies.tools.measure import TOOLS, VALUES, driven
 
@@ -177,11 +179,46 @@ def test_omsimulator_finds_its_step(packages):
     assert float(found[0].get("stepSize")) == step_size(load_scene("two_balls"))
 
 
+@pytest.mark.parametrize("one_file", [False, True])
+def test_a_variant_has_what_a_run_records_as_outputs_of_the_system(packages, tmp_path, one_file):
+    """Written over the default, which libcosim needs without them, it runs in FMPy."""
+    scene, path = load_scene("two_balls"), tmp_path / "two.ssp"
+    with zipfile.ZipFile(packages("two_balls", one_file)) as old, zipfile.ZipFile(path, "w") as new:
+        for name in old.namelist():
+            if not name.endswith(".ssd"):
+                new.writestr(name, old.read(name))
+        new.writestr("SystemStructure.ssd", old.read("SystemOutputs.ssd"))
+    outputs = {c.name for c in read_ssd(str(path)).system.connectors if c.kind == "output"}
+    owner = "two_balls." if one_file else ""
+    assert outputs >= {re.sub(r"\W+", "_", name).strip("_") for name in recorded(scene)}
+    theirs = _simulated(path, scene, 20)
+    assert (theirs["rotor_x"] == theirs[f"{owner}rotor.x"]).all()
+    assert np.abs(theirs["rotor_x"]).max() > 0.0
+
+
+@pytest.mark.parametrize("one_file", [False, True])
+def test_fmus_of_fmi_3_are_packed_as_ssp_2(packages, tmp_path, one_file):
+    """The namespaces and structure of 1.0, with the types of FMI 3.0 and the number of 2.0."""
+    scene = load_scene("two_balls")
+    platforms = [platform_tuple]
+    path = build_ssp(scene, tmp_path / "two.ssp", one_file=one_file, platforms=platforms, fmi=3)
+    with zipfile.ZipFile(path) as new, zipfile.ZipFile(packages("two_balls", one_file)) as old:
+        assert sorted(new.namelist()) == sorted(old.namelist())
+        for name in ("SystemStructure.ssd", "SystemOutputs.ssd", "resources/parameters.ssv"):
+            text = new.read(name).decode()
+            assert etree.fromstring(text.encode()).get("version") == "2.0"
+            back = text.replace("Float64", "Real").replace('version="2.0"', 'version="1.0"')
+            assert back == old.read(name).decode()
+        fmu = next(name for name in new.namelist() if name.endswith(".fmu"))
+        (tmp_path / "unit.fmu").write_bytes(new.read(fmu))
+    assert read_model_description(str(tmp_path / "unit.fmu")).fmiVersion == "3.0"
+
+
 def test_the_command_builds_a_package(invoke, tmp_path):
     platform = ["--platform", "x86_64-linux"]
     for asked, made in ((tmp_path, "two_balls.ssp"), (tmp_path / "one.ssp", "one.ssp")):
         assert invoke("build", "two_balls", "--ssp", "-o", asked, *platform).exit_code == 0
         assert zipfile.is_zipfile(tmp_path / made)
-    refused = invoke("build", "two_balls", "--ssp", "--fmi", 3, "-o", tmp_path)
+    refused = invoke("build", "two_balls", "--ssp", "--python", "--fmi", 3, "-o", tmp_path)
     assert refused.exit_code != 0
     assert "--fmi 3" in str(refused.exception) + refused.output
