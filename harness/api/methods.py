@@ -22,6 +22,9 @@ if TYPE_CHECKING:
     from autobalancer.harness.design.choices import Design
     from autobalancer.harness.export.build import Built
     from autobalancer.harness.fit.study import Fit
+    from autobalancer.harness.motions.map import MotionsMap
+    from autobalancer.harness.motions.outcome import Motions
+    from autobalancer.harness.motions.sweep import Sweep
     from autobalancer.harness.output.workers import ItemProgress, Progress, Workers
     from autobalancer.harness.scatter.study import Scatter
     from autobalancer.harness.scene.scene import Scene
@@ -105,6 +108,83 @@ class Methods:
             raise UserError(f"speed {speed}: must be positive")
         return captured(self._scene, wanted)
 
+    def motions(
+        self,
+        speeds: float | str | Sequence[float | str] | None = None,
+        starts: str | Iterable[str] = "rest,turning,run-up",
+        n: int = 100,
+        *,
+        seed: int = 1,
+        workers: Workers = 1,
+        progress: Progress | None = None,
+        store: Path | None = None,
+    ) -> Motions:
+        """Every steady motion that random starts end in, with its share.
+
+        Args:
+            speeds: of the rotor [rad/s]; default: the operating speed.
+            starts: rest (the rotor at its speed, weights at rest), turning (with the rotor),
+                run-up (from standstill; the scene's own, else a slow one that is stated).
+            n: random starts of each.
+            seed: the same seed draws the same starts.
+            store: as in `map`.
+
+        Returns:
+            By speed and start: names, shares with 95 % intervals (Wilson 1927), vibration.
+
+        Raises:
+            UserError: a start is unknown, or a speed is not positive.
+            SceneError: there are no weights, dry friction, or a motor that stalls.
+
+        >>> machine = ab.load("two_balls").replace({"weights.drag": 0.0001})
+        >>> found = machine.motions(starts="turning", n=4)
+        >>> found.points[0].shares[0].motion.name
+        'balanced'
+        """
+        from autobalancer.harness.motions.study import find_motions
+        from autobalancer.harness.units import si_number
+
+        if speeds is None:
+            given: list[float | str] = [self._scene.profile().end]
+        elif isinstance(speeds, (int, float, str)):
+            given = [speeds]
+        else:
+            given = list(speeds)
+        names = starts.split(",") if isinstance(starts, str) else list(starts)
+        return find_motions(
+            self._scene,
+            [si_number(speed, "rad/s", "speeds:") for speed in given],
+            list(dict.fromkeys(name.strip() for name in names if name.strip())),
+            n,
+            seed=seed,
+            workers=workers,
+            progress=progress,
+            store=store,
+        )
+
+    def sweep(self, low: float | str, high: float | str, *, seed: int = 1) -> Sweep:
+        """Vibration while the speed rises slowly from `low`, and while it falls from `high`.
+
+        Args:
+            low, high: [rad/s].
+            seed: draws the angles at the start.
+
+        Raises:
+            UserError: the range is empty, or a run fails.
+            SceneError: there are no weights.
+
+        >>> found = ab.load("two_balls").sweep(2.0, 3.0)
+        >>> [branch.name for branch in found.branches]
+        ['rising', 'falling']
+        """
+        from autobalancer.harness.capture.captured import captured
+        from autobalancer.harness.motions.sweep import sweep
+        from autobalancer.harness.units import si_number
+
+        captured(self._scene)  # refuses what has no weights
+        ends = [si_number(end, "rad/s", "sweep:") for end in (low, high)]
+        return sweep(self._scene, *ends, seed=seed)
+
     def map(
         self,
         x: str | Axis,
@@ -114,13 +194,14 @@ class Methods:
         workers: Workers = 1,
         progress: Progress | None = None,
         store: Path | None = None,
-    ) -> StabilityMap | RunMap | ProvedMap:
+    ) -> StabilityMap | RunMap | ProvedMap | MotionsMap:
         """Where balancing is stable, over two values of the scene.
 
         Args:
             x, y: "PATH=LOW:HIGH:N" or "PATH=LOW:HIGH:N:log", or an `Axis`.
-            method: floquet (growth rates [1/s]), cosim-run (vibration that a run leaves [m]), or
-                proved (of each of N x N cells from LOW to HIGH: stable, unstable or undecided).
+            method: floquet (growth rates [1/s]), cosim-run (vibration that a run leaves [m]),
+                motions (share of 40 run-ups that balances), or proved (of each of N x N cells from
+                LOW to HIGH: stable, unstable or undecided).
             store: a file that keeps every point; an interrupted map continues from it.
 
         Returns:
@@ -145,8 +226,12 @@ class Methods:
             return self._proved_map(axes, workers, progress, store)
         if method == "cosim-run":
             return run_map(self._scene, *axes, **options)
+        if method == "motions":
+            from autobalancer.harness.motions.map import motions_map
+
+            return motions_map(self._scene, *axes, **options)
         if method != "floquet":
-            raise UserError(f"method {method!r}: must be floquet, cosim-run or proved")
+            raise UserError(f"method {method!r}: must be floquet, cosim-run, motions or proved")
         return stability_map(self._scene, *axes, **options)
 
     def _proved_map(

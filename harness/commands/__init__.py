@@ -2,5 +2,5 @@
 
 NAMES = (
     *("check", "build", "run", "speeds", "map", "balance", "rotor", "design", "scatter"),
-    *("capture", "fit", "drag", "precision", "show", "new", "cite", "stress", "manual"),
+    *("capture", "motions", "fit", "drag", "precision", "show", "new", "cite", "stress", "manual"),
 )  # in the order of the help

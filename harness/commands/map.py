@@ -21,6 +21,7 @@ class MapMethod(str, Enum):
 
     FLOQUET = "floquet"
     COSIM_RUN = "cosim-run"
+    MOTIONS = "motions"
     PROVED = "proved"
 
 
@@ -34,8 +35,8 @@ def command(
     method: Annotated[
         MapMethod,
         typer.Option(
-            help="Growth rates; residual vibration after the scene's run, in C; or stability "
-            "proved for every cell."
+            help="Growth rates; residual vibration after the scene's run, in C; share of run-ups "
+            "that balances; or stability proved for every cell."
         ),
     ] = MapMethod.FLOQUET,
     cluster: Annotated[str | None, options.CLUSTER] = None,

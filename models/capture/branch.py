@@ -23,6 +23,7 @@ _POINTS_BELOW = 16
 _LOWEST = 0.03  # of a natural frequency: how far down motions are looked for
 _NARROWEST = 1e-7  # half width over frequency, of undamped rotors too
 _SMALLEST_LAG = 1e-3  # of a peak's speed: weights that lag less are let go at once
+_POLE_STEPS = 2
 _FARTHEST_PEAK = 3.0  # half widths between a pole and its peak
 _SAME_PEAK = 0.05  # half widths: peaks so near are one
 _REFINEMENTS, _END_REFINEMENTS = 6, 3
@@ -37,6 +38,8 @@ class Branches:
 
     Attributes:
         speed: of the rotor [rad/s].
+        poles: natural frequencies with all weights fixed to the rotor.
+        own: (b,) that of a row, whose other weights turn with the rotor.
         pole: (b,) index of the natural frequency.
         numbers: (b, c) of weights left behind, by group.
         peak, lag: (b,) speed of the weights at the peak, and how far they can lag there [rad/s];
@@ -48,6 +51,7 @@ class Branches:
 
     speed: float
     poles: Poles
+    own: Poles
     pole: Indices
     numbers: Array
     peak: Array
@@ -61,32 +65,38 @@ class Branches:
 def find_branches(receptance: Receptance, lag: Lag, speed: float) -> Branches:
     """Branches of every natural frequency below the rotor's speed, for k = 1 to N weights."""
     poles = receptance.poles(speed)
-    below = poles.frequency < speed
-    poles = Poles(poles.frequency[below], poles.decay[below], poles.shapes[below])
+    poles = poles.select(poles.frequency < speed)
     shapes = poles.shapes[:, lag.planes]
     numbers = [ordered_numbers(lag.groups, lag.drags, reach) for reach in np.abs(shapes)]
     ways = 1 if len(lag.groups) == 1 else 2
     every = np.array([n[..., way] for n in numbers for way in range(ways)])
     every = every.reshape(-1, len(lag.groups))
-    count, many = len(numbers), ways * sum(group.count for group in lag.groups)
-    pole = np.repeat(np.arange(count), many)
-    frequency = _grid(poles)
+    many = ways * sum(group.count for group in lag.groups)
+    pole = np.repeat(np.arange(len(numbers)), many)
+    own = near_poles(receptance, lag, poles.select(pole), speed, every)
+    frequency = _grid(own)
     points = frequency.shape[1]
-    g = receptance.between_planes(frequency.reshape(-1), speed)
-    g = g.reshape(count, points, *g.shape[1:])
     start = np.repeat(np.angle(shapes).astype(float)[pole], points, axis=0)
-    lags, phases = lag.solve(
-        frequency[pole].reshape(-1),
-        g[pole].reshape(-1, *g.shape[2:]),
-        np.repeat(every, points, axis=0),
-        start,
+    lags, phases = lag.at(
+        receptance, frequency.reshape(-1), speed, np.repeat(every, points, axis=0), start
     )
     lags, phases = lags.reshape(-1, points), phases.reshape(len(pole), points, -1)
-    peak, held, top = _peaks(frequency[pole], lags, poles, pole)
-    found = Branches(speed, poles, pole, every, peak, held, frequency[pole], lags, phases, top)
+    peak, held, top = _peaks(frequency, lags, own, pole)
+    found = Branches(speed, poles, own, pole, every, peak, held, frequency, lags, phases, top)
     ends = np.flatnonzero(~np.isnan(peak) & np.isnan(lags[range(len(top)), top + 1]))
     for row in ends if len(lag.groups) > 1 else ():
         _refine_end(found, receptance, lag, int(row))
+    return found
+
+
+def near_poles(
+    receptance: Receptance, lag: Lag, poles: Poles, speed: float | Array, numbers: Array
+) -> Poles:
+    """Natural frequencies (b,) while numbers (b, c) of weights are left behind."""
+    found = poles
+    for _ in range(_POLE_STEPS):
+        forward, _ = lag.others(found.frequency, speed, numbers)
+        found = receptance.moved(poles, forward)
     return found
 
 
@@ -98,7 +108,7 @@ def _refine_end(branches: Branches, receptance: Receptance, lag: Lag, row: int) 
     for _ in range(_END_REFINEMENTS):
         w = np.linspace(low, high, 8)
         both = [np.broadcast_to(a, (len(w), len(a))) for a in (numbers, phases)]
-        lags, turned = lag.solve(w, receptance.between_planes(w, branches.speed), *both)
+        lags, turned = lag.at(receptance, w, branches.speed, *both)
         ended = np.flatnonzero(np.isnan(lags))
         last = max(0, int(ended[0]) - 1) if len(ended) else len(w) - 1
         low, high, phases = w[last], w[min(last + 1, len(w) - 1)], turned[last]
@@ -144,10 +154,10 @@ def _peaks(
     frequency: Array, lags: Array, poles: Poles, pole: Indices
 ) -> tuple[Array, Array, Indices]:
     """Local maximum of each row that is nearest to its pole, by the inverse of a resonance."""
-    width = np.maximum(poles.decay, _NARROWEST * poles.frequency)[pole]
-    away = np.abs(frequency - poles.frequency[pole, None]) / width[:, None]
+    width = np.maximum(poles.decay, _NARROWEST * poles.frequency)
+    away = np.abs(frequency - poles.frequency[:, None]) / width[:, None]
     peak, held, top = find_peaks(frequency, lags, np.where(away > _FARTHEST_PEAK, np.inf, away))
-    small = ~(held > _SMALLEST_LAG * peak) | ~(poles.decay[pole] > 0.0)
+    small = ~(held > _SMALLEST_LAG * peak) | ~(poles.decay > 0.0)
     peak, held = np.where(small, np.nan, peak), np.where(small, np.nan, held)
     return (*_without_twins(peak, held, width, pole), top)
 
@@ -221,9 +231,8 @@ def _crossing(
     numbers = branches.numbers[row]
     for _ in range(_REFINEMENTS):
         w = np.linspace(low, high, 10)
-        g = receptance.between_planes(w, branches.speed)
         both = [np.broadcast_to(a, (len(w), len(a))) for a in (numbers, phases)]
-        lags, turned = lag.solve(w, g, *both)
+        lags, turned = lag.at(receptance, w, branches.speed, *both)
         beyond = np.flatnonzero(~(w + lags <= branches.speed))
         at = max(1, int(beyond[0])) if len(beyond) else len(w) - 1
         low, high = float(w[at - 1]), float(w[at])

@@ -144,7 +144,10 @@ def capture(assembly: Assembly, speed: float) -> Capture:
         raise ValueError(f"speed = {speed!r} rad/s: must be positive")
     drags = np.array([group.drag for group in groups])
     drags = drags if drags.all() else np.maximum(drags, 1.0 if not drags.any() else 1e-9)
-    receptance, lag = Receptance(assembly.loaded_rotor), Lag(groups, drags)
+    receptance, lag = (
+        Receptance(assembly.loaded_rotor),
+        Lag(groups, drags, assembly.rotor.plane_count),
+    )
     alone, share = _unbalance(assembly, speed)
     found = Capture(speed, groups, tuple(drags.tolist()), (), alone, share)
     if receptance.poles(speed).decay.min(initial=0.0) < 0.0:
@@ -213,7 +216,8 @@ def _amplitudes(
         forces[:, plane] += force[:, k]
     if not len(rows):
         return np.zeros((0, receptance.rotor.stations))
-    found = largest_displacement(receptance.displacements(at, branches.speed, forces))
+    others = lag.others(at, branches.speed, branches.numbers[rows])
+    found = largest_displacement(receptance.displacements(at, branches.speed, forces, *others))
     return np.where(np.isnan(w)[:, None], np.nan, found)
 
 
@@ -223,13 +227,11 @@ def brake_curve(assembly: Assembly, found: Capture, weights: int, frequency: Arr
     Which weights, and how they stand to each other, is as near the closest natural frequency.
     """
     receptance = Receptance(assembly.loaded_rotor)
-    lag = Lag(found.groups, np.array(found.drags))
+    lag = Lag(found.groups, np.array(found.drags), assembly.rotor.plane_count)
     at = np.array([one.frequency for one in found.natural])
     nearest = np.abs(frequency[:, None] - at).argmin(axis=1)
     numbers, phases = np.zeros((2, len(frequency), len(found.groups)))
     for k, one in enumerate(found.natural):
         there = next((m for m in one.motions if m.weights == weights), one.motions[-1])
         numbers[nearest == k], phases[nearest == k] = there.numbers, there.phases
-    return lag.solve(frequency, receptance.between_planes(frequency, found.speed), numbers, phases)[
-        0
-    ]
+    return lag.at(receptance, frequency, found.speed, numbers, phases)[0]

@@ -9,6 +9,13 @@ their angle, and g of `receptance`, the mean torques per turn are in balance whe
 for every group.  One group: h (Om - w) = k m^2 w^4 (-Im g): track radius and rolling inertia
 cancel.  Weights of a size touch: S = m R sin(k alpha)/sin(alpha), alpha half the angle between
 neighbours (Goncharov 2017 (5)); their contact forces cancel in the sum.
+
+A weight that turns with the rotor swings in it while its plane moves by Z e^{i w t}.  Its force is
+
+    m w^2 Z (1 - w^2/(2 kappa (v^2 - i v d))),   v = w - Om,   d = h/(kappa m),
+
+averaged over its angle: less than its mass makes, and for w < Om its drag feeds the rotor's motion
+as internal damping does.
 """
 
 from __future__ import annotations
@@ -20,6 +27,7 @@ import numpy as np
 from ..arrays import Array, Complex
 from ..assembly import Assembly, Mounted, weights_of
 from ..spacing import half_angle
+from .receptance import Receptance
 
 _NEWTON_STEPS = 12
 _BALANCED = 1e-9  # of the torque: what Newton's method leaves
@@ -35,6 +43,7 @@ class Group:
         plane: index.
         count, moment, drag, radius: number, m R of each [kg m], h of each [N s/m], R [m].
         half_angle: half the angle between two that touch [rad]; 0: points.
+        mass, kappa: of each [kg], and its inertia as it rolls over its mass.
     """
 
     balancer: int
@@ -44,6 +53,8 @@ class Group:
     drag: float
     radius: float
     half_angle: float
+    mass: float
+    kappa: float
 
     def bunched(self, numbers: Array) -> Array:
         """Static moment of so many weights side by side [kg m]."""
@@ -68,7 +79,8 @@ def _of_balancer(number: int, mounted: Mounted) -> list[Group]:
         kinds[kind] = kinds.get(kind, 0) + 1
     return [
         Group(number, mounted.plane, count, moment, drag, weights.track_radius,
-              half_angle(radius, weights.track_radius))
+              half_angle(radius, weights.track_radius), moment / weights.track_radius,
+              weights.kappa)
         for (moment, drag, radius), count in kinds.items()
     ]  # fmt: skip
 
@@ -103,12 +115,51 @@ class Lag:
     Args:
         groups: all of them.
         drags: (c,) of each group [N s/m], positive.
+        planes: number of the rotor's.
     """
 
-    def __init__(self, groups: tuple[Group, ...], drags: Array) -> None:
-        self.groups, self.drags = groups, drags
+    def __init__(self, groups: tuple[Group, ...], drags: Array, planes: int) -> None:
+        self.groups, self.drags, self._plane_count = groups, drags, planes
         self.planes = np.array([one.plane for one in groups])
         self._resistance = drags * np.array([one.radius**2 for one in groups])
+
+    def at(
+        self,
+        receptance: Receptance,
+        frequency: Array,
+        speed: float | Array,
+        numbers: Array,
+        phases: Array,
+        planes: Complex | None = None,
+    ) -> tuple[Array, Array]:
+        """`solve` with the other weights turning with the rotor.
+
+        Args:
+            planes: `Receptance.of_planes` there, where it is known.
+        """
+        if planes is None:
+            planes = receptance.of_planes(frequency, speed)
+        g = receptance.between_planes(planes, *self.others(frequency, speed, numbers))
+        return self.solve(frequency, g, numbers, phases)
+
+    def others(
+        self, frequency: Array, speed: float | Array, numbers: Array
+    ) -> tuple[Complex, Complex]:
+        """Force per displacement of a plane of weights that turn with the rotor, (b, p) [N/m].
+
+        They swing in the rotor at w - Om (at -w - Om for the backward part of the motion) and are
+        held by their drag alone.
+        """
+        found = np.zeros((2, len(frequency), self._plane_count), complex)
+        for k, one in enumerate(self.groups):
+            free = (one.count - numbers[:, k]) * one.mass
+            rate = self.drags[k] / (one.kappa * one.mass)
+            for way, sign in enumerate((1.0, -1.0)):
+                relative = sign * frequency - speed
+                swing = -(relative**2) + 1j * relative * rate
+                swing = np.where(np.abs(swing) > 0.0, swing, 1.0)
+                found[way, :, one.plane] += free * frequency**4 / (2.0 * one.kappa * swing)
+        return found[0], found[1]
 
     def moments(self, numbers: Array) -> Array:
         """Static moments (b, c) of bunched weights, by their numbers (b, c) [kg m]."""

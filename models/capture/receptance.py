@@ -15,9 +15,10 @@ for a rotor whose axes are alike the complex receptance of z = x + i y.
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..arrays import Array, Complex
 from ..rotor import LinearRotor
@@ -32,11 +33,17 @@ class Poles(NamedTuple):
         frequency: (m,) at which they turn or swing [rad/s].
         decay: (m,) rate [1/s]; negative where the rotor is unstable.
         shapes: (m, p) forward part of the planes' motion, complex.
+        slopes: (m,) of the dynamic stiffness over the frequency, by the mode [N s/m].
     """
 
     frequency: Array
     decay: Array
     shapes: Complex
+    slopes: Complex
+
+    def select(self, rows: NDArray[Any]) -> Poles:
+        """Some of them, or some several times."""
+        return Poles(*(values[rows] for values in self))
 
 
 class Receptance:
@@ -53,19 +60,47 @@ class Receptance:
         _, damping, stiffness = rotor.coefficients(1.0)
         self._damping_by_speed = damping - self._damping
         self._stiffness_by_speed = stiffness - self._stiffness
-        planes = rotor.planes.astype(complex)
-        self._forces = planes.T if rotor.isotropic else np.vstack([planes.T, -1j * planes.T])
+        planes, p = rotor.planes.astype(complex), rotor.plane_count
+        self._planes = planes if rotor.isotropic else np.kron(np.eye(2), planes)
+        turning = np.eye(p) if rotor.isotropic else np.vstack([np.eye(p), -1j * np.eye(p)])
+        self._turning = turning.astype(complex)
+        self._forces = self._planes.T @ self._turning
         self._share = 1.0 if rotor.isotropic else 0.5
 
-    def between_planes(self, frequency: Array, speed: float | Array) -> Complex:
-        """g (b, p, p) at frequencies (b,) while the rotor turns at `speed`, one or (b,) [m/N]."""
-        moved = np.linalg.solve(self._dynamic(frequency, speed), self._forces[None])
-        return self._share * (self._forces.conj().T @ moved)
+    def of_planes(self, frequency: Array, speed: float | Array) -> Complex:
+        """Receptance of the planes' displacements, (b, p, p) or, of x and y, (b, 2p, 2p) [m/N].
 
-    def displacements(self, frequency: Array, speed: float, forces: Complex) -> Complex:
+        Args:
+            frequency: w (b,).
+            speed: of the rotor, one or (b,).
+        """
+        moved = np.linalg.solve(self._dynamic(frequency, speed), self._planes.T[None])
+        return np.asarray(self._planes @ moved)
+
+    def between_planes(self, planes: Complex, forward: Complex, backward: Complex) -> Complex:
+        """g (b, p, p) from `of_planes`, with weights that turn with the rotor.
+
+        Args:
+            forward, backward: (b, p) force that such weights exert for the forward and the
+                backward part of a plane's motion, beyond that of their mass [N/m].
+        """
+        own = self._as_matrix(forward, backward)
+        found = np.linalg.solve(np.eye(planes.shape[-1]) - planes @ own, planes)
+        return self._share * (self._turning.conj().T @ found @ self._turning)
+
+    def displacements(
+        self,
+        frequency: Array,
+        speed: float,
+        forces: Complex,
+        forward: Complex,
+        backward: Complex,
+    ) -> Complex:
         """x, y = Re(found e^{i w t}), (b, 2, n) [m], for forces (b, p) that turn at (b,) [N]."""
         acting = (self._forces @ forces[..., None])[..., 0]
-        found = np.linalg.solve(self._dynamic(frequency, speed), acting[..., None])[..., 0]
+        own = self._planes.T @ self._as_matrix(forward, backward) @ self._planes
+        dynamic = self._dynamic(frequency, speed) - own
+        found = np.linalg.solve(dynamic, acting[..., None])[..., 0]
         if self.rotor.isotropic:
             return np.stack([found, -1j * found], axis=1)
         return found.reshape(len(found), 2, -1)
@@ -76,8 +111,27 @@ class Receptance:
         vectors = vectors[: len(vectors) // 2].T
         found = values.imag > _STILL * np.abs(values)
         order = np.flatnonzero(found)[np.argsort(values[found].imag)]
-        shapes = vectors[order] @ self._forces.conj()
-        return Poles(values[order].imag, -values[order].real, shapes)
+        modes, damping = vectors[order], self._damping + speed * self._damping_by_speed
+        inertia = -2.0 * values[order].imag[:, None, None] * self._mass + 1j * damping
+        slopes = np.einsum("mi,mij,mj->m", modes.conj(), inertia, modes)
+        shapes = modes @ self._forces.conj()
+        return Poles(values[order].imag, -values[order].real, shapes, slopes)
+
+    def moved(self, poles: Poles, forward: Complex) -> Poles:
+        """Natural frequencies with a force per forward displacement of the planes (m, p) [N/m]."""
+        work = self._share * (forward * np.abs(poles.shapes) ** 2).sum(axis=1)
+        step = work / poles.slopes
+        found = poles._replace(frequency=poles.frequency + step.real, decay=poles.decay + step.imag)
+        return found
+
+    def _as_matrix(self, forward: Complex, backward: Complex) -> Complex:
+        """Forces of the planes by their displacements, shaped as `of_planes`."""
+        eye = np.eye(forward.shape[1])
+        ahead, back = forward[:, :, None] * eye, backward.conj()[:, :, None] * eye
+        if self.rotor.isotropic:
+            return ahead
+        same, across = 0.5 * (ahead + back), 0.5j * (ahead - back)
+        return np.asarray(np.block([[same, across], [-across, same]]))
 
     def rates(self, speeds: Array) -> Complex:
         """Eigenvalues (b, m) of the free motion at speeds (b,) of the rotor [1/s]."""

@@ -12,7 +12,7 @@ import math
 import numpy as np
 
 from ..arrays import Array
-from .branch import Branches, find_peaks
+from .branch import Branches, find_peaks, near_poles
 from .groups import Lag
 from .receptance import Receptance
 
@@ -26,7 +26,12 @@ _AROUND = np.array([-2.0, -1.2, -0.7, -0.4, -0.2, 0.0, 0.2, 0.4, 0.7, 1.2, 2.0])
 def release_speeds(branches: Branches, receptance: Receptance, lag: Lag, rows: Array) -> Array:
     """(r,) of some branches [rad/s]; infinite: not up to `_FARTHEST` times the rotor's speed."""
     found = (branches.peak + branches.lag)[rows]
-    if not receptance.follows_speed or not len(rows):
+    all_left = branches.numbers[rows].sum(axis=1) == sum(one.count for one in lag.groups)
+    fixed = all_left & (not receptance.follows_speed)
+    if fixed.any():  # of weights that turn with the rotor, the swing follows its speed
+        found[~fixed] = release_speeds(branches, receptance, lag, rows[~fixed])
+        return found
+    if not len(rows):
         return found
     peaks = _MovingPeaks(branches, receptance, lag, rows)
     speed = np.full(len(rows), branches.speed)
@@ -54,22 +59,27 @@ class _MovingPeaks:
     def __init__(self, branches: Branches, receptance: Receptance, lag: Lag, rows: Array) -> None:
         self._receptance, self._lag = receptance, lag
         pole, self._numbers = branches.pole[rows], branches.numbers[rows]
-        poles = branches.poles
+        self._poles = branches.poles.select(pole)
         self.place = branches.peak[rows]
-        self._rate = -poles.decay[pole] + 1j * poles.frequency[pole]
-        self._offset = (self.place - self._rate.imag) / -self._rate.real
+        self._rate = -self._poles.decay + 1j * self._poles.frequency
+        own = branches.own.select(rows)
+        self._offset = (self.place - own.frequency) / own.decay
         self._phases = branches.phases[rows, branches.top[rows]]
 
     def __call__(self, speeds: Array) -> Array:
         rates = self._receptance.rates(speeds)
         nearest = np.abs(rates - self._rate[:, None]).argmin(axis=1)
         self._rate = rates[range(len(rates)), nearest]
-        frequency, decay = self._rate.imag, -self._rate.real
+        poles = self._poles._replace(
+            frequency=self._rate.imag.astype(float), decay=-self._rate.real.astype(float)
+        )
+        own = near_poles(self._receptance, self._lag, poles, speeds, self._numbers)
+        frequency, decay = own.frequency, own.decay
         many, points = len(speeds), len(_AROUND)
         w = frequency[:, None] + decay[:, None] * (self._offset[:, None] + _AROUND)
-        g = self._receptance.between_planes(w.reshape(-1), np.repeat(speeds, points))
         args = [np.repeat(a, points, axis=0) for a in (self._numbers, self._phases)]
-        lags, _ = self._lag.solve(w.reshape(-1), g, *args)
+        at = (w.reshape(-1), np.repeat(speeds, points))
+        lags, _ = self._lag.at(self._receptance, *at, *args)
         peak, held, _ = find_peaks(w, lags.reshape(many, points), np.abs(_AROUND) + 0.0 * w)
         ended = np.isnan(peak) | (decay <= 0.0)
         self.place = np.where(ended, self.place, peak)

@@ -1,0 +1,1 @@
+"""Steady motions of a machine with balancers, and how often each is reached."""

@@ -1,0 +1,191 @@
+"""Names of steady motions, and the rules by which a run is given one.
+
+A run is looked at in `WINDOWS` windows at its end, each of several revolutions.  Of every window it
+has the largest distance of a station from the middle and, of every weight, how much it lags behind
+the rotor on average.
+
+balanced: all weights turn with the rotor, which vibrates less than `BALANCED` of what it does
+    without balancers, and no more than before.
+left behind: some weights turn at a steady speed below the rotor's, the same for all of them.
+synchronous, not balanced: all weights rest in the rotor, and it vibrates on.
+two frequencies: the weights turn with the rotor and swing steadily.
+irregular: none of these, and still so in a run five times as long.
+undecided: vibration or lag still drift there.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import IntEnum
+
+import numpy as np
+
+from ...models.arrays import Array
+from ...models.capture import Capture
+
+WINDOWS, LATE = 8, 4  # windows, and how many of the last ones decide
+BALANCED = 0.05  # of the vibration without balancers
+GROWS = 1.5  # times the vibration of the first late window: it is not settled
+BEHIND = 0.02  # of the rotor's speed: a weight that lags by more is left behind
+WITH = 0.004  # of it: one that lags by less turns with the rotor
+STEADY_LAG, STEADY_VIBRATION = 0.02, 0.06  # relative changes over the late windows
+ALIKE = 0.02  # relative: lags of weights that are left behind together
+BEATS = 0.15  # relative: by so much the vibration of a steady motion differs between windows
+LARGEST_SWING = 2.0  # rad, peak to peak, of a weight that is left behind steadily
+RESTS = 0.02  # rad by which a weight at rest in the rotor moves in a window
+DRIFT = 0.01  # relative: by so much a value that moves one way through all windows changes
+
+
+class Kind(IntEnum):
+    """What a run comes to."""
+
+    FAILED = -1
+    UNDECIDED = 0
+    BALANCED = 1
+    SYNCHRONOUS = 2
+    BEHIND = 3
+    TWO_FREQUENCIES = 4
+    IRREGULAR = 5
+    SLOW_ROTOR = 6
+
+
+@dataclass(frozen=True, eq=False)
+class Seen:
+    """Runs (r) in windows (j), with weights (k).
+
+    Attributes:
+        speed: (r, j) mean of the rotor [rad/s].
+        vibration: (r, j) largest distance of a station from the middle [m].
+        lag: (r, j, k) mean speed of the rotor less that of the weight [rad/s].
+        swing: (r, j, k) by how much a weight's angle in the rotor deviates from steady turning,
+            peak to peak [rad].
+        seconds: of a window.
+    """
+
+    speed: Array
+    vibration: Array
+    lag: Array
+    swing: Array
+    seconds: float
+
+
+@dataclass(frozen=True, eq=False)
+class Found:
+    """(r,) of every run.
+
+    Attributes:
+        kind: of `Kind`.
+        weights: how many are left behind.
+        frequency: at which they turn [rad/s]; NaN: none.
+        vibration: in the last windows [m].
+    """
+
+    kind: Array
+    weights: Array
+    frequency: Array
+    vibration: Array
+
+
+def classify(seen: Seen, alone: float, speed: float) -> Found:
+    """The steady motion of every run.
+
+    Args:
+        alone: vibration without balancers [m].
+        speed: that the rotor is to have [rad/s].
+    """
+    count = len(seen.vibration)
+    kind = np.full(count, Kind.UNDECIDED)
+    weights, frequency = np.zeros(count), np.full(count, np.nan)
+    late = seen.vibration[:, -LATE:].max(axis=1)
+    for r in range(count):
+        kind[r], weights[r], frequency[r] = _one(seen, r, alone, speed)
+    return Found(kind.astype(float), weights, frequency, late)
+
+
+def _one(seen: Seen, r: int, alone: float, speed: float) -> tuple[Kind, int, float]:
+    v, turning = seen.vibration[r], seen.speed[r, -LATE:]
+    if not np.isfinite(v).all():
+        return Kind.FAILED, 0, np.nan
+    om = float(turning.mean())
+    if om < 0.9 * speed:
+        return Kind.SLOW_ROTOR, 0, om
+    lag = seen.lag[r, -LATE:]
+    mean = lag.mean(axis=0)
+    behind, along = mean > BEHIND * om, np.abs(mean) <= WITH * om
+    moves = _drifts(v)
+    if not (behind | along).all():
+        return Kind.UNDECIDED if moves else Kind.IRREGULAR, 0, np.nan
+    if not behind.any():
+        return _turning_with_the_rotor(v, seen.swing[r], alone, moves), 0, np.nan
+    late = lag[:, behind]
+    swing = np.minimum(seen.swing[r, -LATE:][:, behind].max(axis=0), LARGEST_SWING)
+    beats = 2.0 * swing / seen.seconds  # of a steady swing that a window cuts anywhere
+    steady = np.ptp(late, axis=0) <= STEADY_LAG * late.mean(axis=0) + beats
+    alike = np.ptp(late.mean(axis=0)) <= ALIKE * late.mean()
+    if steady.all() and alike and not moves and np.ptp(v[-LATE:]) <= BEATS * v[-LATE:].mean():
+        return Kind.BEHIND, int(behind.sum()), om - float(late.mean())
+    each = seen.lag[r][:, behind]
+    drifts = any(_drifts(column) for column in each.T)
+    return Kind.UNDECIDED if drifts or moves else Kind.IRREGULAR, 0, np.nan
+
+
+def _turning_with_the_rotor(v: Array, swing: Array, alone: float, moves: bool) -> Kind:
+    late = v[-LATE:]
+    if late.max() < BALANCED * alone and late[-1] <= max(GROWS * late[0], 0.2 * BALANCED * alone):
+        return Kind.BALANCED
+    if moves:
+        return Kind.UNDECIDED
+    if np.ptp(late) <= STEADY_VIBRATION * late.mean():
+        return Kind.SYNCHRONOUS if swing[-LATE:].max() <= RESTS else Kind.TWO_FREQUENCIES
+    return Kind.IRREGULAR
+
+
+def _drifts(values: Array) -> bool:
+    """Whether values rise, or fall, through all windows."""
+    steps = np.diff(values)
+    one_way = bool((steps > 0.0).all() or (steps < 0.0).all())
+    return one_way and bool(abs(values[-1] - values[0]) > DRIFT * np.abs(values).mean())
+
+
+@dataclass(frozen=True)
+class Motion:
+    """A steady motion by name.
+
+    Attributes:
+        kind: of `Kind`.
+        weights, total: left behind, of so many; 0 where none is.
+        natural: natural frequency beside which they turn [rad/s]; NaN: none is known.
+    """
+
+    kind: Kind
+    weights: int = 0
+    total: int = 0
+    natural: float = float("nan")
+
+    @property
+    def name(self) -> str:
+        """In words, without its frequency."""
+        if self.kind is not Kind.BEHIND:
+            return _NAMES[self.kind]
+        beside = "" if np.isnan(self.natural) else f" beside {self.natural:.4g} rad/s"
+        return f"left behind: {self.weights} of {self.total}{beside}"
+
+
+_NAMES = {
+    Kind.FAILED: "failed",
+    Kind.UNDECIDED: "undecided",
+    Kind.BALANCED: "balanced",
+    Kind.SYNCHRONOUS: "synchronous, not balanced",
+    Kind.TWO_FREQUENCIES: "two frequencies",
+    Kind.IRREGULAR: "irregular",
+    Kind.SLOW_ROTOR: "rotor below its speed",
+}
+
+
+def motion_of(kind: float, weights: float, frequency: float, closed: Capture | None) -> Motion:
+    """The motion of a run; `closed`: what the closed form says at its speed."""
+    if Kind(int(kind)) is not Kind.BEHIND:
+        return Motion(Kind(int(kind)))
+    natural = [one.frequency for one in closed.natural] if closed else []
+    nearest = min(natural, key=lambda n: abs(n - frequency), default=float("nan"))
+    return Motion(Kind.BEHIND, int(weights), closed.count if closed else 0, nearest)
