@@ -142,7 +142,7 @@ def in_blocks(page: Path) -> list[str]:
 def in_lines() -> list[str]:
     """Commands in lines of text of all pages, each once, and `OTHERS`."""
     shown = {line for page in PAGES for line in commands_in(page) if line not in in_blocks(page)}
-    # `manual` requires a checkout: tests/harness/test_manual.py
+    # `manual` requires an extra: tests/harness/test_manual.py
     return [*sorted(line for line in shown if "manual" not in line),
             *(f"autobalancer {line}" for line in OTHERS)]  # fmt: skip
 
@@ -189,7 +189,7 @@ def test_commands_shown_exist_with_their_options(page):
 
 
 def test_links_lead_somewhere(tmp_path):
-    write_pages(tmp_path / "pages", get_command(program()))
+    write_pages(tmp_path / "pages")
     units = list((ROOT / "fmus").glob("*/README.md"))
     for page in (*ALL, *units, *(tmp_path / "pages").rglob("*.md")):
         text = page.read_text(encoding="utf-8")

@@ -13,6 +13,8 @@ from pathlib import Path
 import pytest
 from packaging.requirements import Requirement
 
+from autobalancer.harness.manual import site
+
 ROOT = Path(__file__).parents[1]
 
 
@@ -28,7 +30,7 @@ def checkout(tmp_path_factory) -> Path:
     root = tmp_path_factory.mktemp("checkout")
     for name in ("fmus", "models", "harness"):
         shutil.copytree(ROOT / name, root / name, ignore=shutil.ignore_patterns("__pycache__"))
-    for name in ("pyproject.toml", "README.md", "LICENSE"):
+    for name in ("pyproject.toml", *site.TOP):
         shutil.copy(ROOT / name, root)
     return root
 

@@ -11,7 +11,6 @@ from ..output.terminal import progress_bars, say
 
 
 def command(
-    context: typer.Context,
     output: Annotated[
         Path, typer.Option("--output", "-o", metavar="DIR", help="Folder of the site.")
     ] = Path("site"),
@@ -22,11 +21,11 @@ def command(
 ) -> None:
     """Write the manual as a static site with search.
 
-    Requires a checkout and the extra `docs`.
+    Requires the extra `docs`: pip install 'autobalancer[docs]'.
     """
     from ..manual.site import write_site
 
     with progress_bars() as bars:
-        write_site(output, bars.track, context.find_root().command, live=live)
+        write_site(output, bars.track, live)
     size = sum(path.stat().st_size for path in output.rglob("*") if path.is_file())
     say(f"Site: {output / 'index.html'} ({size / 1e6:.1f} MB); open it in a browser")

@@ -28,6 +28,12 @@ CALLED = {"Scene": {"run": Run.__call__, "run.many": Run.many, "rotor": CalledRo
 _SECTION = re.compile(r"^(Args|Returns|Raises|Attributes|Yields|Example|Examples):$")
 
 
+class _Bare(str):
+    """An annotation that a signature shows without quotes."""
+
+    __repr__ = str.__str__
+
+
 def page() -> str:
     """Markdown of all public names."""
     package = importlib.import_module(PACKAGE)
@@ -80,9 +86,10 @@ def members(thing: Any) -> dict[str, Any]:
 def _signature(name: str, thing: Any, is_table: bool) -> str:
     """A call with its parameters, one a line where they are many."""
     signature = inspect.signature(thing)
-    given = [
-        p.replace(annotation=p.empty) if is_table else p for p in signature.parameters.values()
-    ]
+    given = []
+    for p in signature.parameters.values():
+        typed = p.annotation is not p.empty and not is_table
+        given.append(p.replace(annotation=_Bare(p.annotation) if typed else p.empty))
     shown = [str(p) for p in given if p.name not in ("self", "cls", "kind")]
     result = signature.return_annotation
     ends = f" -> {result}" if isinstance(result, str) and not inspect.isclass(thing) else ""
@@ -94,8 +101,12 @@ def _signature(name: str, thing: Any, is_table: bool) -> str:
 
 def _docstring(text: str) -> Iterator[str]:
     """Paragraphs as they are; of a section every entry as an item."""
-    inside = False
+    inside = example = False
     for line in text.splitlines():
+        begins, ends = line.startswith(">>> ") and not example, example and not line.strip()
+        if begins or ends:  # else Markdown takes >>> for a quotation
+            yield "```python" if begins else "```"
+            example = begins
         if _SECTION.match(line):
             inside = True
             yield from ("", f"**{line}**", "")
@@ -107,4 +118,4 @@ def _docstring(text: str) -> Iterator[str]:
         else:
             inside = inside and not line.strip()
             yield line
-    yield ""
+    yield from ("```", "") if example else ("",)

@@ -12,35 +12,27 @@ from typing import Any
 
 from ..errors import UserError
 from ..scene import bundled_scenes
-from ..scene.reference import reference
-from . import commands, messages, python, scene_page, units
+from . import scene_page
 
 MANUAL = Path(__file__).parent
 ROOT = MANUAL.parents[1]
+PROJECT = MANUAL / "project"  # where a wheel has the files at the top of a checkout
 TOP = {"README.md": "index.md", "CONTRIBUTING.md": "contributing.md"}
 TOP |= {"CHANGELOG.md": "changelog.md", "LICENSE": "licence.md", "CITATION.cff": "citation.md"}
 NAMED_BLOCK = re.compile(r"^```(\w+) ([^\s=]+)$", re.MULTILINE)
+# what the search ranks higher, or lower
+BOOSTS = {"scene.md": 8, "messages.md": 2, "python.md": 0.5}
 PARTS = ("tutorials", "how-to", "reference", "explanation", "results", "scenes")
 
 
-def write_pages(folder: Path, program: Any) -> None:
-    """Write every page as Markdown into a folder, without the live scenes.
-
-    Args:
-        program: whose commands are described, a group of Click.
-
-    Raises:
-        UserError: this is no checkout; the pages are not in the installed package.
-    """
-    if not (ROOT / "CONTRIBUTING.md").is_file():
-        raise UserError(
-            f"{MANUAL}: the manual's pages are not part of the installed package: clone the "
-            "repository and run `pip install -e '.[docs]'` there"
-        )
-    shutil.copytree(MANUAL, folder, ignore=shutil.ignore_patterns("*.py", "*.yml", "__pycache__"))
+def write_pages(folder: Path) -> None:
+    """Write every page as Markdown into a folder, without the live scenes."""
+    ignored = shutil.ignore_patterns("*.py", "*.yml", "__pycache__", PROJECT.name)
+    shutil.copytree(MANUAL, folder, ignore=ignored)
     made = {}
+    top = ROOT if (ROOT / "CONTRIBUTING.md").is_file() else PROJECT
     for source, name in TOP.items():
-        text = (ROOT / source).read_text(encoding="utf-8").replace("](harness/manual/", "](")
+        text = (top / source).read_text(encoding="utf-8").replace("](harness/manual/", "](")
         for other, its in TOP.items():
             text = text.replace(f"]({other}", f"]({its}")
         made[name] = (
@@ -50,14 +42,10 @@ def write_pages(folder: Path, program: Any) -> None:
     for name, text in made.items():
         (folder / name).parent.mkdir(exist_ok=True)
         (folder / name).write_text(text, encoding="utf-8")
-    bodies: dict[str, Callable[[], str]] = {
-        "scene": reference,
-        "commands": lambda: commands.page(program),
-    }
-    bodies |= {"messages": messages.page, "python": python.page, "units": units.page}
-    for name, body in bodies.items():
-        with (folder / "reference" / f"{name}.md").open("a", encoding="utf-8") as stream:
-            stream.write(body())
+    for name, boost in BOOSTS.items():
+        page = folder / "reference" / name
+        head = f"---\nsearch:\n  boost: {boost}\n---\n\n"
+        page.write_text(head + page.read_text(encoding="utf-8"), encoding="utf-8")
     for path in folder.rglob("*.md"):  # blocks with a name, which the tests run
         text = NAMED_BLOCK.sub(_titled, path.read_text(encoding="utf-8"))
         path.write_text(text, encoding="utf-8")
@@ -69,10 +57,8 @@ def _titled(match: re.Match[str]) -> str:
     return f"```{kind}" if kind in ("sh", "text") else f'```{kind} title="{name}"'
 
 
-def write_site(
-    output: Path, track: Callable[..., Iterable[Any]], program: Any, live: bool = True
-) -> None:
-    """Write the site into a folder, which is made anew; `program` as of `write_pages`.
+def write_site(output: Path, track: Callable[..., Iterable[Any]], live: bool = True) -> None:
+    """Write the site into a folder, which is made anew.
 
     Raises:
         UserError: MkDocs is not installed, or the folder holds something else.
@@ -83,11 +69,11 @@ def write_site(
         from mkdocs.commands.build import build
         from mkdocs.config import load_config
     except ImportError as error:
-        raise UserError("manual: requires MkDocs: pip install -e '.[docs]'") from error
+        raise UserError("manual: requires MkDocs: pip install 'autobalancer[docs]'") from error
     logging.getLogger("mkdocs").setLevel(logging.WARNING)
     with TemporaryDirectory() as scratch:
         pages = Path(scratch) / "pages"
-        write_pages(pages, program)
+        write_pages(pages)
         (pages / "live").mkdir()
         for name in track(bundled_scenes() if live else (), description="live scenes"):
             scene_page.live(name, pages / "live" / f"{name}.html")

@@ -45,8 +45,8 @@ class Place:
 
 def tables_in(annotation: Any) -> list[type[BaseModel]]:
     """Every table class within a type annotation."""
-    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
-        return [annotation]
+    if get_origin(annotation) is None and isinstance(annotation, type):  # tuple[...] is one in 3.10
+        return [annotation] if issubclass(annotation, BaseModel) else []
     return [table for part in get_args(annotation) for table in tables_in(part)]
 
 

@@ -3,6 +3,7 @@
 import json
 import re
 import shutil
+import subprocess
 
 import pytest
 from typer.main import get_command
@@ -22,7 +23,7 @@ def built(tmp_path_factory):
     page = load_scene("two_balls").show(folder.with_name("page.html")).path
     with pytest.MonkeyPatch.context() as patch:  # one scene stands for all
         patch.setattr(site.scene_page, "live", lambda _, path: shutil.copy(page, path))
-        site.write_site(folder, lambda names, description: names, get_command(program()))
+        site.write_site(folder, lambda names, description: names)
     return folder
 
 
@@ -121,7 +122,35 @@ def test_reference_has_every_command_with_its_options(built):
         assert [option for option in options if option not in section] == []
 
 
+PAGES_IN = """
+import sys
+from pathlib import Path
+from autobalancer.harness.manual.site import write_pages
+write_pages(Path(sys.argv[1]))
+"""
+
+
+def test_a_wheel_has_all_pages_and_pictures(installed, tmp_path):
+    site.write_pages(tmp_path / "here")
+    subprocess.run([installed, "-c", PAGES_IN, tmp_path / "there"], check=True, cwd=tmp_path)
+    here, there = (
+        {path.relative_to(tmp_path / name): path.read_bytes() for path in found if path.is_file()}
+        for name in ("here", "there")
+        for found in [(tmp_path / name).rglob("*")]
+    )
+    assert there.keys() == here.keys()
+    assert [name for name, content in here.items() if there[name] != content] == []
+
+
+def test_without_the_extra_one_reason_is_given(installed, tmp_path):
+    command = [installed, "-m", "autobalancer.harness", "manual", "-o", "site"]
+    done = subprocess.run(command, capture_output=True, text=True, cwd=tmp_path, check=False)
+    assert (done.returncode, done.stdout) == (2, "")
+    assert done.stderr == "manual: requires MkDocs: pip install 'autobalancer[docs]'\n"
+    assert list(tmp_path.iterdir()) == []
+
+
 def test_a_folder_with_something_else_is_refused(tmp_path):
     (tmp_path / "thesis.tex").write_text("")
     with pytest.raises(site.UserError, match=r"holds no site: name another folder"):
-        site.write_site(tmp_path, lambda names, description: names, get_command(program()))
+        site.write_site(tmp_path, lambda names, description: names)

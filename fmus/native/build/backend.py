@@ -12,9 +12,11 @@ from types import ModuleType
 
 from setuptools import build_meta
 from setuptools.build_meta import *  # noqa: F403
+from setuptools.command.build_py import build_py
 from setuptools.command.sdist import sdist
 
 _ROOT = Path(__file__).resolve().parents[3]
+SHOWN = ("README.md", "CONTRIBUTING.md", "CHANGELOG.md", "LICENSE", "CITATION.cff")
 
 # the checkout's folders import as autobalancer.*, as they do once installed
 _package = ModuleType("autobalancer")
@@ -46,9 +48,22 @@ def _needed() -> list[str]:
     return [f"ziglang=={native.COMPILER}"] if native.stale() else []
 
 
+class Modules(build_py):
+    """The packages, and in the manual the files at the top of a checkout, which it shows."""
+
+    def run(self) -> None:
+        super().run()
+        if not self.editable_mode:
+            folder = Path(self.build_lib, "autobalancer", "harness", "manual", "project")
+            self.mkpath(str(folder))
+            for name in SHOWN:
+                self.copy_file(str(_ROOT / name), str(folder / name))
+
+
 class Sources(sdist):
     """A source distribution without the libraries: a wheel made from it compiles its own."""
 
     def make_distribution(self) -> None:
         self.filelist.prune(native.BINARIES.relative_to(_ROOT).as_posix())
+        self.filelist.extend(SHOWN)
         super().make_distribution()
