@@ -34,6 +34,7 @@ from .quantities import (
 
 _OWN = {"mass": "mass", "drag": "drag", "weight_radius": "radius"}  # key, and name in the unit
 MOST_WEIGHTS = 10_000  # a slip of the keyboard, not a balancer
+LONGEST_NAME = 32  # characters: every variable of it has at most the 63 of MATLAB
 
 
 class Balancer(Table):
@@ -64,9 +65,12 @@ class Balancer(Table):
         @property
         def can_stick(self) -> bool: ...
 
-    name: Annotated[Text, Field(min_length=1, pattern=r"^[A-Za-z_][A-Za-z0-9_-]*$")] = ""
-    """Names its signals and its FMU: a letter first, then letters, digits, _ and -; unique;
-    default: the kind.  In FMUs a name with - is quoted: `'left-ring'.drag`."""
+    name: Annotated[
+        Text,
+        Field(min_length=1, pattern=rf"^[A-Za-z_][A-Za-z0-9_-]{{0,{LONGEST_NAME - 1}}}$"),
+    ] = ""
+    """Names its signals and its FMU: a letter first, then letters, digits, _ and -, at most 32;
+    unique; default: the kind.  In FMUs a name with - is quoted: `'left-ring'.drag`."""
     at: Annotated[Whole, Field(ge=1)] = 1
     """Number of the rotor's plane or station it sits on."""
     inertia_as_force: Annotated[Flag, Feeds()] = False

@@ -24,7 +24,7 @@ _WORDS = {
     "bool_type": "must be true or false",
     "string_type": "must be text in quotes",
     "string_too_short": "must not be empty",
-    "string_pattern_mismatch": "must begin with a letter; letters, digits, _ and - only",
+    "string_pattern_mismatch": "must begin with a letter; letters, digits, _, - only, at most 32",
     "literal_error": "must be one of {expected}",
     "tuple_type": "must be a list",
     "too_short": "must have at least {min_length} values",

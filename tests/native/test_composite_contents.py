@@ -16,6 +16,7 @@ from fmpy import platform_tuple
 from fmpy.validation import validate_fmu
 from lxml import etree
 
+from autobalancer.fmus.composite.build import build_composite
 from autobalancer.fmus.unit import LONGEST_NAME
 from autobalancer.harness import load_scene
 from autobalancer.harness.export.one_file import build_one_file
@@ -59,10 +60,11 @@ def test_descriptions_stand_alone(tmp_path):
 def test_names_that_are_too_long_for_matlab_are_refused(tmp_path):
     made = replace(composition(load_scene("two_balls")), flat=True).described("one")
     assert made.label("der(rotor.plane[1].a_xi)") == "der_rotor_plane_1_a_xi"
-    long = load_scene("two_balls").document
-    long["balancer"][0]["name"] = "b" * 60
+    made = composition(load_scene("two_balls"))
+    rotor, weights = made.parts
+    long = replace(made, parts=(rotor, replace(weights, name="b" * 60)))
     with pytest.raises(ValueError, match="characters, and MATLAB allows 63"):
-        build_one_file(type(load_scene("two_balls")).from_document(long), tmp_path / "one.fmu")
+        build_composite(long, tmp_path, name="one")
 
 
 UNEQUAL = {"mass": [0.13, 0.24, 0.31], "weight_radius": [0.01, 0.013, 0.015]}

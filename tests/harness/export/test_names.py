@@ -6,7 +6,8 @@ import pytest
 from fmpy import platform_tuple, read_model_description, simulate_fmu
 from fmpy.validation import validate_fmu
 
-from autobalancer.harness import Scene, cosimulate, load_scene
+from autobalancer.harness import Scene, SceneError, cosimulate, load_scene
+from autobalancer.harness.master.one_file import composition
 from autobalancer.harness.show.content import content
 
 BALLS = {"kind": "balls", "count": 2, "mass": 0.05, "track_radius": 0.2, "drag": 0.2}
@@ -67,6 +68,22 @@ def test_flat_names_packages_and_pages_take_such_a_name(tmp_path):
     assert content(scene)
     files = scene.build(tmp_path / "units", platforms=[platform_tuple]).files
     assert [path.name for path in files] == ["rotor.fmu", "left-ring.fmu", "right_ring.fmu"]
+
+
+def test_the_longest_name_fits_into_every_description_and_a_longer_one_is_refused():
+    document = pair().document
+    for length, refused in ((32, False), (33, True)):
+        document["balancer"][0] |= {"name": "a-" * (length // 2) + "b" * (length % 2)}
+        if refused:
+            with pytest.raises(SceneError, match=r"name = .*only, at most 32"):
+                Scene.from_document(document)
+            continue
+        scene = Scene.from_document(document)
+        said = composition(scene).described("one")
+        # as many weights as a track may have: the longest index there is
+        many = {v.name.replace("weight[2]", "weight[10000]") for v in said.shown}
+        many |= {f"der({name})" for name in said.states}
+        assert max(len(said.label(name)) for name in many) <= 63
 
 
 def test_a_change_of_engine_is_said_with_its_reason():
