@@ -1,0 +1,76 @@
+"""Run-ups of machines of which the closed form says that no weights can be left behind.
+
+`python -m tests.studies.left_behind.passes [MACHINES] [STARTS]` draws machines of every kind with
+1.02 to 3 times the drag of the closed form, runs each up from random angles within 20 to 100
+periods of the lowest natural frequency by `integrate.c`, and counts weights that are left behind.
+"""
+
+from __future__ import annotations
+
+import math
+import os
+import sys
+from concurrent.futures import ThreadPoolExecutor
+
+import numpy as np
+
+from autobalancer.models.capture import capture
+from autobalancer.models.linear.modes import modes
+
+from .draw import KINDS, Drawn, draw
+from .machine import library, run
+
+HELD = 60.0  # turns at the speed, and 60 kappa m/h
+BEHIND = 0.98  # of the rotor's speed
+
+
+def suitable(kind: str, random: np.random.Generator) -> tuple[Drawn, float, float]:
+    """A machine that passes at its speed, the speed, and its lowest natural frequency."""
+    while True:
+        machine = draw(kind, random)
+        lowest = float(modes(machine.assembly.loaded_rotor, 0.0).natural_frequencies.min())
+        speed = lowest * random.uniform(2.0, 5.0)
+        factor = capture(machine.assembly, speed).drag_ratio * random.uniform(1.02, 3.0)
+        if not 0.0 < factor < math.inf:
+            continue
+        machine = machine.with_drag(factor)
+        if capture(machine.assembly, speed).all_pass:
+            return machine, speed, lowest
+
+
+def left_behind(machine: Drawn, speed: float, lowest: float, seed: int) -> bool:
+    """Whether a run-up ends with weights behind the rotor."""
+    random = np.random.default_rng(seed)
+    count = len(machine.weights)
+    rise = random.uniform(20.0, 100.0) * math.tau / lowest
+    slowest = max(60.0 * w.kappa * w.mass / w.drag for w in machine.weights)
+    end = rise + max(HELD * math.tau / speed, slowest)
+    angles = random.uniform(0.0, math.tau, count)
+    profile = [(0.0, 0.0), (rise, speed)]
+    windows, _ = run(machine.rotor, machine.weights, profile, angles, np.zeros(count), end, 40)
+    return bool((windows[-2:, 2::3].mean(axis=0) < BEHIND * speed).any())
+
+
+def study(machines: int, starts: int, seed: int = 5) -> list[tuple[str, int]]:
+    """By machine its kind and the number of run-ups with weights left behind."""
+    library()
+    random = np.random.default_rng(seed)
+    drawn = [(k, *suitable(k, random)) for k in (KINDS[i % len(KINDS)] for i in range(machines))]
+    jobs = [(m, w, low, s) for _, m, w, low in drawn for s in range(starts)]
+    with ThreadPoolExecutor(os.cpu_count()) as pool:
+        found = np.reshape(list(pool.map(lambda job: left_behind(*job), jobs)), (machines, starts))
+    return [(row[0], int(n)) for row, n in zip(drawn, found.sum(axis=1), strict=True)]
+
+
+def main() -> None:
+    given = [int(argument) for argument in sys.argv[1:]]
+    machines, starts = [*given, *(200, 20)[len(given) :]]
+    rows = study(machines, starts)
+    for kind in KINDS:
+        counts = [n for name, n in rows if name == kind]
+        print(f"{kind}: {sum(counts)} of {starts * len(counts)} run-ups with weights left behind")
+    print(f"{sum(n for _, n in rows)} of {machines * starts}")
+
+
+if __name__ == "__main__":
+    main()
