@@ -72,6 +72,8 @@ def step_size(scene: Scene, steps: int | None = None) -> float:
 
 def end_time(scene: Scene) -> float:
     """Time after which the scene's run is done [s]."""
+    if scene.run.duration is not None:
+        return scene.run.duration
     if scene.runs_its_profile:
         return scene.profile().seconds
     return scene.profile().time_of(2.0 * math.pi * scene.run.revolutions)

@@ -169,4 +169,5 @@ def _no_drive() -> dict[str, None]:
 
 
 def _no_length(scene: Scene) -> dict[str, None]:
-    return {"run.revolutions": None} if "revolutions" in scene.run.model_fields_set else {}
+    given = ("revolutions", "duration")
+    return {f"run.{key}": None for key in given if key in scene.run.model_fields_set}

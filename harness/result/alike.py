@@ -57,7 +57,14 @@ def _common(scene: Scene, found: Plan) -> Any:
     units = [(unit.name, unit.model, unit.sizes) for unit in found.units]
     changing = profile if profile.changes else None
     many = len(scene.operation.unbalance_changes)
-    return units, found.connections, scene.coupling, scene.run.revolutions, changing, many
+    return (
+        units,
+        found.connections,
+        scene.coupling,
+        scene.run.duration or scene.run.revolutions,
+        changing,
+        many,
+    )
 
 
 def values_of(scene: Scene, found: Plan) -> dict[str, float]:

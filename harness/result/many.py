@@ -99,7 +99,7 @@ def cosimulate_many(
     asked += list(dict.fromkeys([*wanted, *states]))
     ends = np.full(len(values), end_time(scene))
     paced = "coupling.top_speed" if scene.operation.motor else "speed"
-    if paced in columns and not profile.changes:
+    if paced in columns and not profile.changes and scene.run.duration is None:
         with np.errstate(divide="ignore"):  # the run refuses it
             ends = math.tau * scene.run.revolutions / np.abs(columns[paced])
     turns = max(2, round(scene.revolutions))
@@ -111,7 +111,7 @@ def cosimulate_many(
     threads = threads or os.cpu_count() or 1
     size = min(MOST_RUNS, math.ceil(len(values) / threads))  # of a chunk
     needed = 8.0 * _COPIES * size * threads * (points + 1) * len(asked)
-    what = f"run.revolutions = {scene.run.revolutions:g}: what many runs are read from needs"
+    what = f"run.revolutions = {scene.revolutions:g}: what many runs are read from needs"
     refuse_beyond(free_memory(), needed, what, "use fewer")
     runs = BatchRuns(made, list(columns), asked, points)
     heavy = bool(scene.operation.gravity) or any("gravity" in name for name in columns)
@@ -126,7 +126,7 @@ def cosimulate_many(
         for name in set(parts_of).intersection(results):
             signal, which = parts_of[name]
             motion = late[:, :, asked.index(signal)]
-            reduced[name] = _turning(motion, points, scene.run.revolutions)[which]
+            reduced[name] = _turning(motion, points, scene.revolutions)[which]
         if "merged" in results:
             together = merged_runs(scene, {name: reduced[name] for name in states})
             failed = np.isnan(reduced["residual"])

@@ -77,6 +77,8 @@ def _under_a_motor(scene: Scene, rotor: LinearRotor) -> Iterator[str]:
 def _never_turned(scene: Scene) -> Iterator[str]:
     """A length of the run that the profile does not reach, as it ends at rest."""
     profile, length = scene.profile(), scene.run.revolutions
+    if scene.run.duration is not None:
+        return
     if not scene.runs_its_profile and not math.isfinite(profile.time_of(math.tau * length)):
         turned = profile.angle(profile.seconds) / math.tau
         yield (

@@ -21,6 +21,8 @@ _ALTERNATIVES = {
     "rotor.damping": ("damping_ratio",),
     "rotor.support_damping": ("damping_ratio",),
     "rotor.damping_ratio": ("damping", "support_damping"),
+    "run.revolutions": ("duration",),
+    "run.duration": ("revolutions",),
     "coupling.steps_per_rev": ("tolerance",),
     "coupling.tolerance": ("steps_per_rev", "corrections"),
 }

@@ -253,8 +253,18 @@ class Run(Table):
     revolutions: Annotated[Real, Field(ge=FEWEST_REVOLUTIONS)] = 20.0
     """Length of the run; with a motor in time, as long as so many take at its no-load speed;
     default of a profile: until its last corner."""
+    duration: Annotated[Positive | None, SI("s")] = None
+    """Length of the run in time, instead of `revolutions`."""
     record: tuple[Text, ...] | None = None
     """Signals, as `unit.variable`; `[]` records nothing; default: the rotor's `x` and `y`, angles
     and `moment_xi`, `moment_eta` of weights, `clearance` of a liquid."""
     initial: Initial = Initial()
     """State of the rotor at the start."""
+
+    @model_validator(mode="after")
+    def _one_length(self) -> Run:
+        if self.duration is not None and "revolutions" in self.model_fields_set:
+            raise refusal(
+                "duration", "give either duration (s) or revolutions, not both: both are the length"
+            )
+        return self

@@ -31,7 +31,7 @@ from .quantities import Flag, Table, Text
 from .replace import in_full, plain, replaced
 from .rotor import Rotor
 from .rules import TABLES, across, plane_count
-from .run import Coupling, Operation, Run
+from .run import FEWEST_REVOLUTIONS, Coupling, Operation, Run
 from .trace import with_corners
 
 if TYPE_CHECKING:
@@ -277,8 +277,9 @@ class Scene(Table):
 
     @property
     def runs_its_profile(self) -> bool:
-        """Whether the run ends where its profile does, as `run.revolutions` is left open."""
-        return bool(self.operation.profile) and "revolutions" not in self.run.model_fields_set
+        """Whether the run ends where its profile does, as its length is left open."""
+        given = "revolutions" in self.run.model_fields_set or self.run.duration is not None
+        return bool(self.operation.profile) and not given
 
     @property
     def asks_for_coupling(self) -> bool:
@@ -404,6 +405,9 @@ class Scene(Table):
     @property
     def revolutions(self) -> float:
         """Of the whole run; with a motor as many as its no-load speed would make."""
+        if self.run.duration is not None:
+            turned = self.profile().angle(self.run.duration) / math.tau
+            return max(FEWEST_REVOLUTIONS, turned)
         if not self.runs_its_profile:
             return self.run.revolutions
         return self.profile().angle(self.profile().seconds) / math.tau
