@@ -15,6 +15,7 @@ from .study import Scatter
 
 QUANTILES = (0.05, 0.5, 0.95, 0.99)
 CONFIDENCE = 0.95
+_SAME = 1e-3  # relative: so near amplitudes are one
 MOST_REASONS = 5  # said; the table has all
 
 
@@ -41,6 +42,8 @@ def document(scatter: Scatter) -> dict[str, Any]:
         ],
         "settled": float(scatter.settled[scatter.ran].mean()),
         "merged": int(scatter.merged[scatter.ran].sum()),
+        "left_behind": int((scatter.behind[scatter.ran] > 0).sum()),
+        "without_balancers": _without(scatter),
         "residual": {
             f"{q:g}": float(np.quantile(scatter.residual[scatter.ran], q)) for q in QUANTILES
         },
@@ -48,6 +51,20 @@ def document(scatter: Scatter) -> dict[str, Any]:
         "no_grades": scatter.left_out,
         "importance": _importance(scatter),
     }
+
+
+def _without(scatter: Scatter) -> dict[str, Any]:
+    """How many machines vibrate more with balancers than without: at the end, and at most."""
+    pairs = {
+        "vibrate_more": (scatter.residual, scatter.alone),
+        "larger_peak": (scatter.largest, scatter.largest_alone),
+    }
+    found: dict[str, Any] = {}
+    for name, (own, other) in pairs.items():
+        known = scatter.ran & ~np.isnan(other) & ~np.isnan(own)
+        found[name] = int((own[known] > other[known] * (1.0 + _SAME)).sum())
+        found[f"{name}_of"] = int(known.sum())
+    return found
 
 
 def _grades(scatter: Scatter) -> list[dict[str, Any]]:
@@ -113,6 +130,18 @@ def lines(said: Mapping[str, Any]) -> list[str]:
         f"Residual amplitude [mm]: median {q['0.5']}, 5 % {q['0.05']}, 95 % {q['0.95']}, "
         f"99 % {q['0.99']}",
     ]
+    compared = said["without_balancers"]
+    if compared["vibrate_more_of"]:
+        lines.append(
+            f"{compared['vibrate_more']} of {compared['vibrate_more_of']} machines vibrate more "
+            f"with balancers than without; in {compared['larger_peak']} of "
+            f"{compared['larger_peak_of']} the run's largest amplitude is larger with them"
+        )
+    if said["left_behind"]:
+        lines.append(
+            f"In {said['left_behind']} machines weights are left behind at a natural frequency: "
+            "they have not settled (see `autobalancer motions`)"
+        )
     if said["merged"]:
         lines.append(
             f"In {said['merged']} machines {SHORT}: they are not balanced in the run alone; give "

@@ -13,8 +13,10 @@ import numpy as np
 import tomli_w
 from numpy.typing import NDArray
 
+from ...models.harmonic_balance import NoResponse, largest_displacement, unbalance_response
 from ..errors import SceneError, SimulationError
 from ..master.merged import merged, names_of_states
+from ..master.names import weight
 from ..master.one_file import composition
 from ..master.schedule import end_time
 from ..output.outcome import Outcome
@@ -24,13 +26,18 @@ from ..output.workers import Progress, Workers, in_order
 from ..result.alike import table_of
 from ..result.many import cosimulate_many
 from ..scene import Scene
+from ..scene.balancer import WeightBalancer
 from ..scene.grade import moments, residual_unbalance
 from .vary import Variation, drawn, refuse_drawn, refuse_wrong
 
 CHUNK = 50  # machines worked on together: some seconds at most
 Vector = NDArray[np.float64]
-# residual, grade, settled, merged, failure
-Columns = tuple[Vector, Vector, Vector, Vector, NDArray[np.object_]]
+_NUMBERS = (
+    *("residual", "grade", "settled", "merged", "behind", "alone"),
+    *("largest", "largest_alone"),
+)  # of a machine
+BEHIND = 0.02  # of the rotor's speed: weights that lag by more at the end are left behind
+Columns = tuple[NDArray[np.float64], NDArray[np.object_]]  # (m, numbers), failure
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -44,8 +51,11 @@ class Scatter(Outcome):
         residual: (n,) largest amplitude in the last revolution [m]; NaN where the run failed.
         grade: (n,) of ISO 21940-11 that the residual unbalance at the end just meets [mm/s]; NaN
             where the run failed or the scene's balancers do not tell their unbalance.
-        settled: (n,) 1 where the last two revolutions are alike.
+        settled: (n,) 1 where the last two revolutions are alike and no weights are left behind.
         merged: (n,) 1 where identical weights cannot part though they would, `master.merged`.
+        behind: (n,) weights that are left behind at the end.
+        alone: (n,) steady amplitude of the same machine without balancers [m]; NaN: not known.
+        largest, largest_alone: (n,) of the run, and of that without balancers [m].
         failure: (n,) why a run failed; else empty.
         left_out: why there are no grades; else empty.
     """
@@ -61,6 +71,10 @@ class Scatter(Outcome):
     grade: Vector
     settled: Vector
     merged: Vector
+    behind: Vector
+    alone: Vector
+    largest: Vector
+    largest_alone: Vector
     failure: NDArray[np.object_]
     left_out: str = ""
 
@@ -73,12 +87,15 @@ class Scatter(Outcome):
         """One line a machine."""
         heads = [one.path for one in self.variations]
         outcomes = (self.residual, self.grade, self.settled, self.merged)
-        numbers = np.column_stack([self.values, *outcomes])
+        compared = (self.behind, self.alone, self.largest, self.largest_alone)
+        numbers = np.column_stack([self.values, *outcomes, *compared])
         rows = [
             ["" if math.isnan(number) else number for number in row] + [failure]
             for row, failure in zip(numbers.tolist(), self.failure, strict=True)
         ]
-        heads += ["residual amplitude [m]", "grade [mm/s]", "settled", "merged", "failure"]
+        heads += ["residual amplitude [m]", "grade [mm/s]", "settled", "merged"]
+        heads += ["weights left behind", "amplitude without balancers [m]"]
+        heads += ["largest amplitude [m]", "largest without balancers [m]", "failure"]
         return Sheet(heads, rows, title=self.title)
 
 
@@ -111,19 +128,16 @@ def scatter(
     }
     kept = None if store is None else open_store(store, made_for)
     parts = in_order(_machines, jobs, workers, progress, kept)
-    residual, grade, settled, together, failure = map(np.concatenate, zip(*parts, strict=True))
+    numbers, failure = map(np.concatenate, zip(*parts, strict=True))
     left_out = "" if moments(scene) is not None else "the unbalance of a liquid is not known"
     study = Scatter(
         scene.heading,
         tuple(variations),
         seed,
         values,
-        residual,
-        grade,
-        settled,
-        together,
-        failure,
-        left_out,
+        **dict(zip(_NUMBERS, numbers.T, strict=True)),
+        failure=failure,
+        left_out=left_out,
     )
     if not study.ran.any():
         raise SimulationError(f"{scene.name}: no machine could be run: {study.failure[0]}")
@@ -140,25 +154,61 @@ def _machines(job: tuple[Scene, list[str], Vector]) -> Columns:
             machines[k] = scene.replace(dict(zip(paths, row, strict=True)))
         except SceneError as error:
             failure[k] = str(error)
-    residual, grade, settled, together = np.full((4, len(values)), np.nan)
+    found = np.full((len(values), len(_NUMBERS)), np.nan)
     if machines:
-        asked, rows = moments(scene), list(machines)
-        states = names_of_states(scene)
-        results = ["residual", "settled", *(asked or ()), *states]
-        scenes = list(machines.values())
-        outcomes = cosimulate_many(scenes[0], table_of(scenes), results=results, threads=1)
-        residual[rows], settled[rows], failure[rows] = (
-            outcomes[name] for name in ("residual", "settled", "failure")
-        )
+        rows = list(machines)
+        found[rows], failure[rows] = _outcomes(list(machines.values()))
+    return found, failure
+
+
+def _outcomes(machines: list[Scene]) -> Columns:
+    """Of machines that can be run, by row."""
+    first = machines[0]
+    asked, states = moments(first), names_of_states(first)
+    speeds = [
+        f"{b.label}.{weight(k, 'speed')}"
+        for b in first.balancer
+        if isinstance(b, WeightBalancer)
+        for k in range(1, b.count + 1)
+    ]
+    motor = ["motor.speed"] if first.operation.motor else []
+    wanted = ["residual", "settled", "largest", *(asked or ()), *states, *speeds, *motor]
+    results = list(dict.fromkeys(wanted))
+    outcomes = cosimulate_many(first, table_of(machines), results=results, threads=1)
+    bare = [one.without_balancers() for one in machines]
+    without = cosimulate_many(bare[0], table_of(bare), results=["largest"], threads=1)
+    found = np.full((len(machines), len(_NUMBERS)), np.nan)
+    for k, machine in enumerate(machines):
+        if outcomes["failure"][k]:
+            continue
+        ends = {name: float(outcomes[name][k]) for name in states}
+        grade = math.nan
         if asked is not None:
-            grade[rows] = [
-                residual_unbalance(
-                    machine, {name: outcomes[name][place] for name in asked}, end_time(machine)
-                )[1]
-                for place, machine in enumerate(machines.values())
-            ]
-        for place, (row, machine) in enumerate(machines.items()):
-            if not failure[row]:
-                ends = {name: float(outcomes[name][place]) for name in states}
-                together[row] = bool(merged(machine, ends))
-    return residual, grade, settled, together, failure
+            held = {name: outcomes[name][k] for name in asked}
+            grade = residual_unbalance(machine, held, end_time(machine))[1]
+        at_end = machine.profile().speed(end_time(machine))
+        speed = float(outcomes["motor.speed"][k]) if motor else at_end
+        behind = sum(-float(outcomes[name][k]) > BEHIND * speed for name in speeds)
+        settled = float(outcomes["settled"][k]) if not behind else 0.0
+        found[k] = (
+            outcomes["residual"][k],
+            grade,
+            settled,
+            bool(merged(machine, ends)),
+            behind,
+            _alone(machine, speed),
+            outcomes["largest"][k],
+            without["largest"][k],
+        )
+    return found, outcomes["failure"]
+
+
+def _alone(machine: Scene, speed: float) -> float:
+    """Steady amplitude without balancers [m]; NaN where it is not known."""
+    if not speed > 0.0:
+        return math.nan
+    rotor = machine.assembly().at(end_time(machine)).rotor
+    try:
+        return float(largest_displacement(unbalance_response(rotor, [speed])).max())
+    except NoResponse:
+        return math.nan

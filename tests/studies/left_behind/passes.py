@@ -21,6 +21,7 @@ from .draw import KINDS, Drawn, draw
 from .machine import library, run
 
 HELD = 60.0  # turns at the speed, and 60 kappa m/h
+STIFFEST = 10.0  # rate of the drag over the speed: steeper ones need shorter steps
 BEHIND = 0.98  # of the rotor's speed
 
 
@@ -34,7 +35,8 @@ def suitable(kind: str, random: np.random.Generator) -> tuple[Drawn, float, floa
         if not 0.0 < factor < math.inf:
             continue
         machine = machine.with_drag(factor)
-        if capture(machine.assembly, speed).all_pass:
+        stiffest = max(w.drag / (w.kappa * w.mass) for w in machine.weights)
+        if stiffest < STIFFEST * speed and capture(machine.assembly, speed).all_pass:
             return machine, speed, lowest
 
 

@@ -1,0 +1,47 @@
+"""Machines with and without their balancers, and machines whose weights are left behind."""
+
+import numpy as np
+
+from autobalancer import Scene, load
+
+GREEN = {"kind": "planar", "mass": 1.0, "stiffness": 1.0, "damping": 0.02, "unbalance": 0.01}
+BALLS = {"name": "balls", "kind": "balls", "count": 2, "mass": 0.03267, "track_radius": 1.0,
+         "drag": 0.001, "angles": [0.3, 2.1], "speeds": [-3.0, -3.0]}  # fmt: skip
+
+
+def test_a_machine_whose_balls_are_left_behind_has_not_settled():
+    scene = Scene(rotor=GREEN, balancer=[BALLS], speed=3.0, run={"revolutions": 400})
+    found = scene.scatter({"rotor.unbalance": "normal(0.01,1%)"}, n=4)
+    assert (found.behind == 2.0).all()
+    assert (found.settled == 0.0).all()
+    assert (found.residual > 10.0 * found.alone).all()
+    said = found.as_json()
+    assert said["left_behind"] == 4
+    assert said["without_balancers"]["vibrate_more"] == 4
+
+
+def test_without_balancers_the_amplitude_is_that_of_the_response_to_unbalance():
+    scene = load("two_balls").replace({"run.revolutions": 60})
+    found = scene.scatter({"weights.drag": "normal(0.06,10%)"}, n=3)
+    rotor = scene.without_balancers().rotor
+    (kx, ky), (cx, cy), w = rotor.stiffness, rotor.damping, 3.0
+    parts = [
+        w * w * rotor.unbalance / abs(k - rotor.mass * w * w + 1j * c * w)
+        for k, c in ((kx, cx), (ky, cy))
+    ]
+    assert (found.alone >= max(parts) * (1.0 - 1e-9)).all()
+    assert (found.alone <= np.hypot(*parts)).all()
+    assert found.behind.tolist() == [0.0, 0.0, 0.0]
+    assert list(found.to_pandas())[-2] == "largest without balancers [m]"
+
+
+def test_the_command_compares_with_the_machines_without_balancers(invoke, tmp_path):
+    outcome = invoke(
+        "scatter", "two_balls", "--vary", "weights.drag=normal(0.06,10%)", "-n", "4",
+        "--set", "run.revolutions=60",
+    )  # fmt: skip
+    assert outcome.exit_code == 0, outcome.output
+    assert "0 of 4 machines vibrate more with balancers than without" in " ".join(
+        outcome.output.split()
+    )
+    assert "left behind" not in outcome.output
