@@ -47,6 +47,7 @@ class Judged:
 
     Attributes:
         wrong: what is wrong about it; empty where nothing is.
+        undecided: whether it leaves open what becomes of the machine.
         told: vibration over that of the rotor alone at the run's end and after it, in windows.
     """
 
@@ -55,6 +56,7 @@ class Judged:
     outcome: str
     wrong: str
     text: str
+    undecided: bool
     told: tuple[float, ...] = field(default=())
 
 
@@ -81,12 +83,22 @@ def judge(family: str, number: int, seed: int, by: str = "reference") -> Judged:
         warnings.simplefilter("ignore")
         result = cosimulate(scene)
         verdict = result.summary()
-        found = partial(Judged, family, number, verdict.outcome.value, text=str(verdict))
+        found = partial(Judged, family, number, verdict.outcome.value, text=str(verdict),
+                        undecided=is_undecided(verdict))  # fmt: skip
         try:
             wrong, told = check(scene, verdict, float(result.time[-1]), by)
         except ArithmeticError as error:  # the reference gave up
             return found(wrong="", told=(), text=f"no reference: {error}")
     return found(wrong=wrong, told=told)
+
+
+def is_undecided(verdict: Verdict) -> bool:
+    """Whether a verdict cannot tell, or sees a transient without saying when it ends."""
+    if verdict.outcome is Outcome.CANNOT_TELL:
+        return True
+    waits = verdict.outcome in (Outcome.NOT_SETTLED, Outcome.SPEED_CHANGES)
+    says = ("set run.revolutions = ", "keep this speed for ")
+    return waits and not any(text in verdict.reason for text in says)
 
 
 def check(scene: Scene, verdict: Verdict, end: float, by: str) -> tuple[str, tuple[float, ...]]:
@@ -216,7 +228,8 @@ def wrong_about(verdict: Verdict, ways: Continued, judged: float) -> str:
                 f"advised length reached, and the vibration is {100.0 * size[-1]:.3g} %"
             )  # fmt: skip
         slow = verdict.growth is not None and -verdict.growth * LONGER * judged < 2.0
-        moved = np.abs(ways.largest - ways.largest[0]).max() > ALIKE * ways.largest.max()
+        scale = max(float(ways.largest.max()), BALANCED)
+        moved = np.abs(ways.largest - ways.largest[0]).max() > ALIKE * scale
         return "" if moved or slow else "not settled, and nothing changes any more"
     if outcome is Outcome.GRAVITY_SWING:
         late = ways.largest[len(size) // 2 :]
@@ -253,9 +266,11 @@ def table(found: list[Judged]) -> Sheet:
     for name in [*dict.fromkeys(j.family for j in found), "all"]:
         mine = [j for j in found if name in (j.family, "all")]
         counts = Counter(j.outcome for j in mine)
-        wrong = sum(bool(j.wrong) for j in mine)
-        rows.append([name, str(len(mine)), str(wrong), *(str(counts[o]) for o in outcomes)])
-    return Sheet(["family", "scenes", "wrong", *outcomes], rows, "l" + "r" * (2 + len(outcomes)))
+        wrong, open_ = sum(bool(j.wrong) for j in mine), sum(j.undecided for j in mine)
+        row = [name, str(len(mine)), str(wrong), str(open_)]
+        rows.append([*row, *(str(counts[o]) for o in outcomes)])
+    heads = ["family", "scenes", "wrong", "undecided", *outcomes]
+    return Sheet(heads, rows, "l" + "r" * (3 + len(outcomes)))
 
 
 def main() -> None:
