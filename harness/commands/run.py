@@ -50,6 +50,9 @@ def command(
     orbits: Annotated[
         Path | None, options.picture("Last orbits along the shaft, in space.")
     ] = None,
+    compare: Annotated[
+        Path | None, options.picture("Vibration with balancers, and without.")
+    ] = None,
     movie: Annotated[
         Path | None,
         typer.Option(
@@ -72,6 +75,7 @@ def command(
     from ..result.tables import as_json, summary
 
     wanted = {"weights": weights, "waterfall": waterfall, "polar": polar, "orbits": orbits}
+    wanted["compared"] = compare
     pictures = {kind: path for kind, path in wanted.items() if path is not None}
     loaded = changed_scene(scene, changes)
     if fmus is not None and not fmus.is_dir():

@@ -79,6 +79,20 @@ class Pictures(_Result):
 
         return motion_with_weights(self._motion(), self.summary())
 
+    def plot_compared(self) -> Picture:
+        """Vibration with balancers and without, against time.
+
+        Raises:
+            UserError: there are none, or the rotor without them cannot run.
+
+        >>> run = ab.load("two_balls").run()
+        >>> run.plot_compared().save("compared.png").name
+        'compared.png'
+        """
+        from .compared import compare
+
+        return compare(self._scene(), self.time, self.signals)
+
     def plot_waterfall(self, signal: str | None = None) -> Picture:
         """Spectra of a signal over the speed; by default of the largest displacement.
 

@@ -19,7 +19,7 @@ from .receptance import Receptance
 _FARTHEST = 10.0  # operating speeds up to which a release is looked for
 _BRACKETING, _CLOSING = 40, 20  # steps at most
 _LARGEST_STEP = 0.25  # of a speed: natural frequencies are followed from one to the next
-_RELEASED = 1e-6  # relative
+_RELEASED = 1e-5  # relative
 _AROUND = np.array([-2.0, -1.2, -0.7, -0.4, -0.2, 0.0, 0.2, 0.4, 0.7, 1.2, 2.0])  # half widths
 
 
@@ -67,9 +67,10 @@ class _MovingPeaks:
         self._phases = branches.phases[rows, branches.top[rows]]
 
     def __call__(self, speeds: Array) -> Array:
-        rates = self._receptance.rates(speeds)
-        nearest = np.abs(rates - self._rate[:, None]).argmin(axis=1)
-        self._rate = rates[range(len(rates)), nearest]
+        if self._receptance.follows_speed:
+            rates = self._receptance.rates(speeds)
+            nearest = np.abs(rates - self._rate[:, None]).argmin(axis=1)
+            self._rate = rates[range(len(rates)), nearest]
         poles = self._poles._replace(
             frequency=self._rate.imag.astype(float), decay=-self._rate.real.astype(float)
         )

@@ -28,7 +28,7 @@ def passages(
     changing = [one for one in stretches if not one.steady]
     alone = None
     if changing and scene.balancer and not scene.operation.motor:
-        alone = _alone(scene)
+        alone = without_balancers(scene)
     found = []
     for one in changing:
         bare = None if alone is None else _largest(*alone, one)
@@ -37,7 +37,7 @@ def passages(
     return tuple(found)
 
 
-def _alone(scene: Scene) -> tuple[Array, Array] | None:
+def without_balancers(scene: Scene) -> tuple[Array, Array] | None:
     """Times and largest distances of the rotor without balancers; None where it cannot run."""
     bare = scene.without_balancers()
     prefixes = stations(len(bare.rotor.stations))
