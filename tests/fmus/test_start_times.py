@@ -11,7 +11,7 @@ from fmpy import platform_tuple
 
 from autobalancer.harness import Scene, load_scene
 from tests.native.packaging import Host
-from tests.studies.start_times import STARTS, study
+from tests.studies.start_times import STARTS, Machine, Solver, study
 
 CHANGING = {
     "operation.speed": None,
@@ -59,6 +59,19 @@ def test_profile_and_changes_count_from_the_start_of_the_run(tmp_path, fmi, kind
         # the solver of a tool chooses its steps by its own times
         error = 1e-9 if kind == "CoSimulation" else 1e-2
         assert abs(moved - place).max() <= error * abs(place).max()
+
+
+@pytest.mark.parametrize("time", [1.37, 0.9, 0.7, 1.1])
+def test_a_time_event_is_passed_where_the_host_can_only_come_close(tmp_path, time):
+    """Of 1e6 s + time the host knows 1e-10 s: it falls short of the event, or goes beyond."""
+    changes = {**CHANGING, "operation.unbalance_changes": [{"time": time, "amount": 2e-3}]}
+    scene = load_scene("two_balls").replace(changes)
+    machine = Machine.of(scene, tmp_path, 2)
+    solver = Solver(machine, 1e6)
+    assert solver.next == 1e6 + time
+    solver.step(1e6, solver.next - 1e6)
+    solver.host.slave.enterEventMode()
+    assert solver.event() == 1e6 + 2.0  # the corner of the profile
 
 
 @pytest.mark.parametrize("name", ["RotorOnSupports", "BallBalancer"])
