@@ -56,7 +56,6 @@ def run(python: Path, folder: Path, *arguments: str) -> str:
         env={**os.environ, "PYTHONIOENCODING": "utf-8", "PYTHONPATH": ""},
         capture_output=True,
         encoding="utf-8",
-        timeout=300,
     )
     assert done.returncode == 0, done.stdout + done.stderr
     return done.stdout

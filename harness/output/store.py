@@ -32,7 +32,7 @@ _MAGIC, _IDENTITY_AT = (
 _IDENTITY = 0x41426C73  # "ABls": SQLite's `application_id` of a store
 _BEGIN = (
     f"PRAGMA application_id = {_IDENTITY}",
-    "CREATE TABLE outcome (item INTEGER PRIMARY KEY, value BLOB, checksum TEXT)",
+    "CREATE TABLE outcome (item INT PRIMARY KEY, value BLOB, checksum TEXT)",
     "CREATE TABLE made_for (words TEXT, checksum TEXT)",
 )
 

@@ -99,7 +99,7 @@ print("alive")
 )
 
 
-def run(script, path, count, timeout=300):
+def run(script, path, count, timeout=3000):
     command = [sys.executable, "-X", "faulthandler", "-c", script, str(path), str(count)]
     return subprocess.run(command, capture_output=True, text=True, timeout=timeout, check=False)
 

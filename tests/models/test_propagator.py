@@ -56,7 +56,7 @@ def test_a_soft_axis_keeps_its_digits_beside_1e14() -> None:
         block[1, :2] = -0.3, -0.3 * 0.02
         block[3, 2:] = -0.3 * stiff, 0.0
         soft = exponential(block)[:2, :2]
-        assert_allclose(soft, oscillator(1.0, 0.01, 0.3), rtol=0, atol=2e-16)
+        assert_allclose(soft, oscillator(1.0, 0.01, 0.3), rtol=0, atol=4.5e-16)
         # undamped, so only the phase 0.3 * sqrt(stiff) can lose digits
         fast = exponential(block)[2:, 2:]
         assert_allclose(np.linalg.det(fast), 1.0, rtol=0, atol=1e-8)

@@ -207,3 +207,19 @@ def test_calls_of_the_other_interface_are_refused(tmp_path):
     assert host.slave.dll.fmi2DoStep(*step) == fmpy.fmi2.fmi2Error
     with pytest.raises(FMICallException):
         Exchange(path, {"weights.weight_radius": 0.01})
+
+
+@pytest.mark.parametrize("size", [1.7e308, -1e200, 1e160])
+@pytest.mark.parametrize("name", ["balls", "motor", "shaft", "liquid"])
+def test_derivatives_that_are_not_finite_are_an_error(tmp_path, name, size):
+    """A solver would go on with an infinite value that is given as a good one."""
+    path, _ = built(tmp_path, name)
+    host = Exchange(path)
+    host.slave.enterContinuousTimeMode()
+    for k in range(host.count):
+        host.place(0.0, np.where(np.arange(host.count) == k, size, 0.0))
+        try:
+            rates = host.read("getDerivatives")
+        except FMICallException:
+            continue
+        assert np.isfinite(rates).all(), k

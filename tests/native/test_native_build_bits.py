@@ -166,7 +166,7 @@ def outcome(hosts, request):
             input="\n".join([library, *orders, ""]).encode(),
             stdout=subprocess.PIPE,
             env=environment,
-            timeout=300,
+            timeout=3000,
         )
         lines = done.stdout.decode().replace("\r\n", "\n").splitlines()
         assert done.returncode == 0, lines[-3:]

@@ -66,8 +66,12 @@ size_t exchange_count(Unit *unit)
 static int find_derivatives(Unit *unit, double *rates)
 {
     int wrong = unit_refresh(unit, OBSERVED) || composite_eventful(unit);
-    if (!wrong) {
-        states(unit, GET_DERIVATIVES, rates, &wrong);
+    const size_t count = wrong ? 0 : states(unit, GET_DERIVATIVES, rates, &wrong);
+    size_t k;
+    for (k = 0; k < count && !wrong; k++) {
+        wrong = !is_finite(rates[k]) &&
+                unit_fail(unit, "the derivative of continuous state %u is not finite; the states that were "
+                          "set are too large, or too fast", (unsigned long)k + 1);
     }
     return wrong;
 }
