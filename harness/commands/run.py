@@ -106,6 +106,7 @@ def command(
         say(
             f"{result.steps} steps, {result.passes} passes, {calls} FMI calls in "
             f"{result.seconds:.3f} s; estimated error {result.estimated_error:.1g}"
+            + ("" if result.error_known else ", not known")
         )
     for event in result.events:
         say(f"NOTE: {event}", style="bold yellow", error=True)

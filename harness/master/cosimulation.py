@@ -69,7 +69,7 @@ class CoSimulation(Closing):
     meets_events = estimates_errors = False
 
     def __init__(self, scene: Scene, *, fmus: Path | None = None) -> None:
-        self.scene, self.order = scene, scene.coupling.order
+        self.scene, self.order, self._fmus = scene, scene.coupling.order, fmus
         refuse_loose_tolerance(scene)
         if scene.operation.motor:
             raise SceneError(
@@ -91,6 +91,10 @@ class CoSimulation(Closing):
         self.coupled = self.system.coupled
         self.gain = self.amplification = self.worst_residual = self.time = 0.0
         self._largest_force = largest_force(scene)
+
+    def like(self, scene: Scene) -> CoSimulation:
+        """A simulation of another scene with the same units, which differs in start values."""
+        return CoSimulation(scene, fmus=self._fmus)
 
     def start(
         self,

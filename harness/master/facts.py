@@ -33,6 +33,7 @@ class Facts:
         estimated_error: of the motion, relative to itself, for steps too long for the signals;
             0 where nothing is estimated.
         unresolved: steps with a signal that the cubics do not follow.
+        unknown_error: why the error of the run is not known; empty where it is.
     """
 
     scene: Scene
@@ -46,6 +47,7 @@ class Facts:
     worst_residual: float
     estimated_error: float = 0.0
     unresolved: int = 0
+    unknown_error: str = ""
 
 
 def exchanging(scene: Scene) -> bool:
@@ -65,7 +67,13 @@ def events(facts: Facts) -> list[str]:
         )
     tolerance = facts.scene.coupling.tolerance
     if tolerance is not None:
-        if facts.estimated_error > tolerance:
+        if facts.unknown_error:
+            notes.append(
+                f"the error of this run is not known: {facts.unknown_error} (tolerance "
+                f"{tolerance:g}): impacts decide the motion, and only mean and rms of a long run "
+                "are known: use a smaller run.revolutions, or other start values"
+            )
+        elif facts.estimated_error > tolerance:
             notes.append(
                 f"tolerance = {tolerance:g} is not kept: runs with ever shorter steps still "
                 f"differ, the relative error of the motion is about {facts.estimated_error:.1g}: "

@@ -7,26 +7,35 @@ the two differ by 2^p - 1 times the error of the second, where p is the order, 4
 weights can collide, where a jump falls within a step, and after steps at rest that hold their
 signals.  It is 2 at most where weights or supports stick or slide, or a motor meets a corner of its
 characteristic, at the end of a step.  Two runs state their error by one order less, under a motor
-by two; three runs by the order that they show, or as two do if that is higher than p.  Under a
-motor, and with separate FMUs, all state it by order 1 where steps do not follow the rotor's fastest
-vibration.  If the error exceeds the tolerance, every step is divided again, into as many parts as
-it takes.
+by two; three runs by the order that they show, or as two do if that is higher than p.  All state it
+by order 1 where steps do not follow the rotor's fastest vibration.  If the error exceeds the
+tolerance, every step is divided again, into as many parts as it takes.
 
 Hairer, Norsett & Wanner 1993, II.4: Richardson's extrapolation, here of the run as a whole.
+
+Runs that meet events can agree by chance, or share an error, and collisions can amplify what no run
+resolves.  Such scenes are run again at a tenth of the tolerance, in steps of their own; where
+weights can collide twice, with weights that start a little elsewhere (`neighbours`).  What the
+result differs from these by is part of its error.  If they also differ from each other, or if all
+runs differ by much, the error is not known.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ...models.constants import BEYOND_LONGEST_STEP, FEWEST_CHOSEN
 from ..errors import SimulationError
 from ..scene import Scene
+from .expectation import ORDER_OF_EVENTS, ORDER_OF_JUMPS, expectation
 from .names import kin, stations
+from .neighbours import RESOLVED, turned
 from .plan import MOTOR
 from .recorder import Recorder, Signal
 from .scales import least_motion
@@ -36,34 +45,54 @@ from .simulation import Repeated, Simulation
 if TYPE_CHECKING:
     from ..output.workers import Progress
 
-ORDER = 4  # of the coupling by cubic signals
-# forces or accelerations that jump within a step: three runs may show more by chance; motion with
-# collisions, met ones too, is no smooth function of the steps' errors
-ORDER_OF_JUMPS = 1
-# steps end where something sticks or a motor's slope jumps: the error in the time of a nearly
-# missed event is the root of the error of the signals
-ORDER_OF_EVENTS = 2
-ORDER_HELD = 1  # and all that follows
+ORDER_HELD = 1  # of steps with held signals, and of all that follows
 LEFT = 2  # power of the parts with which what is left in the loop shrinks at least
-# of that, under a motor, whose acceleration can be far the largest of the forces, and where weights
-# collide: impacts amplify what is left, and by chance two runs can then agree
-LEFT_OF_JUMPS = 0.01
 ATTEMPTS = 3  # at a first run, each in finer steps
 # of the tolerance: what further parts are to leave, and two runs may say, for they do not tell by
 # which order errors shrink; if by 1.3 already, the tolerance is still kept within a factor of 3
 AIM = 0.3
-# by so much lower is the order by which two runs state their error: by the full order 6 of 328 runs
-# of the truth study erred by 3 to 6.6 times what they stated; under a motor by more: it starts in
-# a few steps that are too long for their order to show
-CAUTION, MOTOR_CAUTION = 1, 2
 # rad by which a step of the finer run may turn the rotor's fastest vibration: longer ones do not
 # follow it.  Under a motor, whose speed vibrates too, 6 of 400 runs erred by 3 to 12 times what
-# they stated; separate FMUs do not estimate what signals miss within a step
+# they stated; on supports of 10^5 times the stiffness a run-up by 4.6 times
 FOLLOWED = 1.5
 MOST_TIMES = 4  # as many parts as in the run before, which is to be confirmed
 MOST_STEP_PARTS = 128  # of a step of the first run
 PARTING = 32  # parts that should be enough to see runs come together
 ASYMPTOTIC = 0.03  # of the motion: runs that differ by more need not differ by their order
+
+OTHER_TOLERANCE = 0.1  # of that asked for, of runs to compare with
+EVERY = 16  # points of the first run are those of the others too: these have steps of their own
+APART = 0.02  # of a step: points nearer to each other are one
+AGREE = 0.3  # of what a run differs from others by: others that agree so far know its error
+
+OTHERWISE = (
+    "runs at a tenth of the tolerance, with weights that start 1e-8 rad elsewhere, end {:.1g} away"
+)
+REFINED = "runs in ever shorter steps differ by {:.1g}"
+
+
+@dataclass(frozen=True)
+class Attempt:
+    """What a run in finer steps shows against the one before.
+
+    Attributes:
+        parts: of each step of the first run; `times` as many as in the run before.
+        apart: largest difference of the two, before steps at rest hold their signals.
+        at_rest: the same from then on.
+        order: by which errors will shrink further, as it is known by now.
+        error_by_order: by the order that is expected.
+        error: as it is stated.
+        allowed: the error by order that keeps the tolerance.
+    """
+
+    parts: int
+    times: float
+    apart: float
+    at_rest: float
+    order: float
+    error_by_order: float
+    error: float
+    allowed: float
 
 
 class Controlled:
@@ -75,8 +104,8 @@ class Controlled:
         uncompared: recorded besides, and left out of the error.
 
     Attributes:
-        error: estimated, the largest of all signals, over the largest value of each; of x and y,
-            and of the parts of a vector in the rotor, over the larger; of an angle in rad.
+        error: estimated, the largest of all signals, see `largest_difference`.
+        unknown: why the error is not known; empty where it is.
         parts: of each step of the first run.
     """
 
@@ -86,26 +115,11 @@ class Controlled:
         assert cosim.scene.coupling.tolerance is not None
         self.cosim, self.names, self.uncompared = cosim, names, uncompared
         self.tolerance = cosim.scene.coupling.tolerance
-        touching = any(balancer.can_meet for balancer in cosim.scene.balancer)
-        motor = cosim.scene.operation.motor
-        bent = motor is not None and len(motor.table or ()) > 2
-        jumping = touching or (cosim.scene.has_events and not cosim.meets_events)
-        self._ends_at_events = cosim.scene.has_events or bent
-        self._left = LEFT_OF_JUMPS if motor or touching else 1.0
-        self._caution = MOTOR_CAUTION if motor else CAUTION
-        self.highest_order = ORDER_OF_JUMPS if jumping else ORDER
-        follows = motor or not cosim.estimates_errors
-        self._fastest = _fastest(cosim.scene) if follows else 0.0  # rad/s
-        self._longest = 0.0  # step of the first run [s]
-        self._steepest = max(self.highest_order, ORDER_OF_EVENTS) if bent else math.inf
-        self.order: float = self.highest_order
-        self.parts, self.error = 1, math.inf
-        self._judged = math.inf  # the error by the order that is expected
-        self._largest_difference = self._times = (
-            0.0  # how far the last two runs were, and by how many parts
-        )
-        self._done = 0  # work, in first runs
-        self._attempt = 0
+        self.expected = expectation(cosim.scene, cosim.meets_events)
+        self.parts, self.error, self.unknown = 1, math.inf, ""
+        self._longest_step = 0.0  # of the first run [s]
+        self._work_in_first_runs = 0
+        self._first_attempt = 0  # which share of the tolerance the first run's steps may err
 
     def run(self, progress: Progress | None) -> Recorder:
         """Run as often as it takes; what the last run recorded.
@@ -114,115 +128,198 @@ class Controlled:
             SimulationError: as `CoSimulation.run`.
         """
         recorder = self._first(progress)
-        grid, signals = recorder.columns()
-        signals = {name: each for name, each in signals.items() if name not in self.uncompared}
-        held = _first_held(self.cosim.scene, grid)
-        self._longest = float(np.diff(grid).max())
+        grid, signals = self._compared(recorder)
         least = least_motion(self.cosim.scene)
         scale = {name: least.get(unit, 0.0) for name, unit in recorder.signal_units.items()}
-        parts = 1
+        held = _first_held(self.cosim.scene, grid)
+        self._longest_step = float(np.diff(grid).max())
+        last, parts = None, 1
         while True:
-            parts = max(2 * parts, self._next_parts())
+            parts = max(2 * parts, self._next_parts(last))
             try:
                 recorder = self._run(parts, grid, progress)
             except SimulationError:  # steps that the tolerance allowed are too long for the loop
                 if parts >= PARTING:
                     raise
                 continue
-            points, finer = recorder.columns()
-            at = np.searchsorted(points, grid * (1.0 - SLIVER))
-            finer = {name: finer[name][at] for name in signals}
-            apart = _largest_difference(signals, finer, scale, slice(held))
-            at_rest = _largest_difference(signals, finer, scale, slice(held, None))
-            far, signals = max(apart, at_rest) >= ASYMPTOTIC, finer
+            finer = self._at(recorder, grid)
+            apart = largest_difference(signals, finer, scale, slice(held))
+            at_rest = largest_difference(signals, finer, scale, slice(held, None))
+            last, signals = self._attempt(last, apart, at_rest, parts), finer
+            far = max(apart, at_rest) >= ASYMPTOTIC
+            # two runs that hide a fast vibration between their points can agree by chance
+            watched = self.cosim.facts().estimated_error
+            self.parts, self.error = parts, max(last.error, watched)
+            kept = last.error_by_order <= last.allowed and self.error <= self.tolerance
+            last = replace(last, error_by_order=max(last.error_by_order, watched))
             # of motions that part no run says more than the one before
-            if self._keeps_tolerance(apart, at_rest, parts) or parts >= (
-                PARTING if far else MOST_STEP_PARTS
-            ):
-                return recorder
+            if kept or parts >= (PARTING if far else MOST_STEP_PARTS):
+                break
+        self._compare_with_others(grid, signals, scale, progress)
+        return recorder
 
-    def _keeps_tolerance(self, apart: float, at_rest: float, parts: int) -> bool:
-        """Whether a run keeps the tolerance so far `apart` from the one before, and `at_rest`."""
+    def _attempt(self, before: Attempt | None, apart: float, at_rest: float, parts: int) -> Attempt:
+        """What a run shows so far `apart` from the one before, and `at_rest`."""
         times = parts / self.parts
-        order, stated, enough = self._orders(apart, parts)
+        order, stated, allowed = self._orders(before, apart, parts)
         # where a corner lies in its step, two runs can agree by chance
-        least = self._judged / times**self._steepest if self._largest_difference else 0.0
-        self._judged = self.error = max(apart, at_rest)
-        if self.error < ASYMPTOTIC:
+        least = before.error_by_order / times**self.expected.steepest_order if before else 0.0
+        by_order = error = max(apart, at_rest)
+        if error < ASYMPTOTIC:
             rested = at_rest / (times**ORDER_HELD - 1.0)
-            self._judged = max(apart / (times**order - 1.0), rested, least)
-            self.error = max(apart / (times**stated - 1.0), rested, least)
-        self.parts, self._times, self._largest_difference = parts, times, apart
-        # two runs that hide a fast vibration between their points can agree by chance
-        watched = self.cosim.facts().estimated_error
-        kept = self._judged <= enough
-        self.error, self._judged = max(self.error, watched), max(self._judged, watched)
-        return kept and self.error <= self.tolerance
+            by_order = max(apart / (times**order - 1.0), rested, least)
+            error = max(apart / (times**stated - 1.0), rested, least)
+        shown = self._shown_order(before, apart, parts)
+        return Attempt(parts, times, apart, at_rest, shown, by_order, error, allowed)
 
-    def _orders(self, apart: float, parts: int) -> tuple[float, float, float]:
+    def _shown_order(self, before: Attempt | None, apart: float, parts: int) -> float:
+        """By which errors will shrink further: as three runs have shown, or as is expected."""
+        if before and before.apart and apart and self._is_followed(parts):
+            shown = math.log1p(before.apart / apart) / math.log(before.times)
+            return min(self.expected.order, max(shown, ORDER_OF_JUMPS))
+        return before.order if before else self.expected.order
+
+    def _is_followed(self, parts: int) -> bool:
+        """Whether steps follow the rotor's fastest vibration."""
+        return self.expected.fastest * self._longest_step <= FOLLOWED * parts
+
+    def _orders(
+        self, before: Attempt | None, apart: float, parts: int
+    ) -> tuple[float, float, float]:
         """Order of the errors, the order by which they are stated, and what may be left of them."""
-        highest = self.highest_order
+        highest, aim = self.expected.order, AIM * self.tolerance
         if highest == ORDER_OF_JUMPS:
-            stated = highest
+            cautious = highest
         else:
-            stated = max(ORDER_OF_EVENTS, highest - self._caution)
-        if self._fastest * self._longest > FOLLOWED * parts:
+            cautious = max(ORDER_OF_EVENTS, highest - self.expected.caution)
+        if not self._is_followed(parts):
             return ORDER_OF_JUMPS, ORDER_OF_JUMPS, self.tolerance
-        if self._largest_difference and apart:  # three runs show by which order errors shrink
-            shown = math.log1p(self._largest_difference / apart) / math.log(self._times)
-            self.order = min(highest, max(shown, ORDER_OF_JUMPS))
+        if before and before.apart and apart:  # three runs show by which order errors shrink
+            shown = math.log1p(before.apart / apart) / math.log(before.times)
+            order = min(highest, max(shown, ORDER_OF_JUMPS))
             # the first runs may show the errors of steps, and the last one those of events
-            order = min(self.order, ORDER_OF_EVENTS) if self._ends_at_events else self.order
+            order = min(order, ORDER_OF_EVENTS) if self.expected.ends_at_events else order
             # a higher order than there is: the errors of the first run did not shrink by order yet
-            return order, min(order, stated) if shown > highest else order, self.tolerance
+            return order, min(order, cautious) if shown > highest else order, self.tolerance
         if highest == ORDER_OF_JUMPS:
-            return highest, stated, self.tolerance
-        if self._ends_at_events:
-            return ORDER_OF_EVENTS, ORDER_OF_EVENTS, AIM * self.tolerance
-        return highest, stated, AIM * self.tolerance
+            return highest, cautious, self.tolerance
+        if self.expected.ends_at_events:
+            return ORDER_OF_EVENTS, ORDER_OF_EVENTS, aim
+        return highest, cautious, aim
+
+    def _compare_with_others(
+        self,
+        grid: Signal,
+        signals: Mapping[str, Signal],
+        scale: Mapping[str, float],
+        progress: Progress | None,
+    ) -> None:
+        """Add what runs at a smaller tolerance, of neighbouring motions, differ by."""
+        at, by_steps, others = _shared(grid), self.error, []
+        own = {name: each[at] for name, each in signals.items()}
+        for near in self._neighbours():
+            with self.cosim.like(near) as cosim:
+                try:
+                    others.append(self._otherwise(cosim, grid[at], own, scale, progress))
+                except SimulationError as error:
+                    self.unknown = f"the same motion cannot be computed otherwise: {error}"
+                    return
+        if not others:
+            return
+        self.error = max([by_steps, *(largest_difference(own, each, scale) for each in others)])
+        between = largest_difference(others[0], others[-1], scale)
+        if self.expected.can_collide and self.error > self.tolerance:
+            if self.error > by_steps and between > AGREE * self.error:
+                self.unknown = OTHERWISE.format(self.error)
+            elif self.error >= ASYMPTOTIC:
+                self.unknown = REFINED.format(self.error)
+
+    def _neighbours(self) -> Iterator[Scene]:
+        """Scenes of the same motion to be run otherwise.
+
+        Their tolerance is smaller, and with it what passes for an instant at an event.
+        """
+        scene = self.cosim.scene
+        finer = scene.replace({"coupling.tolerance": OTHER_TOLERANCE * self.tolerance})
+        if self.expected.can_collide:
+            for sign in (1.0, -1.0):
+                yield turned(finer, sign * RESOLVED) or finer
+        elif self.expected.ends_at_events and self.cosim.estimates_errors:
+            yield finer
+
+    def _otherwise(
+        self,
+        cosim: Simulation,
+        times: Signal,
+        own: Mapping[str, Signal],
+        scale: Mapping[str, float],
+        progress: Progress | None,
+    ) -> dict[str, Signal]:
+        """Signals at some times of a run in its own steps, as fine as the result's if need be."""
+        first = self._run(1, None, progress, cosim)
+        points, parts = _merged(first.columns()[0], times), 2
+        while True:
+            found = self._at(self._run(parts, points, progress, cosim), times)
+            differs = largest_difference(own, found, scale)
+            if differs <= max(self.error, AIM * self.tolerance) or parts >= self.parts:
+                return found
+            parts = min(MOST_TIMES * parts, self.parts)
 
     def _first(self, progress: Progress | None) -> Recorder:
         """The first run; where its steps are too long, in shorter ones."""
-        for self._attempt in range(ATTEMPTS - 1):
+        for self._first_attempt in range(ATTEMPTS - 1):
             try:
                 return self._run(1, None, progress)
             except SimulationError:
                 continue
-        self._attempt = ATTEMPTS - 1
+        self._first_attempt = ATTEMPTS - 1
         return self._run(1, None, progress)
 
-    def _next_parts(self) -> int:
+    def _next_parts(self, last: Attempt | None) -> int:
         """Parts of each step of the first run that should keep the tolerance."""
-        if self.parts == 1:
+        if last is None:
             return 2
-        wanted = self.parts * (self._judged / (AIM * self.tolerance)) ** (1.0 / self.order)
-        return math.ceil(min(MOST_TIMES * self.parts, wanted))
+        share = (last.error_by_order / (AIM * self.tolerance)) ** (1.0 / last.order)
+        return math.ceil(min(MOST_TIMES * last.parts, last.parts * share))
 
     def _run(
         self,
         parts: int,
         grid: Signal | None,
         progress: Progress | None,
+        cosim: Simulation | None = None,
     ) -> Recorder:
         """One run, of all that is asked for and all that is compared."""
-        cosim = self.cosim
-        watched = [*_motion(cosim.scene), *self.uncompared]
+        cosim = cosim or self.cosim
+        watched = [*motion_signals(cosim.scene), *self.uncompared]
         recorder = Recorder(cosim.units, self.names, watched)
         if grid is None:
-            cosim.start(attempt=self._attempt)
+            cosim.start(attempt=self._first_attempt)
         else:
             # what is left in the loop must shrink with the rest, or no run would show it
-            share = self._left / parts ** max(self.highest_order, LEFT)
-            cosim.start(attempt=self._attempt, again=Repeated(grid, parts, share))
+            share = self.expected.left_in_loop / parts ** max(self.expected.order, LEFT)
+            cosim.start(attempt=self._first_attempt, again=Repeated(grid, parts, share))
         # of a first run it is certain that another follows
-        done, work = self._done, max(3, self._done + parts)
+        done = self._work_in_first_runs
+        work = max(3, done + parts)
         report = progress and (lambda part: progress((done + part * parts) / work))
         cosim.record(recorder, report)
-        self._done += parts
+        self._work_in_first_runs += parts
         return recorder
 
+    def _compared(self, recorder: Recorder) -> tuple[Signal, dict[str, Signal]]:
+        """Points of a run and the signals that are compared there."""
+        points, signals = recorder.columns()
+        return points, {n: each for n, each in signals.items() if n not in self.uncompared}
 
-def _motion(scene: Scene) -> list[str]:
+    def _at(self, recorder: Recorder, grid: Signal) -> dict[str, Signal]:
+        """Signals of a finer run at the points of the first one."""
+        points, signals = self._compared(recorder)
+        at = np.searchsorted(points, grid * (1.0 - SLIVER))
+        return {name: each[at] for name, each in signals.items()}
+
+
+def motion_signals(scene: Scene) -> list[str]:
     """Signals that together are the motion of a scene."""
     prefixes = stations(len(scene.rotor.stations))
     names = [f"rotor.{prefix}{axis}" for prefix in prefixes for axis in "xy"]
@@ -230,11 +327,20 @@ def _motion(scene: Scene) -> list[str]:
     return names + [f"{b.label}.{v}" for b in scene.balancer for v in b.records if v != "clearance"]
 
 
-def _fastest(scene: Scene) -> float:
-    """Of the rotor's vibrations without damping [rad/s]."""
-    rotor = scene.assembly().loaded_rotor
-    squares = (np.linalg.solve(rotor.mass, k) for k in (rotor.stiffness_x, rotor.stiffness_y))
-    return math.sqrt(max(0.0, *(np.linalg.eigvals(each).real.max() for each in squares)))
+def _shared(grid: Signal) -> NDArray[np.intp]:
+    """Places of some points of a run, with its end."""
+    places = np.arange(EVERY, len(grid) - 1, EVERY)
+    return np.append(places, len(grid) - 1)
+
+
+def _merged(own: Signal, shared: Signal) -> Signal:
+    """Points of a run and others; of its own, those that lie near to another are left out."""
+    beyond = np.concatenate([[-math.inf], shared, [math.inf]])
+    at = np.searchsorted(shared, own)
+    nearest = np.minimum(own - beyond[at], beyond[at + 1] - own)
+    steps = np.diff(own, prepend=own[0] - (own[1] - own[0]))
+    kept = own[(nearest > APART * steps) | (own == own[0])]
+    return np.union1d(kept, shared)
 
 
 def _first_held(scene: Scene, grid: Signal) -> int:
@@ -244,12 +350,19 @@ def _first_held(scene: Scene, grid: Signal) -> int:
     return int(np.argmax(lengths > longest)) + 1
 
 
-def _largest_difference(
-    one: Mapping[str, Signal], other: Mapping[str, Signal], least: Mapping[str, float], at: slice
+def largest_difference(
+    one: Mapping[str, Signal],
+    other: Mapping[str, Signal],
+    least: Mapping[str, float],
+    at: slice = slice(None),
 ) -> float:
     """Largest difference of signals at some common times, each over the largest value of its kind.
 
-    `least` is by signal the smallest that this value is taken to be.
+    The kind of x is x and y of its station; of a part of a vector in the rotor, the vector; of any
+    other signal, the signal.  An angle is divided by 1 rad.
+
+    Args:
+        least: by signal, the smallest that the largest value is taken to be.
     """
     # the rotor's angle is exact, and a clearance what is left of a gap
     compared = [n for n in other if n != "rotor.angle" and not n.endswith(".clearance")]
@@ -257,6 +370,11 @@ def _largest_difference(
     worst = 0.0
     for name in compared:
         gap = float(np.abs(other[name] - one[name])[at].max(initial=0.0))
-        scale = max(sizes[related] for related in kin(name, compared))
+        scale = 1.0 if is_angle(name) else max(sizes[each] for each in kin(name, compared))
         worst = max(worst, gap / scale if scale else gap)
     return worst
+
+
+def is_angle(name: str) -> bool:
+    """Whether a signal is an angle of a weight, whose error is stated in rad."""
+    return name.endswith("angle")

@@ -72,6 +72,10 @@ class OneFileRun(Closing):
         self.meets_events = meets_events(scene)
         self.time, self._passes = 0.0, 0.0
 
+    def like(self, scene: Scene) -> OneFileRun:
+        """As `CoSimulation.like`."""
+        return OneFileRun(scene)
+
     def start(self, *, attempt: int | None = None, again: Repeated | None = None) -> None:
         """As `CoSimulation.start`; without an attempt steps may err by less, for one run alone."""
         if self.time:

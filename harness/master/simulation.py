@@ -53,6 +53,9 @@ class Simulation(Protocol):
 
     def __exit__(self, *_exception: object) -> None: ...
 
+    def like(self, scene: Scene) -> Self:
+        """A simulation of another scene with the same units, which differs in start values."""
+
     def start(self, *, attempt: int | None = None, again: Repeated | None = None) -> None:
         """Restart from the scene's start values; arguments as of `CoSimulation.start`."""
 

@@ -52,6 +52,8 @@ class Result(Pictures):
         unconverged: steps in which the coupling loop did not converge.
         estimated_error: of the motion, relative to itself: of a run with a tolerance, or where
             given steps are too long for the signals; 0 where nothing is estimated.
+        unknown_error: why the error of a run with a tolerance is not known, as where impacts
+            amplify what no run resolves; empty where it is.
         signal_units: what each signal is measured in.
         scene: that was run, as it was run.
     """
@@ -68,9 +70,19 @@ class Result(Pictures):
     calls: dict[str, int] = field(default_factory=dict)
     unconverged: int = 0
     estimated_error: float = 0.0
+    unknown_error: str = ""
     signal_units: dict[str, str] = field(default_factory=dict)
     scene: Scene | None = field(default=None, repr=False)
     velocity: dict[str, Signal] = field(default_factory=dict, repr=False)
+
+    @property
+    def error_known(self) -> bool:
+        """Whether `estimated_error` can be relied on.
+
+        >>> ab.load("two_balls").run().error_known
+        True
+        """
+        return not self.unknown_error
 
     def summary(self) -> Verdict:
         """What the run comes to: balanced or why not, vibration, capacity in use, unbalance left.
@@ -232,7 +244,7 @@ class Result(Pictures):
                 f"{name} differs by {difference[k]:.3g} at t = {self.time[k]:.6g} s: is "
                 f"{measured[k]:.9g}, expected {expected[k]:.9g}; allowed {bound:.3g} = "
                 f"{relative:g} of the largest expected value ({int(bad.sum())} of {len(bad)} "
-                f"points off) [{self.scene_title}]"
+                f"points off) {self._label}"
             )
 
     def assert_bounded(self, name: str, limit: float | str, *, after: float | str = 0.0) -> None:
@@ -255,7 +267,7 @@ class Result(Pictures):
             times = self.time[late]
             raise AssertionError(
                 f"|{name}| reaches {measured[k]:.6g} at t = {times[k]:.6g} s, limit {limit:g}; "
-                f"exceeded first at t = {times[first]:.6g} s [{self.scene_title}]"
+                f"exceeded first at t = {times[first]:.6g} s {self._label}"
             )
 
     def assert_balanced(self, below: float | str, *, last: float = 0.1) -> None:
@@ -290,7 +302,7 @@ class Result(Pictures):
                 raise AssertionError(
                     f"not balanced: {base[:-1]} still moves {swing[k]:.6g} m (0-peak) at "
                     f"t = {self.time[late][k]:.6g} s, expected at most {below:g} m over the last "
-                    f"{last:.0%} of {self.time[-1]:.6g} s{self._moments()} [{self.scene_title}]"
+                    f"{last:.0%} of {self.time[-1]:.6g} s{self._moments()} {self._label}"
                 )
 
     def assert_settled(self, within: float | str) -> None:
@@ -309,7 +321,7 @@ class Result(Pictures):
         __tracebackhide__ = True  # pytest then shows the caller's line
         latest, found = si_number(within, "s", "within"), self.summary()
         if found.after is None or not found.after <= latest:
-            raise AssertionError(f"not settled within {latest:g} s: {found} [{self.scene_title}]")
+            raise AssertionError(f"not settled within {latest:g} s: {found} {self._label}")
 
     def residual_moment(self, balancer: str) -> Signal:
         """Static moment of a balancer's weights |sum m R e^{i theta}|, (T,) [kg m].
@@ -328,6 +340,13 @@ class Result(Pictures):
             if f"{n}.moment_eta" in self.signals
         ]
         return "".join(said)
+
+    @property
+    def _label(self) -> str:
+        """What the message of a failed check ends with: which scene, and whether to believe it."""
+        if self.error_known:
+            return f"[{self.scene_title}]"
+        return f"[{self.scene_title}]; the error of this run is not known: {self.unknown_error}"
 
     def _from(self, after: float) -> NDArray[np.bool_]:
         late = self.time >= after

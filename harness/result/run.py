@@ -117,7 +117,7 @@ def _run(
         progress(1.0)
     facts = simulation.facts()
     if controlled:
-        facts = replace(facts, estimated_error=controlled.error)
+        facts = replace(facts, estimated_error=controlled.error, unknown_error=controlled.unknown)
     messages = (*facts.messages, *merged_now(simulation.scene, simulation.units))
     return result(recorder, replace(facts, messages=messages), seconds, names)
 
@@ -142,6 +142,7 @@ def result(recorder: Recorder, facts: Facts, seconds: float, names: Sequence[str
         calls=dict(facts.calls),
         unconverged=facts.unconverged,
         estimated_error=facts.estimated_error,
+        unknown_error=facts.unknown_error,
         signal_units={name: units.get(name, "m/s") for name in names},
         scene=facts.scene,
     )

@@ -50,6 +50,8 @@ def as_json(result: Result) -> dict[str, Any]:
         "passes": result.passes,
         "seconds": result.seconds,
         "estimated_error": result.estimated_error,
+        "error_known": result.error_known,
+        "unknown_error": result.unknown_error,
         "units": result.units,
         "left_out": result.left_out,
         "events": result.events,

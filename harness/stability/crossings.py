@@ -16,6 +16,7 @@ from ..output.workers import Progress
 
 TOLERANCE = 1e-6  # relative, of a co-simulated boundary
 NEAR = 2e-3  # relative distance from a guess at which the co-simulation is asked: it errs by less
+SAFE = 4.0  # times the error of a growth over its slope: so far from a limit it is decided
 FINE = 1e-5  # relative, to which a limit is to be known
 # of the width of an undecided region, and of the speed, to which its ends are found
 EDGE, WIDEST_EDGE = 0.03, 1e-3
@@ -136,13 +137,13 @@ def _limit(
         return {}
     slope = abs(ends[1].rate - ends[0].rate) / (right - left)
     at = _root(rate, left, right, steps)
-    reach = max(TOLERANCE * right, 2.0 * error / slope)
+    reach = max(TOLERANCE * right, SAFE * error / slope)
     if reach > fine * right:
         finest = measure(at)
         low, high = max(left, at - reach), min(right, at + reach)
         if rate(low, finest.steps) * rate(high, finest.steps) < 0.0:
             at, error = _root(rate, low, high, finest.steps), finest.growth.error
-            reach = max(TOLERANCE * right, 2.0 * error / slope)
+            reach = max(TOLERANCE * right, SAFE * error / slope)
     found = {at: Measured(Growth(0.0, error), steps)}
     for speed in (at - reach, at + reach):
         if left < speed < right:
@@ -151,5 +152,5 @@ def _limit(
 
 
 def _root(rate: Callable[[float, int], float], left: float, right: float, steps: int) -> float:
-    found = brentq(rate, left, right, args=(steps,), xtol=TOLERANCE * left, rtol=TOLERANCE)
+    found = brentq(rate, left, right, args=(steps,), xtol=0.1 * TOLERANCE * left, rtol=1e-12)
     return float(found)

@@ -148,6 +148,19 @@ def impacts(generator: random.Random) -> Document:
     return at_constant_speed(generator, sketch, rotor, balancers)
 
 
+def harsh(generator: random.Random) -> Document:
+    """Impacts that are felt, over 8 to 40 revolutions, with light drag and fast starts."""
+    document = impacts(generator)
+    for balancer in document["balancer"]:
+        balancer["restitution"] = sometimes(generator, 0.7, even(generator, 0.0, 1.0))
+        speed, count = document["operation"]["speed"], balancer["count"]
+        balancer["drag"] = rounded(balancer["mass"] * speed * sized(generator, 1e-3, 0.1))
+        if generator.random() < 0.7:
+            balancer["speeds"] = [even(generator, -1.0, 1.0) * speed for _ in range(count)]
+    document["run"]["revolutions"] = even(generator, 8.0, 40.0)
+    return document
+
+
 def _sized(
     generator: random.Random,
     sketch: Sketch,
@@ -310,6 +323,7 @@ FAMILIES: dict[str, Callable[[random.Random], Document]] = {
     "heavy": heavy,
     "finite": finite,
     "impacts": impacts,
+    "harsh": harsh,
     "offset": offset,
     "sticking": sticking,
     "friction": friction,

@@ -36,6 +36,7 @@ LONGEST_RUN = 120.0  # s of processor time
 OUTCOMES = {
     "right": f"right to {RIGHT:.0%}, or to {FACTOR:g} times the tolerance",
     "honest": f"wrong, and the run states its error within a factor of {FACTOR:g}",
+    "not known": "wrong, and the run says that its error is not known",
     "understated": f"wrong by more than {FACTOR:g} times what the run states",
     "note": "wrong, with a note that has no figure",
     "silent": f"wrong by {RIGHT:.0%} to {GROSS:.0%}, nothing said",
@@ -66,7 +67,8 @@ class Verdict:
         seconds: processor time of the run.
         estimate: the result's own estimate of its error, however small.
         within: whether the error is at most `FACTOR` times the estimate, as far as the reference
-            tells; None where there is no reference.
+            tells; None where there is no reference, or the run says that it is not known.
+        error_known: whether the run says that it knows its error.
     """
 
     family: str
@@ -80,6 +82,7 @@ class Verdict:
     seconds: float = 0.0
     estimate: float = 0.0
     within: bool | None = None
+    error_known: bool = True
 
 
 class _Endless(Exception):
@@ -137,7 +140,7 @@ def _compared(scene: Scene, verdict: Verdict, separate: bool) -> Verdict:
             return replace(verdict, outcome="unknown", words=str(error))
         verdict = _against(scene, result, verdict, right, own)
         outcome = classify(verdict, scene.coupling.tolerance if scene.asks_for_coupling else None)
-        if outcome not in MISSES and verdict.within:
+        if outcome not in MISSES and (verdict.within or not verdict.error_known):
             break
     if outcome in MISSES and growth(scene, result.time) > CHAOTIC:
         outcome = "chaotic"
@@ -157,7 +160,10 @@ def _against(
         error=errors[where],
         where=where,
         estimate=estimate,
-        within=errors[where] <= FACTOR * estimate + max(own, RESOLVED),
+        within=errors[where] <= FACTOR * estimate + max(own, RESOLVED)
+        if result.error_known
+        else None,
+        error_known=result.error_known,
         stated=estimate if estimate >= said else 0.0,
         words="; ".join(result.events),
     )
@@ -178,6 +184,8 @@ def classify(verdict: Verdict, tolerance: float | None) -> str:
     allowed = RIGHT if tolerance is None else FACTOR * tolerance
     if verdict.error <= allowed:
         return "right"
+    if not verdict.error_known:
+        return "not known"
     if verdict.stated:
         return "honest" if verdict.error <= FACTOR * verdict.stated else "understated"
     if verdict.words:
