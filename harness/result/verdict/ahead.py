@@ -11,7 +11,7 @@ import math
 from ...scene import Scene
 from .known import Known
 from .ran import Ran, run_again
-from .stretches import Stretch
+from .stretches import Stretch, motor_angle
 
 LONGER = 10.0  # times the run, at least
 TIME_CONSTANTS = 25.0  # of the balanced motion, and as many of the weights' drag
@@ -42,6 +42,8 @@ def look_ahead(run: Ran, stretch: Stretch, known: Known | None) -> Ran | None:
         further = TIME_CONSTANTS * slowest * known.speed / math.tau + SPARE
         wanted = max(wanted, turned + further)
     all_turns = max(run.scene.profile().angle(end) / math.tau, 1e-9)
+    if scene.operation.motor:  # which turns slower than without load, and faster later
+        all_turns = max(motor_angle(run.time, run.signals["motor.speed"])[-1] / math.tau, 1e-9)
     longer = min(wanted, MOST_PASSES / max(FEWEST_PASSES, run.passes / all_turns))
     if scene.operation.motor:
         longer = min(longer, MOST_OF_MOTOR * turned)

@@ -32,6 +32,7 @@ if TYPE_CHECKING:
     from ..result import Result
 
 MOST_REVOLUTIONS = 1e6  # that are advised
+TIME_CONSTANTS_AT_LEAST = 3.0  # that a transient far from balance takes: to 5 %
 _SPARE = 2.0  # revolutions that are advised on top
 _OPEN = (Outcome.NOT_SETTLED, Outcome.CANNOT_TELL)
 
@@ -58,13 +59,31 @@ def judge(result: Result, scene: Scene) -> Verdict:
     judged = last if last.steady and (last.speed or not plateaus) else None
     judged = judged or (plateaus[-1] if plateaus and not last.speed else last)
     verdict = run.judge(judged)
-    verdict = run.looked_ahead(verdict, judged)
+    verdict = _with_least(run.looked_ahead(verdict, judged), scene, judged)
     if len(stretches) == 1:
         return verdict
     each = tuple((p.begin, p.end, verdict if p is judged else run.judge(p)) for p in plateaus)
     return replace(
         verdict, plateaus=each, passages=passages(scene, run.stretches, run.time, run.size)
     )
+
+
+def _with_least(verdict: Verdict, scene: Scene, stretch: Stretch) -> Verdict:
+    """A verdict on a transient of unknown length, with the least that it takes."""
+    if scene.operation.motor and verdict.outcome is Outcome.SPEED_CHANGES and verdict.remedy:
+        return replace(verdict, remedy="run longer, until the motor keeps its speed")
+    says_how_long = verdict.revolutions is not None or "keep this speed" in verdict.reason
+    if verdict.outcome is not Outcome.NOT_SETTLED or verdict.remedy or says_how_long:
+        return verdict
+    if verdict.growth is None or verdict.growth >= 0.0:
+        return verdict
+    wait = TIME_CONSTANTS_AT_LEAST / -verdict.growth
+    turned = scene.profile().angle(stretch.end) / math.tau
+    turned += wait * (verdict.speed or 0.0) / math.tau
+    remedy = f"it takes at least {math.ceil(min(turned, MOST_REVOLUTIONS))} revolutions"
+    if turned > MOST_REVOLUTIONS:
+        remedy = "it takes more than a million revolutions: check drag and damping"
+    return replace(verdict, remedy=remedy)
 
 
 def _called(scene: Scene) -> str:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -107,7 +107,7 @@ def rule(case: Case) -> Ruling:
     """The outcome at the end of a plateau."""
     found = _from_facts(case.known)
     if found is not None:
-        return found
+        return _with_left_behind(found, case)
     if not len(case.known.table.angle):
         return _linear(case)
     if case.now is None or case.before is None:
@@ -120,6 +120,17 @@ def rule(case: Case) -> Ruling:
         if found is not None:
             return found
     return _undecided(case, case.weights)
+
+
+def _with_left_behind(found: Ruling, case: Case) -> Ruling:
+    """A ruling from facts, with the weights that are left behind beside it."""
+    if case.now is None or case.weights is None or not len(case.known.table.angle):
+        return found
+    behind = _turning(case, case.now, case.weights, 0.0)
+    if behind is None or behind.outcome is not Outcome.ANOTHER_MOTION:
+        return found
+    where = behind.reason.removeprefix("another steady motion: ")
+    return replace(found, reason=f"{found.reason}; {where}", left_behind=behind.left_behind)
 
 
 def _from_facts(known: Known) -> Ruling | None:
@@ -385,7 +396,8 @@ def _named(case: Case, which: Mask) -> str:
             mine = np.flatnonzero(which[first : first + one.count]) + 1
             first += one.count
             if len(mine) == one.count:
-                names.append(f"all {one.kind} of {one.label}" if one.count > 1 else one.label)
+                of = "" if one.label == one.kind else f" of {one.label}"
+                names.append(f"all {one.kind}{of}" if one.count > 1 else one.label)
             elif len(mine):
                 names.append(f"{one.label} {', '.join(map(str, mine.tolist()))}")
     return " and ".join(names)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import re
 
 import pytest
 
@@ -122,6 +123,34 @@ def test_balls_left_behind_have_their_speed_and_the_natural_frequency_and_no_adv
     assert found.revolutions is None
     assert "left behind" in found.reason
     assert found.other == pytest.approx((0.9127, 0.488), rel=0.05)
+
+
+def test_weights_left_behind_are_named_beside_an_unstable_balance():
+    """Both planes locked in antiphase on the tilting mode: the closed form gives 3.0285 rad/s."""
+    ball = {"kind": "balls", "count": 2, "mass": 0.02, "track_radius": 1.0, "drag": 0.02,
+            "speeds": [-4.0, -4.0]}  # fmt: skip
+    scene = Scene(
+        rotor={"kind": "two_support", "mass": 1.0, "inertia": 0.04, "polar_inertia": 0.02,
+               "span": 1.0, "stiffness": [0.5, 0.5], "damping": [0.01, 0.01],
+               "planes": [0.25, 0.75],
+               "unbalances": [{"position": 0.0, "amount": 0.004},
+                              {"position": 1.0, "amount": 0.002}]},
+        balancer=[ball | {"name": "a", "at": 1, "angles": [0.3, 2.1]},
+                  ball | {"name": "b", "at": 2, "angles": [1.0, 4.4]}],
+        speed=4.0,
+        run={"revolutions": 600},
+    )  # fmt: skip
+    found = verdict(scene)
+    assert found.outcome is Outcome.UNSTABLE
+    assert found.left_behind[0] == pytest.approx(3.0285, rel=2e-3)
+    assert "left behind, all balls of a and all balls of b turn at 3.0" in found.reason
+
+
+def test_a_transient_of_unknown_length_has_the_least_that_it_takes():
+    slow = verdict(drum(turns=40, balls__drag=1e4))
+    assert slow.outcome is Outcome.NOT_SETTLED
+    assert slow.revolutions is None
+    assert re.search(r"It takes (at least \d+|more than a million) revolutions", str(slow))
 
 
 def test_vibration_is_compared_at_the_rotors_frequency_and_a_precession_is_stated_apart():
