@@ -23,7 +23,7 @@ HARNESS = (
     ("master",),
     ("result", "capture", "drag"),
     ("stability",),
-    ("design", "rotor", "balancing", "fit", "scatter", "show", "accuracy"),
+    ("design", "rotor", "balancing", "fit", "scatter", "show", "accuracy", "motions"),
     ("checks", "export"),
     ("api",),
     ("manual", "pytest_plugin"),
