@@ -89,7 +89,13 @@ class Fmu(Closing):
 
     def _load(self) -> None:
         self.description = described(self.path)
-        fmpy.extract(str(self.path), unzipdir=self._directory, include=_is_loaded)
+        try:
+            fmpy.extract(str(self.path), unzipdir=self._directory, include=_is_loaded)
+        except OSError as error:
+            why = f"cannot be unpacked into {self._directory}: {error.strerror or error}"
+            raise UnitError(f"{self.path}: {why}; free some room, or set TMPDIR") from error
+        except Exception as error:  # FMPy refuses names that lead out of the folder by a bare one
+            raise UnitError(f"{self.path}: cannot be unpacked: {error}") from error
         self.variables = {v.name: v for v in self.description.modelVariables}
         self.measured_in = measured_in(self.description)
         callbacks = fmi2.fmi2CallbackFunctions()

@@ -70,8 +70,20 @@ class Commands(TyperGroup):
                 )
                 raise typer.Exit(1) from error
             place = f"{error.filename}: " if error.filename else ""
-            say(f"{place}{error.strerror or error}", error=True)
+            say(f"{place}{error.strerror or error}{_where_room_is_missing(error)}", error=True)
             raise typer.Exit(2) from error
+
+
+def _where_room_is_missing(error: OSError) -> str:
+    """Where to look, as a full disk names no file."""
+    if error.errno != errno.ENOSPC or error.filename:
+        return ""
+    import tempfile
+
+    return (
+        f": in {tempfile.gettempdir()}, where temporary files are (TMPDIR names another folder), "
+        "or where the command writes: free some room"
+    )
 
 
 def without_command(
