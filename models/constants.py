@@ -32,6 +32,7 @@ LOOP_SINGULAR = 1e-12  # |1 - eigenvalue| below which a loop counts as one of ga
 SLOW_CONVERGENCE = 0.1  # reduction of a residual per pass above which the Jacobian is refined
 CONVERGED_FORCES = 1e-10  # residual of the forces relative to the largest force so far
 GAIN_ROUNDING = 1e-12  # per loop gain: what rounding leaves of a residual
+MOST_EXTRAPOLATION = 100.0  # of a step: beyond, its rounding would be most of what is predicted
 MAX_PASSES = 30  # quasi-Newton needs two to six; more means it does not converge
 JACOBIAN_CHANGE = 1e-3  # of the largest force: a disturbance that shows the loop's Jacobian
 LOOSE_RESIDUAL = 1e-3  # of the force: fixed passes that leave more than this are reported

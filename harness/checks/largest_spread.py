@@ -9,7 +9,7 @@ from ...models.papers import capacity as theory
 from ...models.papers.settling import settling_time, slow_root
 from ...models.papers.touching import facing_measure
 from ..design.scenes import drag_limit, sized, weights_of, weights_with_slow_root
-from ..design.settling import SETTLED_UNBALANCE, Batch, run_batch
+from ..design.settling import SETTLED_UNBALANCE, Batch, settled_runs
 from ..scene import Scene
 from .row import Row, Rows
 from .slow_root import MOST, WIDTH
@@ -30,7 +30,7 @@ def check_largest_spread(
     scene = scene.replace({"run.revolutions": revolutions})
     scenes = sized(scene, range(2, most + 1), 0.0, width=WIDTH[kind])
     work = [b for s in scenes.values() for b in _both_ways(s)]
-    seconds = [run.seconds for (run,) in map(run_batch, work)]
+    seconds = [run.seconds for run in settled_runs(work)]
     slower: dict[int, float] = {}
     for (count, one), *pair in zip(scenes.items(), seconds[::2], seconds[1::2], strict=True):
         fast, slower[count] = sorted(pair)

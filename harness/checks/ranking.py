@@ -11,7 +11,7 @@ from ...models.papers.capacity import fastest_count
 from ..design.choices import Design, design
 from ..design.recommendation import by_measure, by_median, contradicted, order, rivals
 from ..design.scenes import batches, weights_with_slow_root
-from ..design.settling import run_batch
+from ..design.settling import settled_runs
 from ..master.schedule import steps_per_rev
 from ..scene import Scene
 from .row import Row, Rows
@@ -78,7 +78,7 @@ def _halved(count: int, data: Design, rows: Rows) -> Row:
         for batch in batches(fine, data.unbalance, count):
             work += [replace(batch, starts=(start,)) for start in batch.starts]
         coarse += [run.seconds for run in choice.runs[:count]]
-    again = [run.seconds for runs in map(run_batch, work) for run in runs]
+    again = [run.seconds for run in settled_runs(work)]
     times = np.array([coarse, again])
     settled = np.isfinite(times)
     both, lost = settled.all(axis=0), int((settled[0] != settled[1]).sum())

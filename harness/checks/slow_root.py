@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 from ..design.decay import Decay
 from ..design.recommendation import deviations, excluded
 from ..design.scenes import batches, sized, weights_with_slow_root
-from ..design.settling import facing_start, run_batch
+from ..design.settling import facing_start, settled_runs
 from ..scene import Scene
 from .row import Row, Rows
 
@@ -27,7 +27,7 @@ def check_slow_root(
     amount, scene = UNBALANCE[kind], scene.replace({"run.revolutions": revolutions})
     scenes = sized(scene, range(2, most + 1), amount, width=WIDTH[kind])
     work = [b for s in scenes.values() for b in batches(s, amount, starts, facing_start)]
-    found = [run.decay for runs in map(run_batch, work) for run in runs if run.decay]
+    found = [run.decay for run in settled_runs(work) if run.decay]
     yield from decay_rows(found, rows)
 
 

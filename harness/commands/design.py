@@ -17,7 +17,7 @@ from ..units import in_both, rounded, shown_in
 from .changes import changed_scene, set_option
 
 if TYPE_CHECKING:
-    from ..design.choices import Design
+    from ..design.choices import Choice, Design
 
 MEASURE = "Measure it (autobalancer drag) and give it in a [[balancer]] table: settling follows it."
 
@@ -104,16 +104,27 @@ def table(data: Design, starts: int) -> Sheet:
     for c in data.choices:
         size = (str(c.count), f"{2e3 * c.radius:.4g}", f"{c.count * c.mass:.4g}")
         used = f"{data.unbalance / c.capacity:.0%}"
-        measured = ("not run", "-")
+        outcome = ("not run", "-")
         if c.runs:
-            time = f"{_time(c.median, 'never')} ({c.low:.2g}-{c.high:.2g})"
-            measured = (time, f"{c.settled}/{len(c.runs)}")
-        rows.append((*size, rounded(factor * c.capacity), used, *measured))
+            lost = f", {len(c.failures)} failed" if c.failures else ""
+            outcome = (_settling(c), f"{c.settled}/{len(c.ran)}{lost}")
+        rows.append((*size, rounded(factor * c.capacity), used, *outcome))
     title = f"{data.kind} for {in_both(data.unbalance, 'kg m')}"
     title += f" with a reserve of {data.reserve:g}" if data.reserve > 1.0 else ""
     title += f", race {1e3 * data.race:.4g} mm, {starts} random starts each\nmass: of all n; "
     title += "holds: largest unbalance they balance; used: of it"
     return Sheet(columns, rows, "r" * len(columns), title)
+
+
+def _settling(choice: Choice) -> str:
+    """Median and interval of the settling time; the time of the run where it did not settle."""
+    if math.isnan(choice.median):
+        return "too many failed"
+    late = f"not within {choice.seconds:.3g} s"
+    if math.isinf(choice.median):
+        return late
+    high = f"-{choice.high:.2g}" if math.isfinite(choice.high) else f" to {late}"
+    return f"{choice.median:.3g} ({choice.low:.2g}{high})"
 
 
 def details_table(data: Design) -> Sheet:

@@ -11,6 +11,7 @@ import numpy as np
 
 from ...models.papers import capacity as theory
 from ...models.papers.settling import settling_time, slow_root
+from ..master.schedule import end_time
 from ..output.outcome import Outcome
 from ..output.table import Sheet
 from ..output.workers import Progress, Workers, in_order
@@ -26,7 +27,14 @@ from .scenes import (
     weights_of,
     with_balls,
 )
-from .settling import SETTLED_UNBALANCE, SettlingRun, median_interval, refuse_few, run_batch
+from .settling import (
+    FEWEST_STARTS,
+    SETTLED_UNBALANCE,
+    SettlingRun,
+    median_interval,
+    refuse_few,
+    run_batch,
+)
 from .space import MATERIALS
 
 
@@ -42,8 +50,9 @@ class Choice:
         predicted: time in which the slow root (1) falls to `SETTLED_UNBALANCE` at the
             largest p [s]; NaN on anisotropic supports.
         has_capacity: it reaches the unbalance with the reserve; where it does not, nothing is run.
-        median, low, high: co-simulated settling time and its 95 % confidence interval [s]; NaN
-            where nothing was run.
+        median, low, high: co-simulated settling time and its 95 % confidence interval [s] of the
+            starts that did not fail; infinite: not within the run; NaN where nothing was run, or
+            too many starts failed.
         runs: every start.
     """
 
@@ -63,6 +72,21 @@ class Choice:
     runs: tuple[SettlingRun, ...]
 
     @property
+    def ran(self) -> tuple[SettlingRun, ...]:
+        """Starts whose runs did not fail."""
+        return tuple(run for run in self.runs if not run.failure)
+
+    @property
+    def failures(self) -> list[tuple[int, str]]:
+        """Starts that failed, counted from 1, and why."""
+        return [(k, run.failure) for k, run in enumerate(self.runs, start=1) if run.failure]
+
+    @property
+    def seconds(self) -> float:
+        """Length of a run [s]."""
+        return end_time(self.scene)
+
+    @property
     def settled(self) -> int:
         """How many starts settled."""
         return sum(math.isfinite(run.seconds) for run in self.runs)
@@ -70,12 +94,12 @@ class Choice:
     @property
     def median_alignment(self) -> float:
         """Median of p where the runs ended."""
-        return float(np.median([run.alignment for run in self.runs])) if self.runs else math.nan
+        return float(np.median([run.alignment for run in self.ran])) if self.ran else math.nan
 
     @property
     def predicted_at_end(self) -> float:
         """Median of the times that the slow root predicts for the positions reached [s]."""
-        return float(np.median([run.predicted for run in self.runs])) if self.runs else math.nan
+        return float(np.median([run.predicted for run in self.ran])) if self.ran else math.nan
 
 
 @dataclass(frozen=True, repr=False)
@@ -107,11 +131,16 @@ class Design(Outcome):
     def table(self) -> Sheet:
         """One line for every number of weights."""
         rows = [
-            (c.count, 2.0 * c.radius, c.count * c.mass, c.capacity, c.median, c.low, c.high)
+            (
+                *(c.count, 2.0 * c.radius, c.count * c.mass, c.capacity, c.median, c.low, c.high),
+                len(c.failures),
+                c.failures[0][1] if c.failures else "",
+            )
             for c in self.choices
         ]
         times = ("settling time [s]", "95 % from [s]", "to [s]")
         columns = ("n", "diameter [m]", "mass of all [kg]", "capacity [kg m]", *times)
+        columns += ("failed starts", "failure")
         return Sheet(columns, rows, "r" * len(columns), self.title)
 
     @property
@@ -162,7 +191,7 @@ def _choice(scene: Scene, required: float, runs: list[SettlingRun]) -> Choice:
     radius, alpha = balls.weight_radius or 0.0, balls.half_angle
     largest = theory.largest_alignment(balls.count, alpha)
     limit = balls.capacity
-    times, predicted = [run.seconds for run in runs], math.nan
+    times, predicted = [run.seconds for run in runs if not run.failure], math.nan
     if is_isotropic(scene):
         predicted = settling_time(
             slow_root(balls.device, largest, drag_limit(scene)), SETTLED_UNBALANCE
@@ -178,6 +207,6 @@ def _choice(scene: Scene, required: float, runs: list[SettlingRun]) -> Choice:
         theory.settling_shape(balls.kind, radius / race_of(balls), balls.count),
         predicted,
         limit >= required,
-        *(median_interval(times) if runs else (math.nan,) * 3),
+        *(median_interval(times) if len(times) >= FEWEST_STARTS else (math.nan,) * 3),
         tuple(runs),
     )

@@ -11,6 +11,7 @@ import numpy as np
 
 from ...models.papers.touching import critical_unbalance
 from ..capture.captured import captured_or_none
+from ..output.words import kinds_of
 from .scenes import weights_of
 
 if TYPE_CHECKING:
@@ -31,7 +32,7 @@ def words(data: Design) -> list[str]:
             f"{best.count} have the most, {best.capacity:.4g} kg m. Take more weights (--most), a "
             "larger race, a wider space or a denser material.",
         ]
-    lines = _recommendation(data)
+    lines = _recommendation(data) + _failed(data)
     if short := ", ".join(str(c.count) for c in data.choices if not c.has_capacity):
         lines.append(f"Too little capacity for {required:.4g} kg m, not run: n = {short}.")
     return [*lines, *_critical(data)]
@@ -40,9 +41,13 @@ def words(data: Design) -> list[str]:
 def _recommendation(data: Design) -> list[str]:
     """The fewest that settle as soon as the fastest, the others, and the fewest of all."""
     good = sorted(rivals(data), key=lambda c: c.count)
+    if not good:
+        return ["No recommendation: too many starts failed."]
     best, others = good[0], good[1:]
     if math.isinf(best.median):
-        return ["No recommendation: most starts did not settle within the scene's run."]
+        return [
+            f"No recommendation: most starts did not settle within the run's {best.seconds:.3g} s."
+        ]
     held = f"{best.capacity:.4g} kg m"
     if data.unbalance:
         held += f", {best.capacity / data.unbalance:.3g} times the largest unbalance"
@@ -52,13 +57,27 @@ def _recommendation(data: Design) -> list[str]:
         f"(median, 95 % confidence {best.low:.3g} to {best.high:.3g} s)."
     ]
     if others:
-        named = ", ".join(f"{c.count} ({c.count * c.mass:.3g} kg in all)" for c in others)
-        lines.append(f"As good, within the accuracy of {len(best.runs)} starts: {named}.")
+        named = ", ".join(
+            f"{c.count} ({c.count * c.mass:.3g} kg in all, {c.settled} of {len(c.ran)} settled)"
+            for c in others
+        )
+        lines.append(f"As good, within the accuracy of {len(best.ran)} starts: {named}.")
     fewest = data.with_capacity[0]
     if fewest.count < best.count:
-        settles = math.isfinite(fewest.median)
+        settles = math.isfinite(fewest.median)  # NaN where most of its starts failed
         when = f"and settle in {fewest.median:.3g} s" if settles else "but usually do not settle"
         lines.append(f"{fewest.count} have the capacity {when}.")
+    return lines
+
+
+def _failed(data: Design) -> list[str]:
+    """Starts that failed, by number of weights and reason."""
+    lines = []
+    for choice in data.with_capacity:
+        for count, reason in kinds_of([text for _, text in choice.failures]):
+            number = next(k for k, text in choice.failures if text == reason)
+            alike = f" ({count - 1} more like it)" if count > 1 else ""
+            lines.append(f"n = {choice.count}, start {number} failed{alike}: {reason}")
     return lines
 
 
@@ -78,13 +97,13 @@ def by_measure(data: Design) -> list[Choice]:
 
 def by_median(data: Design) -> list[Choice]:
     """The same, the fastest by the co-simulated medians first."""
-    return sorted(data.with_capacity, key=lambda c: c.median)
+    return sorted((c for c in data.with_capacity if c.median == c.median), key=lambda c: c.median)
 
 
 def rivals(data: Design) -> list[Choice]:
     """The fastest one, first, and those whose confidence interval reaches its own."""
     timed = by_median(data)
-    return [c for c in timed if c.low <= timed[0].high]
+    return [c for c in timed if c.low <= timed[0].high]  # without those of which too many failed
 
 
 def contradictions(data: Design) -> list[tuple[int, int]]:

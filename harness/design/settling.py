@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import random
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -45,15 +45,18 @@ class SettlingRun:
     """One run.
 
     Attributes:
-        seconds: until the residual stays below `SETTLED_UNBALANCE`; infinite where it did not.
+        seconds: until the residual stays below `SETTLED_UNBALANCE`; infinite where it did not, NaN
+            where the run failed.
         alignment: p at the end.
         decay: the linear end of the run against the slow root; None where the supports are not
             isotropic.
+        failure: why the run failed; empty where it did not.
     """
 
     seconds: float
     alignment: float
     decay: Decay | None
+    failure: str = ""
 
     @property
     def predicted(self) -> float:
@@ -92,11 +95,10 @@ def facing_start(count: int, alpha: float, rng: random.Random) -> Start:
 
 
 def run_batch(batch: Batch) -> list[SettlingRun]:
-    """Every start of a batch, run in C as the scene's one file.
+    """Every start of a batch, run in C as the scene's one file; one that fails costs itself alone.
 
     Raises:
         SceneError: one file does not have the scene's coupling or units.
-        SimulationError: a run has failed.
     """
     from ...fmus.composite.batch import BatchRuns  # compiles where it has to
 
@@ -106,11 +108,29 @@ def run_batch(batch: Batch) -> list[SettlingRun]:
     ((length, count),) = schedule(scene)
     runs = BatchRuns(composition_in_c(scene), _named(weights, "angle0"), read, count)
     signals, reasons = runs(np.array(batch.starts), np.full(len(batch.starts), length * count))
-    if any(reasons):
-        raise SimulationError(f"{scene.name}: {next(filter(None, reasons))}")
     every = max(1, round(steps_per_rev(scene) / READINGS))
     numbers = np.unique([*range(every, count + 1, every), count])
-    return [_settling_run(batch, length * numbers, rows) for rows in signals[:, numbers]]
+    return [
+        SettlingRun(math.nan, math.nan, None, reason)
+        if reason
+        else _settling_run(batch, length * numbers, rows)
+        for reason, rows in zip(reasons, signals[:, numbers], strict=True)
+    ]
+
+
+def settled_runs(batches: Iterable[Batch]) -> list[SettlingRun]:
+    """Every start of these batches.
+
+    Raises:
+        SimulationError: one has failed; a check that lost some starts would not be one.
+    """
+    found = []
+    for batch in batches:
+        for run in run_batch(batch):
+            if run.failure:
+                raise SimulationError(f"{batch.scene.name}: {run.failure}")
+            found.append(run)
+    return found
 
 
 def weights_in(scene: Scene) -> WeightBalancer:

@@ -321,6 +321,9 @@ void knot_held(const Knot *knot, Complex *signal);
 void knot_hermite(const Knot *start, const Knot *end, double step, Complex *signal);
 Knot knot_end(const Complex *signal, double step);
 void signal_predicted(const Signal *signal, Complex *ahead);
+
+/* Whether the last step is too short to predict this one: the curvature that it has left is rounding. */
+int signal_is_far(const Signal *signal, double step);
 void signal_move(Signal *signal, const Knot *end, double step);
 
 /* -- loop.c ---------------------------------------- */

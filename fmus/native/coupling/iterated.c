@@ -6,6 +6,7 @@
 #include "constants.h"
 #include "coupling/composite.h"
 
+static const double SLOW_BRIEF_CONVERGENCE = 0.5; /* as SLOW_CONVERGENCE, in steps across an event */
 static const double HELD = 0.01; /* of the residual allowed */
 enum { UNCONVERGED = 1 };
 
@@ -84,6 +85,8 @@ double iterated_attempt(Unit *unit, double step, int passes)
         course->event.steps_left > 0.0  ? smaller(allowed, closed(course))
         : course->adaptive.constant_signals > 0.0 ? larger(GAIN_ROUNDING * course->loop.gain, HELD * allowed)
                                       : allowed;
+    /* in longer steps what brief ones learn of the slopes would be multiplied rounding */
+    const double slow = course->event.steps_left > 0.0 ? SLOW_BRIEF_CONVERGENCE : SLOW_CONVERGENCE;
     double error = 0.0, error_before = 0.0;
     int number, i;
     course->loop.ahead = -1.0;
@@ -93,6 +96,8 @@ double iterated_attempt(Unit *unit, double step, int passes)
         Knot ahead;
         if (course->adaptive.constant_signals > 0.0) {
             knot_held(&c->forces[i].now, assumed);
+        } else if (signal_is_far(c->forces + i, step)) {
+            knot_from_start(&c->forces[i].now, assumed);
         } else {
             signal_predicted(c->forces + i, assumed);
         }
@@ -112,7 +117,7 @@ double iterated_attempt(Unit *unit, double step, int passes)
         /* of passes and steps that are taken back none counts: they can be far too large */
         course->loop.reached = larger(course->loop.largest, loop_size(c->g_u, half));
         error = course->loop.reached > 0.0 ? loop_size(c->residual, half) / course->loop.reached : 0.0;
-        if (number > 1 && error > larger(tolerance, SLOW_CONVERGENCE * error_before)) {
+        if (number > 1 && error > larger(tolerance, slow * error_before)) {
             loop_learn(c, c->du, c->old, c->residual);
         }
         if (number >= passes || !(error > tolerance)) {

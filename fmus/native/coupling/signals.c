@@ -1,4 +1,5 @@
 #include "base/elementary.h"
+#include "constants.h"
 #include "coupling/composite.h"
 
 void knot_from_start(const Knot *start, Complex *signal)
@@ -33,6 +34,11 @@ void signal_predicted(const Signal *signal, Complex *ahead)
     ahead[1] = signal->now.slope;
     ahead[2] = complex_sum(last[2], complex_scaled(signal->last_step, last[3]));
     ahead[3] = last[3];
+}
+
+int signal_is_far(const Signal *signal, double step)
+{
+    return step > MOST_EXTRAPOLATION * signal->last_step && signal->last_step > 0.0;
 }
 
 void signal_move(Signal *signal, const Knot *end, double step)

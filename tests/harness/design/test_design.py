@@ -12,12 +12,14 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
-from autobalancer.harness import load_scene
+from autobalancer.fmus.composite.batch import BatchRuns
+from autobalancer.harness import Scene, load_scene
 from autobalancer.harness.checks.capacity import check_capacity, check_sizes, packed_turn
 from autobalancer.harness.checks.largest_spread import check_largest_spread
 from autobalancer.harness.checks.ranking import check_ranking
 from autobalancer.harness.checks.slow_root import check_slow_root
 from autobalancer.harness.design.choices import design
+from autobalancer.harness.commands.design import table
 from autobalancer.harness.design.decay import decay
 from autobalancer.harness.design.recommendation import contradictions, rivals, words
 from autobalancer.harness.design.settling import (
@@ -314,3 +316,66 @@ def test_design_command_shows_a_table_words_and_a_picture(
     assert "No number of balls in this space" in short.output
     refused = invoke("design", "two_balls")
     assert refused.exit_code == 2
+
+
+AFTER_IMPACTS = {
+    "title": "Six heavy balls whose impacts end just before a communication step does",
+    "rotor": {
+        "kind": "planar",
+        "mass": 19.35709793707314,
+        "stiffness": 1964.076536401777,
+        "damping": 10.084371434971034,
+        "unbalance": 0.20048428419251646,
+    },
+    "balancer": [
+        {
+            "kind": "balls",
+            "name": "balls",
+            "count": 2,
+            "mass": 0.4403165027572055,
+            "track_radius": 0.16654823413262565,
+            "weight_radius": 0.023797276148489702,
+            "drag": 0.015892491288539916,
+        }
+    ],
+    "operation": {"speed": 20.870316462479813},
+    "run": {"revolutions": 100},
+}
+
+
+def test_the_step_behind_an_impact_is_not_predicted_from_rounding():
+    """The curvature that a step 5000 times shorter had left made forces 20 times too large."""
+    scene = Scene.from_document(AFTER_IMPACTS)
+    found = design(scene, counts=[6], starts=10)
+    assert [choice.failures for choice in found.choices] == [[]]
+
+
+def test_a_start_that_fails_is_a_row_with_its_reason_and_the_rest_is_kept(monkeypatch):
+    """Starts 2 and 9 of every batch fail."""
+    scene = Scene.from_document(AFTER_IMPACTS).replace({"run.revolutions": 30})
+    whole = design(scene, counts=[2, 3, 4], starts=10)
+    own = BatchRuns.__call__
+
+    def failing(self, values, ends):
+        signals, reasons = own(self, values, ends)
+        signals[[1, 8]] = np.nan
+        return signals, ["no luck at t = 3 s" if k in (1, 8) else r for k, r in enumerate(reasons)]
+
+    monkeypatch.setattr(BatchRuns, "__call__", failing)
+    found = design(scene, counts=[2, 3, 4], starts=10)
+    for before, after in zip(whole.with_capacity, found.with_capacity, strict=True):
+        assert [k for k, _ in after.failures] == [2, 9]
+        kept = [run.seconds for k, run in enumerate(before.runs) if k not in (1, 8)]
+        assert [run.seconds for run in after.ran] == kept
+    said = "\n".join(words(found))
+    count = found.with_capacity[0].count
+    assert f"n = {count}, start 2 failed (1 more like it): no luck at t = 3 s" in said
+    rows = table(found, 10).rows
+    assert any(row[-1].endswith("/8, 2 failed") for row in rows)
+    assert not any("inf" in cell or "never" in cell for row in rows for cell in row)
+
+
+def test_what_does_not_settle_is_stated_with_the_time_of_the_run():
+    scene = Scene.from_document(AFTER_IMPACTS).replace({"run.revolutions": 5})
+    rows = table(design(scene, counts=[4], starts=6), 6).rows
+    assert rows[0][-2] == "not within 1.51 s"
