@@ -20,6 +20,8 @@ _WITH_UNIT = re.compile(
     r"(?![eE][-+]?\d)(?P<unit>[A-Za-zµμ°%(][\w °%µμ·./*^()²³-]*?)\s*"
 )
 _HYPHEN = re.compile(r"(?<=[A-Za-z])-(?=[A-Za-z])")  # g-mm and oz-in are products
+_GRADE = re.compile(r"\s*G\s*\d+(?:\.\d+)?\s*")  # of ISO 21940-11
+_SPAN = re.compile(r"\s*\d+(?:\.\d+)?\s*\w*\s*(?:-|:|\.\.|,)\s*\d+(?:\.\d+)?\s*\w*\s*")
 _NUMBER = r"-?\d+(?:\.\d+)?(?:e[-+]?\d+)?"
 _IN_WORDS = re.compile(
     rf"(?<![\w.])(?P<numbers>(?:{_NUMBER}(?:, | to | and ))*{_NUMBER}) "
@@ -95,18 +97,19 @@ def to_si(text: str, symbol: str) -> float:
     """
     match = _WITH_UNIT.fullmatch(text)
     if match is None:
-        raise ValueError(_expected(symbol))
+        raise ValueError(_expected(symbol) + _hint(text, symbol))
     from pint import DimensionalityError
 
     units = _registry()
     try:
         given = units.parse_units(_HYPHEN.sub("*", match["unit"]))
     except Exception as error:  # of pint, of Python's tokenizer, or a failed assertion of it
-        raise ValueError(f"unknown unit {match['unit']!r}: {_expected(symbol)}") from error
+        hint = _hint(text, symbol)
+        raise ValueError(f"unknown unit {match['unit']!r}: {_expected(symbol)}{hint}") from error
     try:
         return float(units.Quantity(float(match["number"]), given).to(symbol).magnitude)
     except DimensionalityError as error:
-        raise ValueError(_expected(symbol)) from error
+        raise ValueError(_expected(symbol) + _hint(text, symbol)) from error
 
 
 def _expected(symbol: str) -> str:
@@ -115,6 +118,18 @@ def _expected(symbol: str) -> str:
     first, second = quantity.examples
     alone = f"a number in {symbol}" if symbol else "a number"
     return f'{quantity.name} is expected, such as "{first}" or "{second}", or {alone}'
+
+
+def _hint(text: str, symbol: str) -> str:
+    """How to state what was probably meant; empty where that is not known."""
+    if symbol == "kg m" and _GRADE.fullmatch(text):
+        speed = "a grade is no unbalance: that of G6.3 is 6.3e-3 m/s * mass / speed"
+        return f"; {speed}, such as 0.0063 * 8 kg / 150 rad/s = 3.4e-4 kg m"
+    if symbol == "N s/m" and text.strip().endswith("%"):
+        return "; of a damping ratio it is 2 * ratio * sqrt(stiffness * mass)"
+    if symbol == "rad/s" and _SPAN.fullmatch(text):
+        return "; two speeds are written apart: 100rpm 2000rpm"
+    return ""
 
 
 def has_unit(text: str) -> bool:
@@ -199,5 +214,11 @@ def brief(value: float, digits: int = 2) -> str:
 
 def readable_unbalance(value: float) -> str:
     """An unbalance [kg m] in the unit in which it reads well, such as '30 g m'."""
+    unit, factor = unbalance_unit(value)
+    return f"{brief(value * factor, 3)} {unit}"
+
+
+def unbalance_unit(value: float) -> tuple[str, float]:
+    """Unit in which an unbalance [kg m] reads well, and how many of it are one kg m."""
     size, unit = next(((s, u) for s, u in _UNBALANCES if value >= s), _UNBALANCES[-1])
-    return f"{brief(value / size, 3)} {unit}"
+    return unit, 1.0 / size

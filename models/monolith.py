@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import warnings
+from collections.abc import Callable, Sequence
 from itertools import pairwise
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.integrate import solve_ivp
+from scipy.integrate import ODEintWarning, odeint, solve_ivp
 
 from .arrays import Array
 from .assembly import Assembly, SpeedProfile
@@ -18,6 +21,8 @@ from .reference.dry import Dry
 from .reference.phases import integrate_phases
 from .reference.trajectory import Trajectory, differences
 
+_POINTS = 1001  # at which a run by odeint is read where nothing else is asked for
+_MOST = 1_000_000  # steps of odeint between two of them
 NON_STIFF = ("DOP853", "LSODA")
 STIFF = ("Radau", "LSODA")
 _STIFF_RATIO = 100.0  # fastest mode over speed from which an explicit method only wastes its steps
@@ -41,7 +46,7 @@ def simulate(
     Args:
         profile: the speed against time, or the motor that makes it.
         times: (T,) ascending, from 0 on [s].
-        method: of `scipy.integrate.solve_ivp`.
+        method: of `scipy.integrate.solve_ivp`, or "odeint".
         rtol: relative tolerance.
 
     Raises:
@@ -106,10 +111,9 @@ def integrate(
             at = listed[(listed > begin) & (listed <= stop)]
             shown = slice(len(at))
             at = at if stop in at else np.append(at, stop)
-        solved = solve_ivp(
-            system.between(begin, stop).rhs, (begin, stop), state, method, at,
-            rtol=rtol, atol=absolute,
-        )  # fmt: skip
+        solved = _solve(
+            system.between(begin, stop).rhs, begin, stop, state, method, at, rtol, absolute
+        )
         if not solved.success or not np.isfinite(solved.y).all():
             where = solved.t[-1] if len(solved.t) else begin
             raise ArithmeticError(f"{method} stopped after {where:g} s: {solved.message}")
@@ -118,6 +122,39 @@ def integrate(
         state, begin = solved.y[:, -1], stop
         evaluations += solved.nfev
     return np.concatenate(times), np.concatenate(states), evaluations
+
+
+def _solve(
+    rhs: Callable[[float, Array], Any],
+    begin: float,
+    end: float,
+    state: Array,
+    method: str,
+    at: Array | None,
+    rtol: float,
+    absolute: Array,
+) -> Any:
+    """One stretch by a method of `solve_ivp`, or by "odeint": LSODA without its steps in Python.
+
+    The latter is SciPy's fastest; it has no times of its own and is read at `_POINTS`.
+    """
+    if method != "odeint":
+        return solve_ivp(rhs, (begin, end), state, method, at, rtol=rtol, atol=absolute)
+    asked = np.linspace(begin, end, _POINTS) if at is None else at
+    times = asked if len(asked) and asked[0] == begin else np.append(begin, asked)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", ODEintWarning)  # its message is raised
+        states, told = odeint(
+            rhs, state, times, tfirst=True, rtol=rtol, atol=absolute, full_output=True, mxstep=_MOST
+        )
+    first = len(times) - len(asked)
+    return SimpleNamespace(
+        success=told["message"] == "Integration successful.",
+        message=told["message"],
+        t=asked,
+        y=states[first:].T,
+        nfev=int(told["nfe"][-1]) if len(times) > 1 else 0,
+    )
 
 
 def trajectory(

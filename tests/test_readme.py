@@ -44,6 +44,10 @@ def test_pytest_check_of_the_readme_fails_with_the_message_shown(installed, tmp_
     assert NUMBER.sub("#", said) in NUMBER.sub("#", str(failure.value))
 
 
+def test_the_number_of_scenes_is_that_of_the_bundled_ones():
+    assert f"[gallery of {len(bundled_scenes())} scenes]" in README
+
+
 def test_the_self_check_prints_the_numbers_shown():
     shown = {name: text for _, name, text in blocks(MANUAL / "results" / "self_check.md")}["check"]
     named = [name for name in bundled_scenes() if shown.startswith(f"{name} (")]

@@ -40,8 +40,8 @@ def print_cycles(result: BalancingReport) -> None:
 
 
 def _coefficients(result: BalancingReport) -> Sheet:
-    measured = ("measured [1/kg]", "phase")
-    columns = ("support", "plane", *measured, "equations [1/kg]", "difference")
+    cosimulated = ("co-simulated [1/kg]", "phase")
+    columns = ("support", "plane", *cosimulated, "equations [1/kg]", "difference")
     rows = []
     for (i, j), value in np.ndenumerate(result.measured):
         exact = result.analytic[i, j]

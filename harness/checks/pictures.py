@@ -1,4 +1,4 @@
-"""Pictures that belong to a scene's checks, measured from the coupled units."""
+"""Pictures that belong to a scene's checks, co-simulated by the coupled units."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ def draw_pictures(scene: Scene, directory: Path, name: str | None = None) -> lis
     ]
 
 
-def measured_bending(scene: Scene, speeds: NDArray[np.float64]) -> NDArray[np.float64]:
+def cosimulated_bending(scene: Scene, speeds: NDArray[np.float64]) -> NDArray[np.float64]:
     """Steady bending of the coupled units at (k,) speeds [m]."""
     with Revolution(scene, separate=True) as units:
         return np.array([abs(steady_displacement(units, float(speed))) for speed in speeds])
@@ -50,7 +50,9 @@ def plot_liquid_window(scene: Scene) -> Picture:
     """
     window = window_of(scene)
     lower, upper, gap = window.lower, window.upper, window.liquid.gap
-    limits = {"w_*": lower} if upper is None else {"w_*": lower, "w^*": upper}
+    limits = {"lower limit": lower}
+    if upper is not None:
+        limits["upper limit"] = upper
     end = OPEN_END * lower if upper is None else ABOVE * max(limits.values())
     speeds = np.linspace(BELOW * min(limits.values()), end, CURVE_POINTS)
     points = np.sort([*np.linspace(speeds[0], end, MEASURED_POINTS), *limits.values()])
@@ -61,13 +63,13 @@ def plot_liquid_window(scene: Scene) -> Picture:
         ((scene, bending, "with liquid"), (scene.without_balancers(), without, "without"))
     ):
         lines.append(Line((speeds, curve * factor), f"{name}, theory (6)", colour(number)))
-        measured = measured_bending(variant, points) * factor
-        lines.append(Line((points, measured), f"{name}, measured", colour(number), "marks"))
+        measured = cosimulated_bending(variant, points) * factor
+        lines.append(Line((points, measured), f"{name}, co-simulated", colour(number), "marks"))
     low, high = (factor * float(size) for size in (min(bending), max(*bending, *without, gap)))
     for name, speed in limits.items():
         edge = np.array([speed, speed]), np.array([low, high])
-        lines.append(Line(edge, f"{name} = {speed:.5g} rad/s", GREY, "dashed"))
-    state = "empty" if window.empty else f"from w_* {'on' if upper is None else 'to w^*'}"
+        lines.append(Line(edge, f"{name}, {speed:.5g} rad/s", GREY, "dashed"))
+    state = "from the lower limit on" if upper is None else "from the lower to the upper limit"
     flat = np.full_like(speeds, gap * factor)
     lines.append(Line((speeds, flat), f"gap {gap * factor:.4g} {unit}", BLACK, "dotted"))
     touching = np.where(bending > gap, bending * factor, np.nan)
@@ -75,7 +77,7 @@ def plot_liquid_window(scene: Scene) -> Picture:
         label = "float touches the wall: model not valid"
         lines.append(Line((speeds, touching), label, WRONG, "dotted", 3.0))
     axes = PlotAxis("speed", "rad/s"), PlotAxis("steady bending, 0-peak", unit, log=True)
-    title = f"{scene.heading}\nwindow: {state}"
+    title = f"{scene.heading}\nwindow: {'empty' if window.empty else state}"
     return Picture(title, [Panel(axes, lines)], height=4.6)
 
 

@@ -1,4 +1,4 @@
-"""Rows of checks: what was expected, what was measured, and whether it holds."""
+"""Rows of checks: what was expected, what was co-simulated, and whether it holds."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from ..output.files import plain
 from ..output.table import BAD, GOOD, Sheet
 from .row import Row, Value
 
-COLUMNS = ("check", "quantity", "expected", "measured", "error", "tolerance", "holds")
+COLUMNS = ("check", "quantity", "expected", "co-simulated", "error", "tolerance", "holds")
 
 
 def text(value: Value | None, digits: int = 8) -> str:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -10,6 +9,7 @@ from ..output import options
 from ..output.files import write_json
 from ..output.table import Sheet
 from ..output.terminal import progress_bars, say, show
+from ..units import engineering
 from .changes import changed_scene, set_option
 
 if TYPE_CHECKING:
@@ -56,12 +56,22 @@ _WORDS = {"stable": "", "neutral": ", neutral", "unstable": ", UNSTABLE"}
 
 
 def _modes(found: RotorAnalysis) -> Sheet:
-    sheet = found.table()
+    """The modes; engineers' frequencies are in Hz anyway, and need no column of their own."""
+    sheet, alone = found.table(), engineering.get()
     rows = [
-        (str(n), f"{w:.6g}", f"{f:.5g}", f"{d:.4g}", f"{whirl}{_WORDS[state]}")
+        (
+            str(n),
+            f"{w:.6g}",
+            *(() if alone else (f"{f:.5g}",)),
+            f"{d:.4g}",
+            f"{whirl}{_WORDS[state]}",
+        )
         for (n, w, f, d, whirl), state in zip(sheet.rows, found.modes.states, strict=True)
     ]
-    return replace(sheet, rows=rows)
+    columns, aligned = sheet.columns, "rrrrl"
+    if alone:
+        columns, aligned = (*columns[:2], *columns[3:]), "rrrl"
+    return Sheet(columns, rows, aligned, sheet.title)
 
 
 def _listed(speeds: Array) -> str:

@@ -138,9 +138,8 @@ class Design(Outcome):
             )
             for c in self.choices
         ]
-        times = ("settling time [s]", "95 % from [s]", "to [s]")
+        times = ("settling time [s]", "95 % from [s]", "to [s]", "failed starts", "failure")
         columns = ("n", "diameter [m]", "mass of all [kg]", "capacity [kg m]", *times)
-        columns += ("failed starts", "failure")
         return Sheet(columns, rows, "r" * len(columns), self.title)
 
     @property

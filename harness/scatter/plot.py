@@ -71,6 +71,6 @@ def _importance(axes: Any, said: Mapping[str, Any]) -> None:
     axes.barh(
         [one["path"] for one in rows], [one["rank_correlation"] for one in rows], 0.4, color="C1"
     )
-    axes.set_ylim(-0.8, len(rows) - 0.2)
+    axes.set(xlim=(-1.0, 1.0), ylim=(-0.8, len(rows) - 0.2))  # a weak one looks weak
     axes.set_xlabel("rank correlation with the residual amplitude")
     axes.axvline(0.0, color="black", lw=0.8)

@@ -20,6 +20,7 @@ from ..scene.replace import in_full
 from ..units import si_number
 
 EXAMPLE = "PATH=NAME(NUMBER,...), such as balls.drag=normal(0.2,10%)"
+_SHARE = re.compile(r"(?:\+-|±)?\s*(\d+(?:\.\d+)?)\s*%")
 _TEXT = re.compile(r"(?P<path>[^=]+)=\s*(?P<name>\w+)\s*\((?P<arguments>[^()]*)\)\s*")
 
 
@@ -53,7 +54,7 @@ class Variation:
         """
         match = _TEXT.fullmatch(text.strip())
         if match is None:
-            raise UserError(f"{text}: must be {EXAMPLE}")
+            raise UserError(f"{text}: must be {EXAMPLE}{_meant(text)}")
         path = match["path"].strip()
         make = _MAKERS.get(match["name"])
         if make is None:
@@ -88,6 +89,15 @@ class Variation:
     def typical(self) -> float:
         """The median."""
         return float(self.distribution.ppf(0.5))
+
+
+def _meant(text: str) -> str:
+    """How to write a deviation that stands alone, such as rotor.mass=5%."""
+    path, _, deviation = (part.strip() for part in text.partition("="))
+    share = _SHARE.fullmatch(deviation)
+    return (
+        f"; for a deviation of {share[1]} % write {path}=normal(MEAN,{share[1]}%)" if share else ""
+    )
 
 
 def variations(vary: Mapping[str, Any] | Iterable[str], scene: Scene) -> list[Variation]:

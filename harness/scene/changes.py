@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import re
 from typing import Any
 
 from ..errors import UserError
 
 _LONGEST_SHOWN = 200  # characters of what was typed
+_SHORT_NUMBER = re.compile(
+    r"[-+]?(?:\.\d+|\d+\.)(?:[eE][-+]?\d+)?"
+)  # TOML wants digits on both sides
 
 
 def parse_change(text: str) -> tuple[str, Any]:
@@ -21,6 +25,8 @@ def parse_change(text: str) -> tuple[str, Any]:
     key, equals, value = (part.strip() for part in text.partition("="))
     if key and has_unit(value):
         return key, value
+    if key and _SHORT_NUMBER.fullmatch(value):
+        return key, float(value)
     try:
         if not (key and equals and value):
             raise ValueError

@@ -43,6 +43,11 @@ def bundled_scenes() -> list[str]:
     return sorted(path.stem for path in BUNDLED.glob("*.toml"))
 
 
+def _scenes_beside(path: Path) -> list[str]:
+    """Scene files in the folder of a path that does not exist, as one would write them."""
+    return [str(path.parent / other.name) for other in path.parent.glob("*.toml")]
+
+
 def find(source: str | Path) -> Path:
     """The file of a scene: a path, or the name of a bundled scene.
 
@@ -64,6 +69,8 @@ def find(source: str | Path) -> Path:
         raise SceneError(f"{path}: is a directory; a scene is a TOML file")
     if path.exists():
         raise SceneError(f"{path}: is not a file that can be read; a scene is a TOML file")
+    if path.suffix or path.name != str(source):
+        raise SceneError(f"{source}: no such file{did_you_mean(str(source), _scenes_beside(path))}")
     raise SceneError(
         f"{source}: no such file, and no bundled scene of that name"
         f"{did_you_mean(str(source), names)}; bundled: {', '.join(names)}"

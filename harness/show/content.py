@@ -18,7 +18,7 @@ from ..master.plan import plan
 from ..scene import Scene
 from ..scene.balancer import WeightBalancer
 from ..scene.grade import GRADES
-from ..units import shown_in
+from ..units import shown_in, unbalance_unit
 from .saved import document, keys_of
 from .window import window
 
@@ -55,7 +55,10 @@ def content(scene: Scene) -> dict[str, Any]:
     bands = window(scene.replace({"operation.unbalance_changes": None}))  # of the first unbalance
     said = captured_or_none(scene)
     return {
-        "units": {symbol: shown_in(symbol) for symbol in ("rad/s", "m", "kg m")},
+        "units": {
+            **{symbol: shown_in(symbol) for symbol in ("rad/s", "m")},
+            "kg m": unbalance_unit(_moment(scene, made)),
+        },
         "tracks": _tracks(scene),
         "tokens": [
             {"weights": counts, "capacities": capacities, "token": each.token(stamp())}

@@ -35,8 +35,8 @@ def plot_map(data: StabilityMap, path: Path | None) -> Path | Drawing:
     # the tail is cut so that it cannot wash out the rest
     norm = SymLogNorm(largest / 10.0**DECADES, vmin=-largest, vmax=largest, base=10.0)
     colours = axes.pcolormesh(
-        x, y, np.ma.masked_invalid(data.growth), cmap="RdBu_r", norm=norm, shading="gouraud"
-        if np.isfinite(data.growth).all() else "nearest", rasterized=True,
+        x, y, np.ma.masked_invalid(data.growth), cmap="RdBu_r", norm=norm,
+        shading="nearest", rasterized=True,  # between colours is no growth: white stars
     )  # fmt: skip
     bar = figure.colorbar(colours, ax=axes, extend="both", pad=0.015)
     bar.set_label("largest growth rate [1/s]: below 0 balanced, above 0 not")

@@ -122,8 +122,9 @@ def check_reach(assembly: Assembly, table: WeightTable) -> dict[int, complex]:
     total = float(table.moment.sum())
     if left > _UNDONE * size:
         raise CannotBalance(
-            f"an unbalance of {size:g} kg m cannot be undone in the planes that carry weights: "
-            f"{left:g} kg m would be left whatever their moment",
+            "the unbalance cannot be undone in the planes that carry weights: whatever the weights "
+            f"are, {left / size:.0%} of its force would remain at a part of the rotor that they do "
+            "not reach (a couple needs weights in two planes)",
             size,
             total,
         )

@@ -34,6 +34,7 @@ SOLVERS: dict[str, tuple[float, ...]] = {
     "RK45": tuple(10.0**-k for k in range(3, 10)),
     "DOP853": tuple(10.0**-k for k in range(3, 11)),
     "LSODA": tuple(10.0**-k for k in range(3, 11)),
+    "odeint": tuple(10.0**-k for k in range(3, 11)),
     "Radau": tuple(10.0**-k for k in range(3, 9)),
 }
 MORE = 16  # points than steps of the composite: of those at the start and at jumps

@@ -18,8 +18,8 @@ from autobalancer.harness.checks.capacity import check_capacity, check_sizes, pa
 from autobalancer.harness.checks.largest_spread import check_largest_spread
 from autobalancer.harness.checks.ranking import check_ranking
 from autobalancer.harness.checks.slow_root import check_slow_root
-from autobalancer.harness.design.choices import design
 from autobalancer.harness.commands.design import table
+from autobalancer.harness.design.choices import design
 from autobalancer.harness.design.decay import decay
 from autobalancer.harness.design.recommendation import contradictions, rivals, words
 from autobalancer.harness.design.settling import (

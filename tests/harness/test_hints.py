@@ -1,0 +1,54 @@
+"""Input in a form of its own: the message shows the right one, or it is understood."""
+
+from __future__ import annotations
+
+import pytest
+
+from autobalancer.harness import load_scene
+from autobalancer.harness.errors import UserError
+from autobalancer.harness.scatter.vary import Variation
+from autobalancer.harness.scene.changes import parse_change
+from autobalancer.harness.units import to_si
+
+
+@pytest.mark.parametrize(
+    ("text", "value"), [(".006", 0.006), ("5.", 5.0), ("-.5e-2", -0.005), ("0.006", 0.006)]
+)
+def test_numbers_without_a_digit_before_or_behind_the_point_are_numbers(text, value):
+    assert parse_change(f"balls.drag={text}") == ("balls.drag", value)
+
+
+@pytest.mark.parametrize(
+    ("text", "symbol", "hint"),
+    [
+        ("G6.3", "kg m", "a grade is no unbalance: that of G6.3 is 6.3e-3 m/s"),
+        ("6 %", "N s/m", r"of a damping ratio it is 2 \* ratio \* sqrt"),
+        ("100-2000", "rad/s", "two speeds are written apart: 100rpm 2000rpm"),
+        ("100rpm-2000rpm", "rad/s", "two speeds are written apart"),
+    ],
+)
+def test_a_value_of_another_kind_says_how_to_state_it(text, symbol, hint):
+    with pytest.raises(ValueError, match=hint):
+        to_si(text, symbol)
+
+
+def test_a_deviation_alone_says_how_it_is_written():
+    with pytest.raises(UserError, match=r"5 % write rotor.mass=normal\(MEAN,5%\)"):
+        Variation.parse("rotor.mass=5%", load_scene("two_balls"))
+
+
+def test_a_path_that_does_not_exist_names_no_bundled_scenes(invoke, tmp_path):
+    (tmp_path / "drum.toml").write_text("")
+    outcome = invoke("run", tmp_path / "drun.toml")
+    assert outcome.exit_code == 2
+    assert "no such file (did you mean" in outcome.stderr
+    assert "two_balls" not in outcome.stderr
+    assert "two_balls" in invoke("run", "two_bals").stderr
+
+
+def test_engineers_frequencies_stand_in_one_column(invoke):
+    outcome = invoke("--units", "engineering", "rotor", "two_balls")
+    if outcome.exit_code:
+        outcome = invoke("rotor", "two_balls", "--units", "engineering")
+    assert outcome.exit_code == 0, outcome.output
+    assert outcome.output.count("[Hz]") == 1
