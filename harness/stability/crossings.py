@@ -16,6 +16,7 @@ from ..output.workers import Progress
 
 TOLERANCE = 1e-6  # relative, of a co-simulated boundary
 NEAR = 2e-3  # relative distance from a guess at which the co-simulation is asked: it errs by less
+LEAST_REACH = 3.0 * TOLERANCE  # relative: two numbers of steps agree so far without being right
 SAFE = 4.0  # times the error of a growth over its slope: so far from a limit it is decided
 FINE = 1e-5  # relative, to which a limit is to be known
 # of the width of an undecided region, and of the speed, to which its ends are found
@@ -137,13 +138,13 @@ def _limit(
         return {}
     slope = abs(ends[1].rate - ends[0].rate) / (right - left)
     at = _root(rate, left, right, steps)
-    reach = max(TOLERANCE * right, SAFE * error / slope)
+    reach = max(LEAST_REACH * right, SAFE * error / slope)
     if reach > fine * right:
         finest = measure(at)
         low, high = max(left, at - reach), min(right, at + reach)
         if rate(low, finest.steps) * rate(high, finest.steps) < 0.0:
             at, error = _root(rate, low, high, finest.steps), finest.growth.error
-            reach = max(TOLERANCE * right, SAFE * error / slope)
+            reach = max(LEAST_REACH * right, SAFE * error / slope)
     found = {at: Measured(Growth(0.0, error), steps)}
     for speed in (at - reach, at + reach):
         if left < speed < right:
