@@ -4,15 +4,19 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from dataclasses import replace
 
 import numpy as np
 
+from ...models.linear.regions import Crossing, Side
 from ...models.stability import growth_rates
 from ..errors import SceneError
 from ..result.run import cosimulate
 from ..scene import Scene
 from ..scene.check import CriticalSpeedsCheck
 from ..stability.boundaries import speeds
+from ..stability.crossings import NEAR
+from ..stability.main_motion import MainMotion
 from ..stability.speeds import Speeds
 from .report import text
 from .row import Row, Rows
@@ -24,6 +28,7 @@ SETTLING = 9.0  # times 1/growth rate: e^-9 = 1e-4 of the distance to the main m
 TRANSIENT = 60.0  # revolutions before that: the weights find their places
 LONGEST = 3000.0  # revolutions of a run: what settles later, e^-0.003 per revolution, is a boundary
 FLOQUET = "Floquet multipliers about the main motion"
+OTHER_SIDE: dict[Side, Side] = {"stable": "unstable", "unstable": "stable"}
 
 
 def check_critical_speeds(scene: Scene, check: CriticalSpeedsCheck) -> Iterator[Row]:
@@ -35,7 +40,7 @@ def check_critical_speeds(scene: Scene, check: CriticalSpeedsCheck) -> Iterator[
     scene = scene.replace(check.set)
     rows = Rows(scene.name, check.kind)
     prefix = f"{check.case}: " if check.case else ""
-    result = speeds(scene, check.range, separate=True)
+    result = confirmed(scene, speeds(scene, check.range))
     for method in ("floquet", "cosim"):
         if method in result.refused:
             raise SceneError(f"{scene.name}: check critical_speeds: {result.refused[method]}")
@@ -48,6 +53,31 @@ def check_critical_speeds(scene: Scene, check: CriticalSpeedsCheck) -> Iterator[
         yield rows.number(quantity, speed, nearest, check.published_within, scene.source)
     for speed in check.runs_from_rest:
         yield rest_row(rows, scene, speed, prefix)
+
+
+def confirmed(scene: Scene, found: Speeds) -> Speeds:
+    """The speeds less those that separate FMUs do not confirm.
+
+    The one file locates a critical speed.  Separate FMUs, coupled in Python, must find the same
+    side of it below and above: what they do not is left out, and its row does not hold.
+    """
+    cosim = found.methods.get("cosim")
+    if cosim is None:
+        return found
+    bounds = [found.range[0], *(crossing.speed for crossing in cosim), found.range[1]]
+    with MainMotion(scene, separate=True) as motion:
+
+        def is_seen(crossing: Crossing, before: float, after: float) -> bool:
+            if crossing.above not in OTHER_SIDE:
+                return True
+            at = crossing.speed
+            reach = min(NEAR * at, (at - before) / 3.0, (after - at) / 3.0)
+            sides = {at - reach: OTHER_SIDE[crossing.above], at + reach: crossing.above}
+            return all(motion.find_growth(w).growth.state == side for w, side in sides.items())
+
+        kept = tuple(map(is_seen, cosim, bounds, bounds[2:]))
+    seen = tuple(crossing for crossing, is_kept in zip(cosim, kept, strict=True) if is_kept)
+    return replace(found, methods={**found.methods, "cosim": seen})
 
 
 def speed_rows(rows: Rows, result: Speeds, prefix: str, scale: float = 1.0) -> Iterator[Row]:
