@@ -15,7 +15,7 @@ from ..result.run import cosimulate
 from ..scene import Scene
 from ..scene.check import CriticalSpeedsCheck
 from ..stability.boundaries import speeds
-from ..stability.crossings import NEAR
+from ..stability.crossings import NEAR, side
 from ..stability.main_motion import MainMotion
 from ..stability.speeds import Speeds
 from .report import text
@@ -73,7 +73,7 @@ def confirmed(scene: Scene, found: Speeds) -> Speeds:
             at = crossing.speed
             reach = min(NEAR * at, (at - before) / 3.0, (after - at) / 3.0)
             sides = {at - reach: OTHER_SIDE[crossing.above], at + reach: crossing.above}
-            return all(motion.find_growth(w).growth.state == side for w, side in sides.items())
+            return all(side(motion.growth(w)) == expected for w, expected in sides.items())
 
         kept = tuple(map(is_seen, cosim, bounds, bounds[2:]))
     seen = tuple(crossing for crossing, is_kept in zip(cosim, kept, strict=True) if is_kept)

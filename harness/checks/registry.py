@@ -4,40 +4,37 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
+from importlib import import_module
 from typing import Any
 
 from ..errors import SceneError
 from ..scene import Scene
 from ..scene.check import AnyCheck, CriticalSpeedsCheck
-from .capacity import check_capacity, check_sizes
-from .critical_speeds import check_critical_speeds
-from .filimonikhina import TABLES, check_row
-from .largest_spread import check_largest_spread
-from .liquid_window import check_liquid_window
-from .ranking import check_ranking
-from .rig import GROUPS, check_rig
 from .row import Row
-from .slow_root import check_slow_root
-from .sommerfeld import check_sommerfeld
 
-# scene -> rows, with the options of one of the check's parts
-CHECKS: dict[str, Callable[..., Iterator[Row]]] = {
-    "liquid_window": check_liquid_window,
-    "critical_speeds": check_critical_speeds,
-    "capacity": check_capacity,
-    "sommerfeld": check_sommerfeld,
-    "filimonikhina_table": check_row,
-    "goncharov_table": check_sizes,
-    "goncharov_ranking": check_ranking,
-    "slow_root": check_slow_root,
-    "largest_spread": check_largest_spread,
-    "rig": check_rig,
+Work = Callable[..., Iterator[Row]]  # scene -> rows, with the options of one of the check's parts
+# the functions by their modules, which load SciPy: who only shares the work out does without
+CHECKS: dict[str, str | Work] = {
+    "liquid_window": ".liquid_window:check_liquid_window",
+    "critical_speeds": ".critical_speeds:check_critical_speeds",
+    "capacity": ".capacity:check_capacity",
+    "sommerfeld": ".sommerfeld:check_sommerfeld",
+    "filimonikhina_table": ".filimonikhina:check_row",
+    "goncharov_table": ".capacity:check_sizes",
+    "goncharov_ranking": ".ranking:check_ranking",
+    "slow_root": ".slow_root:check_slow_root",
+    "largest_spread": ".largest_spread:check_largest_spread",
+    "rig": ".rig:check_rig",
 }
-# options of every part that can be done on its own
-SPLIT: dict[str, list[dict[str, Any]]] = {
-    "filimonikhina_table": [{"index": index} for index in range(len(TABLES))],
-    "rig": [{"rows_of": name} for name in GROUPS],
-}
+
+
+def work_of(kind: str) -> Work:
+    """The function that does a kind of check."""
+    found = CHECKS[kind]
+    if isinstance(found, str):
+        module, _, name = found.partition(":")
+        found = getattr(import_module(module, __package__), name)
+    return found
 
 
 @dataclass(frozen=True)
@@ -50,7 +47,7 @@ class CheckPart:
 
     def rows(self) -> list[Row]:
         """Run the part, and give its rows."""
-        return list(CHECKS[self.kind](self.scene, **self.options))
+        return list(work_of(self.kind)(self.scene, **self.options))
 
 
 def parts_of(scene: Scene) -> list[CheckPart]:
@@ -78,6 +75,15 @@ def parts_of(scene: Scene) -> list[CheckPart]:
 
 
 def _options(check: AnyCheck) -> list[dict[str, Any]]:
+    """Options of every part of a check that can be done on its own."""
     if isinstance(check, CriticalSpeedsCheck):
         return [{"check": check}]
-    return SPLIT.get(check.kind, [{}])
+    if check.kind == "filimonikhina_table":
+        from .filimonikhina import TABLES
+
+        return [{"index": index} for index in range(len(TABLES))]
+    if check.kind == "rig":
+        from .rig import GROUPS
+
+        return [{"rows_of": name} for name in GROUPS]
+    return [{}]

@@ -192,6 +192,12 @@ class Revolution(Closing):
         slopes = derivative(lambda s: self(s, speed), state, np.diag(scale), scale)
         return slopes / scale[:, None]
 
+    def _linear_map(self, speed: float) -> Matrix:
+        """As `monodromy`, of a linear machine: a unit of each state, and none, say it exactly."""
+        scale = self.scale(speed)
+        rest, *ends = self(np.vstack([np.zeros(len(scale)), np.diag(scale)]), speed)
+        return (np.array(ends) - rest).T / scale[:, None]
+
     def steady(self, speed: float, monodromy: Matrix | None = None) -> Vector:
         """States that one revolution of a linear machine returns to: a rotor, with liquid or not.
 
@@ -202,7 +208,7 @@ class Revolution(Closing):
             SimulationError: there is no such motion.
         """
         state, scale = np.zeros(len(self.states)), self.scale(speed)
-        slopes = self.monodromy(state, speed) if monodromy is None else monodromy
+        slopes = self._linear_map(speed) if monodromy is None else monodromy
         for _ in range(FIXED_POINT_ITERATIONS):
             residual = (self(state[None], speed)[0] - state) / scale
             step = np.linalg.lstsq(np.eye(len(state)) - slopes, residual, rcond=RANK)[0]
