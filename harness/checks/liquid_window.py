@@ -73,11 +73,7 @@ def check_liquid_window(scene: Scene) -> Iterator[Row]:
     rows = Rows(scene.name, "liquid_window")
     turned = np.exp(-1j * np.angle(scene.assembly().rotor.unbalance[0]))
     alone = scene.without_balancers()
-    with (
-        MainMotion(scene, separate=True) as motion,
-        Revolution(alone, separate=True) as bare,
-        Revolution(scene) as whole,  # one file: bending at many speeds
-    ):
+    with MainMotion(scene, separate=True) as motion, Revolution(alone, separate=True) as bare:
         loaded, growth = motion.units, motion.growth
 
         def bending(speed: float) -> float:
@@ -102,7 +98,7 @@ def check_liquid_window(scene: Scene) -> Iterator[Row]:
         yield from window_rows(rows, scene, window, lower, upper, BOUNDARY_TOLERANCE)
         end = upper if upper and upper > lower else OPEN_END * lower
         speeds = np.linspace(lower, end, SPEEDS)
-        bent = turned * np.array([steady_displacement(whole, speed) for speed in speeds])
+        bent = turned * np.array([steady_displacement(loaded, speed) for speed in speeds])
         yield from _bending(rows, window, speeds, bent)
         if upper is not None:
             yield _growth(rows, growth, window, upper)
