@@ -75,21 +75,21 @@ def moment_range(moments: Sequence[float], sines: Sequence[float]) -> tuple[floa
     largest = max(moments)
     k = list(moments).index(largest)
     others = [*moments[k + 1 :], *moments[:k]], [*sines[k + 1 :], *sines[:k]]
-    least = largest - _most(*others) if others[0] else largest
-    return max(0.0, least), _most(moments, sines)
+    least = largest - largest_static_moment(*others) if others[0] else largest
+    return max(0.0, least), largest_static_moment(moments, sines)
 
 
-def _most(moments: Sequence[float], sines: Sequence[float]) -> float:
-    """Largest moment of weights in contact, whichever is the first [kg m]."""
+def largest_static_moment(moments: Sequence[float], sines: Sequence[float]) -> float:
+    """Largest static moment of weights in contact, whichever is the first [kg m]."""
     if not any(sines):
         return math.fsum(moments)
     found, n = [], len(moments)
     for first in range(n):
-        at, total = 0.0, 0j
+        position, total = 0.0, 0j  # angle on the track
         for j in range(n):
             k, after = (first + j) % n, (first + j + 1) % n
-            total += cmath.rect(moments[k], at)
-            at += touching(sines[k], sines[after], 1.0)
+            total += cmath.rect(moments[k], position)
+            position += touching(sines[k], sines[after], 1.0)
         found.append(abs(total))
     return max(found)
 

@@ -5,62 +5,70 @@
 
 #define BRACKET_HALVINGS 40 /* down to rounding of the bracket */
 
-/* Where in the bracket x1..x2 to look next: inverse quadratic if that is safe, else half. */
-static double next_share(const double *x, const double *f, double edge)
+/* A time and the function's value there. */
+typedef struct {
+    double x, f;
+} Sample;
+
+/* Where between the newest sample and the opposite one to look next, as a share of the way
+   (Chandrupatla 1997): inverse quadratic interpolation where it is safe, else the middle. */
+static double next_share(Sample newest, Sample opposite, Sample last, double edge)
 {
     double share = 0.5, xi, phi;
-    if (f[0] == f[2] || f[1] == f[2]) {
+    if (newest.f == last.f || opposite.f == last.f) {
         return share;
     }
-    xi = (x[0] - x[1]) / (x[2] - x[1]);
-    phi = (f[0] - f[1]) / (f[2] - f[1]);
+    xi = (newest.x - opposite.x) / (last.x - opposite.x);
+    phi = (newest.f - opposite.f) / (last.f - opposite.f);
     if (phi * phi < xi && (1.0 - phi) * (1.0 - phi) < 1.0 - xi) {
-        share = f[0] / (f[1] - f[0]) * f[2] / (f[1] - f[2]);
-        share += (x[2] - x[0]) / (x[1] - x[0]) * f[0] / (f[2] - f[0]) * f[1] / (f[2] - f[1]);
+        share = newest.f / (opposite.f - newest.f) * last.f / (opposite.f - last.f);
+        share += (last.x - newest.x) / (opposite.x - newest.x) * newest.f / (last.f - newest.f) * opposite.f
+                 / (last.f - opposite.f);
     }
     return smaller(larger(share, edge), 1.0 - edge);
 }
 
-double find_crossing(TimeFunction value, void *context, double begin, double upper, double width)
+double find_crossing(TimeFunction value, void *context, double value_at_start, double upper,
+                     double width)
 {
-    double x[3] = {upper, 0.0, 0.0}, f[3] = {0.0, begin, 0.0}; /* the last two, one before */
+    /* the crossing lies between the newest sample and the opposite one; the last is outside */
+    Sample newest = {0.0, 0.0}, opposite = {0.0, 0.0}, last = {0.0, 0.0};
     double share = 0.5;
     int k;
-    f[0] = value(context, upper);
-    if (begin <= 0.0) { /* it has just started at 0: go back to where it is positive still */
+    newest.x = upper;
+    newest.f = value(context, upper);
+    opposite.f = value_at_start;
+    if (value_at_start <= 0.0) { /* it has just started at 0: go back to where it is positive still */
         for (k = 0; k < BRACKET_HALVINGS; k++) {
-            x[1] = 0.5 * x[0];
-            f[1] = value(context, x[1]);
-            if (f[1] > 0.0 || f[1] != f[1]) {
+            opposite.x = 0.5 * newest.x;
+            opposite.f = value(context, opposite.x);
+            if (opposite.f > 0.0 || opposite.f != opposite.f) {
                 break;
             }
-            x[0] = x[1];
-            f[0] = f[1];
+            newest = opposite;
         }
         if (k == BRACKET_HALVINGS) {
-            return x[0];
+            return newest.x;
         }
     }
-    while (absolute(x[1] - x[0]) > width) {
-        const double at = x[0] + share * (x[1] - x[0]);
-        const double there = value(context, at);
-        if (there != there) {
-            return at;
+    while (absolute(opposite.x - newest.x) > width) {
+        Sample next;
+        next.x = newest.x + share * (opposite.x - newest.x);
+        next.f = value(context, next.x);
+        if (next.f != next.f) {
+            return next.x;
         }
-        if ((there < 0.0) == (f[0] < 0.0)) {
-            x[2] = x[0];
-            f[2] = f[0];
+        if ((next.f < 0.0) == (newest.f < 0.0)) {
+            last = newest;
         } else {
-            x[2] = x[1];
-            f[2] = f[1];
-            x[1] = x[0];
-            f[1] = f[0];
+            last = opposite;
+            opposite = newest;
         }
-        x[0] = at;
-        f[0] = there;
-        share = next_share(x, f, 0.5 * width / larger(absolute(x[1] - x[0]), width));
+        newest = next;
+        share = next_share(newest, opposite, last,
+                           0.5 * width / larger(absolute(opposite.x - newest.x), width));
     }
-    return f[0] < 0.0 ? x[0] : x[1];
+    return newest.f < 0.0 ? newest.x : opposite.x;
 }
 
 double find_lowest(double f0, double s0, double f1, double s1, double step)

@@ -5,10 +5,11 @@
 /* A function of time; NaN says that it failed and ends the search. */
 typedef double (*TimeFunction)(void *context, double time);
 
-/* Time at which a function, `begin` >= 0 at 0 and negative at `upper`, becomes negative.
+/* Time at which a function, `value_at_start` >= 0 at 0 and negative at `upper`, becomes negative.
 
    Chandrupatla 1997 to a bracket of `width`; returns its end at which the value is negative. */
-double find_crossing(TimeFunction value, void *context, double begin, double upper, double width);
+double find_crossing(TimeFunction value, void *context, double value_at_start, double upper,
+                     double width);
 
 /* Time of the least value of a cubic that falls first and rises last; 0: it stays positive. */
 double find_lowest(double f0, double s0, double f1, double s1, double step);

@@ -186,32 +186,56 @@ static size_t rotor_signals(const Layout *layout, size_t *first)
     return 2 * (size_t)layout->sizes.planes;
 }
 
+/* What the observed outputs are, in their order: the angle, displacements and velocities of the
+   stations, then displacements of the planes. */
+enum { OF_ANGLE, OF_DISPLACEMENT, OF_VELOCITY, OF_PLANE, OF_NOTHING };
+
+/* Which of them one is, counted from the first observed; `number` is its place among its kind. */
+static int output_kind(const Rotor *own, size_t output, size_t *number)
+{
+    const size_t n = 2 * (size_t)own->stations, p = 2 * (size_t)own->planes;
+    const size_t counts[4] = {1, n, n, p};
+    int kind;
+    *number = output;
+    for (kind = OF_ANGLE; kind < OF_NOTHING && *number >= counts[kind]; kind++) {
+        *number -= counts[kind];
+    }
+    return kind;
+}
+
 static int rotor_slope(Unit *unit, size_t reference, double *value)
 {
     const Rotor *own = unit->own;
-    const size_t n = 2 * (size_t)own->stations, p = 2 * (size_t)own->planes;
+    const size_t n = 2 * (size_t)own->stations;
     const double *velocity = unit->memory + MOTION + n;
-    const size_t output = reference - unit->layout.observed.first;
+    const double angle = unit->memory[REST], *seen = unit->real + unit->layout.computed.first;
+    double both[2];
+    size_t k;
     if (reference == unit->layout.real_count - 2) {
         const int wrong = unit_refresh(unit, FRESH);
         *value = unit->real[reference + 1];
         return wrong;
     }
-    if (output == 0) {
+    switch (output_kind(own, reference - unit->layout.observed.first, &k)) {
+    case OF_ANGLE:
         *value = unit->memory[MOTION + 2 * n];
-    } else if (output <= n) {
-        *value = velocity[output - 1];
-    } else if (output <= 2 * n && own->stations == 1) {
-        /* a disc alone moves as its planes do, whose acceleration is less gravity's */
-        const double angle = unit->memory[REST], *seen = unit->real + unit->layout.computed.first;
-        double fixed[2];
-        rotor_rotated(seen, 1, own->turning ? cosine(angle) : 1.0, own->turning ? sine(angle) : 0.0, fixed);
-        *value = fixed[output - n - 1] + own->rotor.gravity[output - n - 1];
-    } else if (output > 2 * n && output <= 2 * n + p) {
-        const size_t k = output - 2 * n - 1;
-        double both[2];
+        break;
+    case OF_DISPLACEMENT:
+        *value = velocity[k];
+        break;
+    case OF_VELOCITY:
+        if (own->stations == 1) {
+            /* a disc alone moves as its planes do, whose acceleration is less gravity's */
+            rotor_rotated(seen, 1, own->turning ? cosine(angle) : 1.0, own->turning ? sine(angle) : 0.0, both);
+            *value = both[k] + own->rotor.gravity[k];
+        }
+        break;
+    case OF_PLANE:
         combine_vectors(own->rotor.planes + k / 2 * (n / 2), 1, own->stations, velocity, both);
         *value = both[k % 2];
+        break;
+    default: /* it has no slope */
+        break;
     }
     return 0;
 }

@@ -316,19 +316,18 @@ void add_derivatives(Complex unit, const double *rates, Complex *sums)
 void find_force(double moment, const Complex *u, const Spin *spin, Complex *force)
 {
     const double w = spin->speed, w1 = spin->rates[0], w2 = spin->rates[1];
-    /* the k-th derivative of u'' + 2 i w u' + (i w' - w^2) u is u^(k + 2) + 2 i w u^(k + 1) and the sum
-       of factors[k][j] u^(j) */
-    const Complex factors[2][2] = {{{-w * w, w1}, {0.0, 0.0}},
-                                   {{-2.0 * w * w1, w2}, {-w * w, 3.0 * w1}}};
-    int k, j;
-    for (k = 0; k < 2; k++) {
-        Complex sum = complex_product(complex_of(0.0, 2.0 * w), u[k + 1]);
-        sum = complex_sum(u[k + 2], sum);
-        for (j = k; j >= 0; j--) {
-            sum = complex_sum(sum, complex_product(factors[k][j], u[j]));
-        }
-        force[k] = complex_scaled(-moment, sum);
-    }
+    const Complex coriolis = complex_of(0.0, 2.0 * w);
+    /* with the derivatives u[k] of u = sum e^(i angle), the force is -moment times
+           u'' + 2 i w u' + (i w' - w^2) u,
+       and its slope -moment times
+           u''' + 2 i w u'' + (3 i w' - w^2) u' + (i w'' - 2 w w') u */
+    Complex value = complex_sum(u[2], complex_product(coriolis, u[1]));
+    Complex slope = complex_sum(u[3], complex_product(coriolis, u[2]));
+    value = complex_sum(value, complex_product(complex_of(-w * w, w1), u[0]));
+    slope = complex_sum(slope, complex_product(complex_of(-w * w, 3.0 * w1), u[1]));
+    slope = complex_sum(slope, complex_product(complex_of(-2.0 * w * w1, w2), u[0]));
+    force[0] = complex_scaled(-moment, value);
+    force[1] = complex_scaled(-moment, slope);
 }
 
 void weights_reaction(const Weights *weights, const double *angles, const double *speeds,
