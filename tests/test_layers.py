@@ -40,6 +40,10 @@ MODELS = (
     ("boundaries",),
     ("criteria",),
 )
+# a program by hand, `python -m`, that describes the whole program's commands
+PROGRAMS = {
+    f"{PACKAGE}.harness.manual.reference imports {PACKAGE}.harness.__main__",
+}
 
 
 def _name(path: Path) -> str:
@@ -111,7 +115,8 @@ def test_no_room_imports_one_above_it(top, floors):
     graph = _graph(_files(top), types=True)
     graph.pop(f"{PACKAGE}.{top}")  # hands names on
     assert len(graph) > 50
-    assert _wrong(graph, top, floors) == []
+    wrong = [line for line in _wrong(graph, top, floors) if line not in PROGRAMS]
+    assert wrong == []
 
 
 def test_every_room_has_a_floor():
