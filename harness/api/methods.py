@@ -136,8 +136,7 @@ class Methods:
             UserError: a start is unknown, or a speed is not positive.
             SceneError: there are no weights, dry friction, or a motor that stalls.
 
-        >>> machine = ab.load("two_balls").replace({"weights.drag": 0.0001})
-        >>> found = machine.motions(starts="turning", n=4)
+        >>> found = ab.load("two_balls").motions(starts="turning", n=4)
         >>> found.points[0].shares[0].motion.name
         'balanced'
         """
