@@ -11,6 +11,7 @@ import math
 import os
 import sys
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
 
 import numpy as np
 
@@ -21,6 +22,7 @@ from .draw import KINDS, Drawn, draw
 from .machine import library, run
 
 HELD = 60.0  # turns at the speed, and 60 kappa m/h
+APART = 1e-4  # relative: drags of weights that are alike
 STIFFEST = 10.0  # rate of the drag over the speed: steeper ones need shorter steps
 BEHIND = 0.98  # of the rotor's speed
 
@@ -49,7 +51,9 @@ def left_behind(machine: Drawn, speed: float, lowest: float, seed: int) -> bool:
     end = rise + max(HELD * math.tau / speed, slowest)
     angles = random.uniform(0.0, math.tau, count)
     profile = [(0.0, 0.0), (rise, speed)]
-    windows, _ = run(machine.rotor, machine.weights, profile, angles, np.zeros(count), end, 40)
+    # alike to the last bit they would stay together for ever
+    weights = [replace(w, drag=w.drag * (1.0 + APART * k)) for k, w in enumerate(machine.weights)]
+    windows, _ = run(machine.rotor, weights, profile, angles, np.zeros(count), end, 40)
     return bool((windows[-2:, 2::3].mean(axis=0) < BEHIND * speed).any())
 
 
