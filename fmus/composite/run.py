@@ -55,6 +55,8 @@ class RunFacts(Structure):
         ("worst_residual", c_double),
         ("estimated_error", c_double),
         ("unresolved", c_double),
+        ("one_piece", c_double),
+        ("order", c_double),
         ("loop_failed", c_double),
         ("reason", c_char_p),
         ("warnings", c_char_p),

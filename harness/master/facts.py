@@ -34,6 +34,8 @@ class Facts:
             0 where nothing is estimated.
         unresolved: steps with a signal that the cubics do not follow.
         unknown_error: why the error of the run is not known; empty where it is.
+        series_order: of the machine in one piece, which goes on by power series; 0: its parts are
+            coupled by signals.
     """
 
     scene: Scene
@@ -48,6 +50,7 @@ class Facts:
     estimated_error: float = 0.0
     unresolved: int = 0
     unknown_error: str = ""
+    series_order: int = 0
 
 
 def exchanging(scene: Scene) -> bool:

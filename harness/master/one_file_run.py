@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from functools import lru_cache
-from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -22,7 +21,7 @@ from .closing import Closing
 from .facts import Facts, advice, exchanging
 from .names import readable
 from .one_file import composition_in_c, model_name
-from .recorder import Recorder, Signal
+from .recorder import Recorder, Signal, divided
 from .schedule import (
     as_run,
     end_time,
@@ -85,10 +84,28 @@ class OneFileRun(Closing):
             share, points = 0.0 if attempt is None else SHARES[attempt], None
             if again:
                 allowed = RESIDUAL_SHARE * share * (self.scene.coupling.tolerance or 0.0)
-                points = _divided(again.times, again.parts), again.residual * allowed
+                points = divided(again.times, again.parts), again.residual * allowed
             self._run.start(points, share)
         except RunFailed as failure:
             raise SimulationError(f"{self.scene.name}: {failure}") from None
+
+    @property
+    def in_one_piece(self) -> bool:
+        """Whether the machine goes on in one piece: C decides at the start.
+
+        Raises:
+            SimulationError: as `start`.
+        """
+        self.start()
+        return bool(self._run.facts.one_piece)
+
+    def start_in_one_piece(self, share: float, points: Signal | None = None) -> None:
+        """From the start, with this share of a step's tolerance, recorded at points [s].
+
+        Without points the record has equal parts of the machine's own steps.
+        """
+        self.start()
+        self._run.start(None if points is None else (points.tolist(), 0.0), share)
 
     def record(self, recorder: Recorder, progress: Progress | None) -> None:
         """As `CoSimulation.record`."""
@@ -139,6 +156,7 @@ class OneFileRun(Closing):
             worst_residual=found.worst_residual,
             estimated_error=found.estimated_error,
             unresolved=round(found.unresolved),
+            series_order=round(found.order),
         )
 
     def close(self) -> None:
@@ -177,13 +195,6 @@ def _variables_inside(scene: Scene) -> dict[str, tuple[dict[str, int], dict[str,
             references[own] = made.layout.index[variable.name]
             measured_in[own] = readable(variable.unit)
     return found
-
-
-def _divided(grid: Signal, parts: int) -> list[float]:
-    """Points that divide every step between those of a grid."""
-    shares = np.arange(parts) / parts
-    inner = [begin + shares * (end - begin) for begin, end in pairwise(grid.tolist())]
-    return [*np.concatenate(inner).tolist(), float(grid[-1])]
 
 
 @lru_cache(maxsize=4096)

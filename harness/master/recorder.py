@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from array import array
 from collections.abc import Mapping, Sequence
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -108,3 +109,10 @@ def present_values(units: Mapping[str, Any], names: Sequence[str]) -> dict[str, 
     recorder = Recorder(units, names)
     recorder.record(0.0)
     return {name: float(values[0]) for name, values in recorder.columns()[1].items()}
+
+
+def divided(grid: Signal, parts: int) -> list[float]:
+    """Points that divide every step between those of a grid."""
+    shares = np.arange(parts) / parts
+    inner = [begin + shares * (end - begin) for begin, end in pairwise(grid.tolist())]
+    return [*np.concatenate(inner).tolist(), float(grid[-1])]

@@ -17,6 +17,7 @@ from ..master.merged import merged_now
 from ..master.one_file import why_separate
 from ..master.recorder import Recorder, recorded
 from ..master.simulation import Simulation
+from ..master.two_tolerances import TwoTolerances
 from ..scene import Scene, load_scene
 from ..scene.plausible import warn
 from .result import Result
@@ -99,14 +100,30 @@ def load(scene: Scene, fmus: Path | None = None, separate: bool = False) -> Simu
     return OneFileRun(scene)
 
 
+def controlled_runs(
+    simulation: Simulation, names: Sequence[str], uncompared: Sequence[str] = ()
+) -> Controlled | TwoTolerances:
+    """What keeps the tolerance of a scene's run: of the machine in one piece, or of coupled parts.
+
+    Raises:
+        SimulationError: the scene cannot be started.
+    """
+    from ..master.one_file_run import OneFileRun  # compiles where it has to
+
+    if isinstance(simulation, OneFileRun) and simulation.in_one_piece:
+        return TwoTolerances(simulation, names, uncompared)
+    return Controlled(simulation, names, uncompared)
+
+
 def _run(
     simulation: Simulation, scene: Scene, names: list[str], progress: Progress | None
 ) -> Result:
     """A scene run as its coupling asks, recording `names`, see `cosimulate`."""
     own, made_of = recorded_for([*names, *velocities(scene)] if names else [])
-    start_time, controlled = clock.perf_counter(), None
+    start_time = clock.perf_counter()
+    controlled: Controlled | TwoTolerances | None = None
     if simulation.scene.coupling.tolerance is not None and simulation.coupled:
-        controlled = Controlled(simulation, own, made_of)
+        controlled = controlled_runs(simulation, own, made_of)
         recorder = controlled.run(progress)
     else:
         recorder = Recorder(simulation.units, own, made_of)

@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "base/elementary.h"
+#include "base/matrix.h"
 #include "constants.h"
 
 /* Parts of a step and of a time: within them a point of the host is the end of a step; and of the
@@ -11,8 +12,6 @@
 static const double REACHED_OF_STEP = 1e-10, REACHED_OF_TIME = 4e-16, SAME_SPEED = 1e-9;
 static const double MOST_STEPS = 1e8, MOST_MOVES = 1e7; /* within a step of the host: of the coupling, and of parts */
 static const double LOOSEST = 0.1; /* tolerance */
-/* Values of a change of the unbalance: its time is the first. */
-enum { NUMBER = 1, AMOUNT, OF_CHANGE = 4 };
 static const size_t REMADE = (size_t)-1; /* changes that a rotor is made with which is to be made anew */
 
 /* -- memory ---------------------------------------------------------------------------------- */
@@ -24,13 +23,13 @@ static size_t signal_doubles(size_t count)
 
 size_t composite_memory(Composite *c, double *memory)
 {
-    enum { BLOCKS = 11 };
+    enum { BLOCKS = 12 };
     const size_t e = (size_t)c->unknowns, p = (size_t)c->planes, outer = outside_count(c);
     const size_t square = UNKNOWN_REALS * UNKNOWN_REALS * e * e;
     const size_t counts[BLOCKS] = {
         sizeof(Course) / sizeof(double), outer, signal_doubles(e), signal_doubles(p),
         square, square, p * sizeof(Swung) / sizeof(double), c->state_count,
-        c->state_count, verdict_doubles(c), c->state_count};
+        c->state_count, verdict_doubles(c), outer, c->state_count};
     size_t at[BLOCKS], total = 0, state;
     int k;
     for (k = 0; k < BLOCKS; k++) {
@@ -58,7 +57,8 @@ size_t composite_memory(Composite *c, double *memory)
         c->at_begin = memory + at[7];
         c->at_end = memory + at[8];
         c->extent = memory + at[9];
-        c->states = memory + at[10];
+        c->pieces.begun_forces = memory + at[10];
+        c->states = memory + at[11];
     }
     return total;
 }
@@ -73,7 +73,7 @@ static int composite_allocate(Unit *unit)
     size_t k;
     int missing = 0;
     composite_memory(c, unit->memory);
-    missing |= impacts_allocate(unit);
+    missing |= impacts_allocate(unit) || one_piece_allocate(unit);
     for (k = 0; k < sizeof vectors / sizeof *vectors; k++) {
         *vectors[k] = unit_allocate(unit, n, sizeof(double));
         missing |= !*vectors[k];
@@ -117,78 +117,6 @@ static void choose_given(Unit *unit)
     }
 }
 
-/* Among the rotor's parameters, where the amount of the unbalance that a change is of stands, and behind it
-   its angle. */
-static size_t changed_amount(const Composite *c, const double *change)
-{
-    const Layout *layout = &c->parts->unit->layout;
-    const size_t alone = layout_index(layout, "unbalance", 1);
-    const size_t first = alone < layout->real_count ? alone : layout_index(layout, "unbalance[#].amount", 1);
-    return first + 3 * ((size_t)change[NUMBER] - 1); /* position, amount and angle of each */
-}
-
-/* Give a part its parameters, but for the one that the coupling sets itself. */
-static void give_parameters(Unit *unit, const Part *part)
-{
-    Unit *own = part->unit;
-    const double brief = part->brief >= 0 ? own->real[part->brief] : 0.0;
-    memcpy(own->real, unit->real + part->first, own->layout.parameters.count * sizeof(double));
-    if (part->brief >= 0 && brief > 0.0) {
-        own->real[part->brief] = brief;
-    }
-}
-
-/* 0, or 1 with the reason where a change is of no unbalance that the rotor has. */
-static int refuse_number(Unit *unit, double number)
-{
-    const int most = composite_rotor(unit->own)->unbalances;
-    return !(number >= 1.0 && number <= most && number == nearest(number)) &&
-           unit_fail(unit, "unbalance_change[k].number: must be that of an unbalance of the "
-                     "rotor, from 1");
-}
-
-/* Make the rotor with the unbalance that the changes so far leave, where it is not. */
-static int follow_changes(Unit *unit)
-{
-    Composite *c = unit->own;
-    Unit *rotor = c->parts->unit;
-    const size_t changed = (size_t)c->course->drive.changed;
-    const double *change = unit->real + c->changes;
-    size_t k;
-    if (c->made_with == changed) {
-        return 0;
-    }
-    give_parameters(unit, c->parts);
-    for (k = 0; k < changed; k++, change += OF_CHANGE) {
-        if (refuse_number(unit, change[NUMBER])) {
-            return 1;
-        }
-        memcpy(rotor->real + changed_amount(c, change), change + AMOUNT, 2 * sizeof(double));
-    }
-    if (rotor->equations->parameters(rotor)) {
-        return composite_part_failed(unit, c->parts);
-    }
-    c->made_with = changed;
-    return 0;
-}
-
-/* 1 with the reason where a change has already set this unbalance. */
-static int composite_untunable(Unit *unit, size_t reference)
-{
-    const Composite *c = unit->own;
-    const double *change = unit->real + c->changes;
-    size_t k;
-    for (k = 0; k < (size_t)c->course->drive.changed; k++, change += OF_CHANGE) {
-        if (reference - c->parts->first - changed_amount(c, change) < 2) {
-            layout_name(&unit->layout, reference, unit_reason(unit));
-            text_format(&unit->reason, ": unbalance_change[%u] has set it at t = %v s; set it before, or leave "
-                        "out the change", (unsigned long)k + 1, unit_host_time(unit, *change));
-            return 1;
-        }
-    }
-    return 0;
-}
-
 static int composite_parameters(Unit *unit)
 {
     Composite *c = unit->own;
@@ -209,13 +137,14 @@ static int composite_parameters(Unit *unit)
     for (k = 0; k < c->part_count; k++) {
         Part *part = c->parts + k;
         Unit *own = part->unit;
-        give_parameters(unit, part);
+        composite_give_parameters(unit, part);
         if (own->equations->parameters(own)) {
             return composite_part_failed(unit, part);
         }
     }
     c->made_with = 0;
-    return (unit->exchanges && composite_eventful(unit)) || follow_changes(unit);
+    c->pieces.is_made = 0;
+    return (unit->exchanges && composite_eventful(unit)) || composite_follow_changes(unit);
 }
 
 static int composite_begin(Unit *unit)
@@ -296,7 +225,7 @@ static int await_change(Unit *unit)
     const Composite *c = unit->own;
     DriveSignal *drive = &c->course->drive;
     const size_t behind = (size_t)drive->changed;
-    const double *change = unit->real + c->changes + OF_CHANGE * behind;
+    const double *change = unit->real + c->changes + CHANGE_VALUES * behind;
     const double before = drive->next_change;
     drive->next_change = NONE_AHEAD;
     if (behind == c->change_count || !(change[0] > 0.0)) {
@@ -307,7 +236,7 @@ static int await_change(Unit *unit)
         return unit_fail(unit, "unbalance_change[k].time: must not fall; 0 s: not used, nor those "
                          "behind");
     }
-    return refuse_number(unit, change[NUMBER]);
+    return composite_refuse_number(unit, change[CHANGE_NUMBER]);
 }
 
 /* The speed that is prescribed; 1 with the reason. */
@@ -344,6 +273,14 @@ static int begin_drive(Unit *unit)
     return 0;
 }
 
+static int started(Unit *unit)
+{
+    Composite *c = unit->own;
+    verdict_begin(c);
+    c->course->clock.started = 1.0;
+    return 0;
+}
+
 static int start(Unit *unit)
 {
     Composite *c = unit->own;
@@ -365,6 +302,12 @@ static int start(Unit *unit)
     if (begin_parts(unit)) {
         return 1;
     }
+    if (one_piece_covers(unit)) {
+        if (one_piece_begin(unit)) {
+            return 1;
+        }
+        return started(unit);
+    }
     course->loop.rounding = FORCE_ROUNDING * composite_largest_force(c);
     if (loop_consistent_start(unit, communication_length(unit))) {
         return 1;
@@ -375,19 +318,21 @@ static int start(Unit *unit)
     if (course->adaptive.allowed > 0.0) {
         adaptive_begin(unit);
     }
-    verdict_begin(c);
-    course->clock.started = 1.0;
-    return 0;
+    return started(unit);
 }
 
 /* -- steps ----------------------------------------------------------------------------------- */
 
-/* Begin a step at a time where the units are, and where something has jumped. */
-static void begin_anew(Unit *unit, double time)
+/* Begin a step at a time where the units are, and where something has jumped; 1 with the reason. */
+static int begin_anew(Unit *unit, double time)
 {
     Composite *c = unit->own;
     Course *course = c->course;
     int k;
+    if (course->one_piece.active > 0.0) {
+        course->clock.time = time;
+        return one_piece_begin_anew(unit);
+    }
     if (course->clock.within > 0.0) {
         composite_read_accelerations(c, c->ends);
         composite_read_forces(c, c->answers);
@@ -406,6 +351,7 @@ static void begin_anew(Unit *unit, double time)
     course->division.crossing = course->division.whole = course->event.steps_left = 0.0;
     course->clock.changed = 1.0;
     composite_drop_past(c);
+    return 0;
 }
 
 /* Another unbalance of the rotor from now on. */
@@ -413,10 +359,12 @@ static int composite_tune(Unit *unit)
 {
     Composite *c = unit->own;
     if (c->course->clock.started > 0.0 && !unit->exchanges) {
-        begin_anew(unit, unit->time);
+        if (begin_anew(unit, unit->time)) {
+            return 1;
+        }
     }
     c->made_with = REMADE;
-    return follow_changes(unit);
+    return composite_follow_changes(unit);
 }
 
 /* Look at what the host has set; 1 with the reason where it may not. */
@@ -437,23 +385,22 @@ static int meet_inputs(Unit *unit)
     if (jumps || unit->exchanges || (!rises && drive[1] != 0.0)) {
         take_inputs(unit);
     }
-    if (jumps) {
-        begin_anew(unit, unit->time);
-    }
-    return 0;
+    return jumps && begin_anew(unit, unit->time);
 }
 
 /* Take over inputs and state that the host has set; 1 with the reason where it may not. */
-static int meet_host(Unit *unit)
+int composite_meet_host(Unit *unit)
 {
     const Composite *c = unit->own;
     if (c->motor && outside_jumps(unit)) {
         take_inputs(unit);
-        begin_anew(unit, unit->time);
+        if (begin_anew(unit, unit->time)) {
+            return 1;
+        }
     } else if (!c->motor && meet_inputs(unit)) {
         return 1;
     }
-    return follow_changes(unit);
+    return composite_follow_changes(unit);
 }
 
 /* Bring forces and accelerations into agreement at the time, inputs and states of model exchange. */
@@ -461,11 +408,14 @@ static int agree(Unit *unit)
 {
     Composite *c = unit->own;
     int k;
-    if (meet_host(unit)) {
+    if (composite_meet_host(unit)) {
         return 1;
     }
     c->course->clock.time = unit->time;
     composite_drive(unit, unit->time);
+    if (c->course->one_piece.active > 0.0) {
+        return one_piece_signals(unit);
+    }
     if (c->motor && shaft_begin(unit)) {
         return 1;
     }
@@ -547,7 +497,11 @@ int composite_go_on(Unit *unit)
     const int crosses = course->clock.changed > 0.0 || course->division.crossing > 0.0;
     const int strikes = course->event.steps_left > 0.0 && !crosses;
     const int adapts = course->adaptive.allowed > 0.0 && !crosses && !strikes;
-    const double step = adapts || strikes ? 0.0 : startup_length(unit);
+    double step;
+    if (course->one_piece.active > 0.0) {
+        return one_piece_step(unit);
+    }
+    step = adapts || strikes ? 0.0 : startup_length(unit);
     if (course->clock.within > 0.0) {
         memcpy(c->states, c->at_end, size);
         course->clock.within = 0.0;
@@ -583,6 +537,9 @@ static int show_time(Unit *unit, double time, int end)
                         course->drive.acceleration == 0.0 && !c->motor && time >= course->clock.shown;
     double from = course->clock.begin;
     int wrong;
+    if (course->one_piece.active > 0.0) {
+        return one_piece_show(unit, time);
+    }
     if (end && course->clock.within == 0.0) {
         return 0;
     }
@@ -640,8 +597,7 @@ int composite_pass_jump(Unit *unit)
             return 1;
         }
     }
-    begin_anew(unit, time);
-    return follow_changes(unit);
+    return begin_anew(unit, time) || composite_follow_changes(unit);
 }
 
 /* Step and move the units to a time. */
@@ -683,19 +639,10 @@ static int stands_elsewhere(Unit *unit)
     return 0;
 }
 
-static int composite_step_unit(Unit *unit, double length)
+int composite_go_to(Unit *unit, double end)
 {
     const Composite *c = unit->own;
-    const double end = unit->time + length;
-    if (stands_elsewhere(unit) || meet_host(unit)) { /* the state may be one that was restored */
-        return 1;
-    }
-    if (!(length < MOST_STEPS * communication_length(unit))) {
-        return unit_fail(unit, "the coupling's steps of %3 s are too short for it: speed, "
-                         "coupling.top_speed and coupling.steps_per_rev must leave at most 1e8 of "
-                         "them", communication_length(unit));
-    }
-    while (composite_next_jump(c) > unit->time && composite_next_jump(c) <= end) {
+    while (composite_next_jump(c) <= end) {
         const double jump = composite_next_jump(c);
         const unsigned *asked = unit->asked;
         int wrong;
@@ -721,6 +668,20 @@ static int composite_step_unit(Unit *unit, double length)
     return reach_time(unit, end);
 }
 
+static int composite_step_unit(Unit *unit, double length)
+{
+    const double end = unit->time + length;
+    if (stands_elsewhere(unit) || composite_meet_host(unit)) { /* the state may be one that was restored */
+        return 1;
+    }
+    if (!(length < MOST_STEPS * communication_length(unit))) {
+        return unit_fail(unit, "the coupling's steps of %3 s are too short for it: speed, "
+                         "coupling.top_speed and coupling.steps_per_rev must leave at most 1e8 of "
+                         "them", communication_length(unit));
+    }
+    return composite_go_to(unit, end);
+}
+
 static void show_outputs(Unit *unit, const Part *part)
 {
     const size_t first = part->unit->layout.computed.first;
@@ -728,17 +689,10 @@ static void show_outputs(Unit *unit, const Part *part)
            (part->unit->layout.real_count - first) * sizeof(double));
 }
 
-static void composite_observe(Unit *unit)
+static void observe_results(Unit *unit)
 {
-    Composite *c = unit->own;
+    const Composite *c = unit->own;
     double *results = unit->real + c->results;
-    int k;
-    for (k = 0; k < c->part_count; k++) {
-        if (composite_asked(unit, c->parts + k)) {
-            c->parts[k].unit->equations->observe(c->parts[k].unit);
-            show_outputs(unit, c->parts + k);
-        }
-    }
     results[0] = c->motor ? shaft_speed(c)
                           : composite_speed(c, unit->time);
     results[1] = c->course->loop.gain;
@@ -747,6 +701,35 @@ static void composite_observe(Unit *unit)
     results[4] = c->course->total.unconverged;
     results[VIBRATION] = verdict_vibration(c);
     verdict_unbalance(c, results + RESIDUAL, results + RESIDUAL + 1);
+}
+
+/* Let the parts of a machine in one piece stand where outputs of this kind can be read; 1 with the reason. */
+static int stand_for(Unit *unit, OutputKind kind)
+{
+    return kind == OUTPUTS_ARE_PLACES ? one_piece_observe_places(unit)
+           : kind == OUTPUTS_OF_STATE ? one_piece_place(unit)
+                                      : one_piece_signals(unit);
+}
+
+static void composite_observe(Unit *unit)
+{
+    const Composite *c = unit->own;
+    const int one_piece = c->course->one_piece.active > 0.0;
+    const OutputKind kind = one_piece ? one_piece_outputs(unit) : OUTPUTS_OF_SIGNALS;
+    int k;
+    if (one_piece && stand_for(unit, kind)) {
+        fill_doubles(unit->layout.observed.count, not_a_number(), unit->real + unit->layout.observed.first);
+        return;
+    }
+    for (k = 0; k < c->part_count && kind != OUTPUTS_ARE_PLACES; k++) {
+        if (composite_asked(unit, c->parts + k)) {
+            c->parts[k].unit->equations->observe(c->parts[k].unit);
+            show_outputs(unit, c->parts + k);
+        }
+    }
+    if (kind == OUTPUTS_OF_SIGNALS) {
+        observe_results(unit);
+    }
 }
 
 static void composite_observe_torques(Unit *unit)

@@ -8,6 +8,7 @@
 #define AUTOBALANCER_COMPOSITE_H
 
 #include "base/cubic.h"
+#include "coupling/one_piece.h"
 #include "fmi/unit.h"
 #include "units/rotor_unit.h"
 #include "units/weights_unit.h"
@@ -145,6 +146,7 @@ typedef struct {
     Resolution resolution;
     Totals total;
     Vibration vibration;
+    OnePiece one_piece;
 } Course;
 
 /* What the acceleration of a plane moves: speed, place and errors of the last revolution. */
@@ -162,7 +164,7 @@ typedef struct {
     size_t count, next;   /* of the points, and the first of them that is ahead */
 } Pacing;
 
-typedef struct {
+struct Composite {
     Part *parts;
     int part_count, parts_without_motor;
     Part *motor;             /* NULL where the speed is prescribed */
@@ -203,7 +205,8 @@ typedef struct {
     double *masses;                /* (rotor's planes,) */
     double *decay;                 /* 2 (4 n, 4 n) for n stations */
     struct Impacts *impacts;       /* of machine_impacts.c */
-} Composite;
+    Pieces pieces;                 /* of one_piece.c */
+};
 
 /* -- composition.c ----------------------------------------------------------------------- */
 
@@ -222,6 +225,24 @@ int composite_go_on(Unit *unit);
 double composite_next_jump(const Composite *c);
 /* Begin a step there; 1 with the reason. */
 int composite_pass_jump(Unit *unit);
+/* Take over inputs and state that the host has set; 1 with the reason where it may not. */
+int composite_meet_host(Unit *unit);
+/* Go to a time, over jumps, with the inputs as the host has set them; 1 with the reason. */
+int composite_go_to(Unit *unit, double time);
+
+/* -- unbalance_changes.c ---------------------------------------------------------------------- */
+
+/* Values of a change of the unbalance: its time is the first. */
+enum { CHANGE_NUMBER = 1, CHANGE_AMOUNT, CHANGE_VALUES = 4 };
+
+/* Give a part its parameters, but for the one that the coupling sets itself. */
+void composite_give_parameters(Unit *unit, const Part *part);
+/* 0, or 1 with the reason where a change is of no unbalance that the rotor has. */
+int composite_refuse_number(Unit *unit, double number);
+/* 1 with the reason where a change has already set this unbalance. */
+int composite_untunable(Unit *unit, size_t reference);
+/* Make the rotor with the unbalance that the changes so far leave, where it is not; 1 with the reason. */
+int composite_follow_changes(Unit *unit);
 
 /* -- outside.c ------------------------------------------------------------------------------- */
 
@@ -230,6 +251,8 @@ size_t outside_count(const Composite *c);
 /* Take them over as the host says them now; whether they are another course than that taken over before. */
 void outside_take(const Unit *unit);
 int outside_jumps(const Unit *unit);
+/* Derivative of that on a plane, of order 0 to 3, along the fixed axes, so long after it was told. */
+Pair outside_derivative(const Composite *c, const double *forces, int plane, int order, double time);
 /* Force on a plane over a step, in axes that turn with it; 0 where there is none. */
 int outside_signal(const Composite *c, int plane, double step, Complex *signal);
 
@@ -421,6 +444,8 @@ size_t verdict_doubles(const Composite *c);
 void verdict_begin(Composite *c);
 /* Look at the step just taken, at this speed. */
 void verdict_follow(Composite *c, double speed, double step);
+/* Look at displacements (n pairs) after the rotor has turned so far since the last look [rad]. */
+void verdict_look(Composite *c, const double *place, double turned);
 double verdict_vibration(const Composite *c);
 /* Static unbalance of rotor and weights together [kg m]; the largest share that a balancer uses of what
    its weights can supply. */

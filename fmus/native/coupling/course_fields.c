@@ -6,7 +6,7 @@
 #include "coupling/composite.h"
 
 #define MOST_RUNGS 8192.0 /* of steps from 2^-2048 to 2^2048 */
-enum { MOST_STEPS_OF_EVENT = 2000, MOST_CORRECTIONS = 127 };
+enum { MOST_LOOKS = 4096, MOST_STEPS_OF_EVENT = 2000, MOST_CORRECTIONS = 127 };
 
 static void declare_clock(Fields *fields)
 {
@@ -75,6 +75,22 @@ static void declare_adaptation(Fields *fields)
     fields_flag(fields, "adaptive.constant_signals", &adaptive->constant_signals);
 }
 
+static void declare_one_piece(Fields *fields, const Composite *c)
+{
+    const OnePiece *own = fields_here(fields);
+    const double last_line = c->motor ? ((const Motor *)c->motor->unit->own)->count - 2.0 : 0.0;
+    fields_flag(fields, "one_piece.active", &own->active);
+    fields_whole(fields, "one_piece.order", &own->order, 1, 0.0, MOST_ORDER);
+    fields_flag(fields, "one_piece.stands", &own->stands);
+    fields_within(fields, "one_piece.largest", &own->largest, 1, 0.0, DBL_MAX);
+    fields_number(fields, "one_piece.speed, .acceleration, .pushed", &own->speed, 3);
+    fields_whole(fields, "one_piece.changed", &own->changed, 1, 0.0, (double)c->change_count);
+    fields_whole(fields, "one_piece.line", &own->line, 1, -1.0, last_line);
+    fields_flag(fields, "one_piece.placed", &own->placed);
+    fields_whole(fields, "one_piece.looks, .looked", &own->looks, 2, 0.0, MOST_LOOKS);
+    fields_whole(fields, "one_piece.leaves", &own->leaves, 1, -1.0, 1.0);
+}
+
 static void declare_course(Fields *fields, const Composite *c)
 {
     const Course *course = fields_here(fields);
@@ -89,6 +105,7 @@ static void declare_course(Fields *fields, const Composite *c)
     fields_whole(fields, "total.steps, .passes, .unconverged", &course->total.steps, 3, 0.0, MOST_COUNTED);
     fields_within(fields, "total.worst_left, .error", &course->total.worst_left, 2, 0.0, DBL_MAX);
     fields_within(fields, "vibration", &course->vibration.last, 2, 0.0, DBL_MAX);
+    declare_one_piece(fields, c);
 }
 
 /* States of all parts, as they lie behind each other. */
@@ -142,6 +159,7 @@ void composite_fields(const Unit *unit, Fields *fields)
     declare_states(fields, c);
     declare_states(fields, c);
     fields_number(fields, "extent", fields_here(fields), verdict_doubles(c));
+    fields_number(fields, "force at the start of a step", fields_here(fields), outside_count(c));
     declare_states(fields, c);
     for (k = 0; k < c->part_count; k++) {
         declare_values(fields, c->parts + k);

@@ -63,17 +63,33 @@ size_t exchange_count(Unit *unit)
     return unit->equations == &COMPOSITE_EQUATIONS ? states(unit, GET_STATES, NULL, &wrong) : 0;
 }
 
+/* 1 with the reason where a rate is not finite. */
+static int refuse_infinite(Unit *unit, const double *rates, size_t count)
+{
+    size_t k;
+    for (k = 0; k < count; k++) {
+        if (!is_finite(rates[k])) {
+            return unit_fail(unit, "the derivative of continuous state %u is not finite; the states that were "
+                             "set are too large, or too fast", (unsigned long)k + 1);
+        }
+    }
+    return 0;
+}
+
 static int find_derivatives(Unit *unit, double *rates)
 {
-    int wrong = unit_refresh(unit, OBSERVED) || composite_eventful(unit);
-    const size_t count = wrong ? 0 : states(unit, GET_DERIVATIVES, rates, &wrong);
-    size_t k;
-    for (k = 0; k < count && !wrong; k++) {
-        wrong = !is_finite(rates[k]) &&
-                unit_fail(unit, "the derivative of continuous state %u is not finite; the states that were "
-                          "set are too large, or too fast", (unsigned long)k + 1);
+    int wrong = unit_refresh(unit, COMPUTED);
+    size_t count;
+    if (!wrong && !(((const Composite *)unit->own)->course->clock.started > 0.0)) {
+        wrong = unit_refresh(unit, OBSERVED);
     }
-    return wrong;
+    if (!wrong && ((const Composite *)unit->own)->course->one_piece.active > 0.0) {
+        wrong = unit->exchanges ? composite_meet_host(unit) : one_piece_place(unit);
+        return wrong || one_piece_rates(unit, rates) || refuse_infinite(unit, rates, exchange_count(unit));
+    }
+    wrong = wrong || unit_refresh(unit, OBSERVED) || composite_eventful(unit);
+    count = wrong ? 0 : states(unit, GET_DERIVATIVES, rates, &wrong);
+    return wrong || refuse_infinite(unit, rates, count);
 }
 
 Status exchange_derivative(Unit *unit, size_t state, double *value)

@@ -30,11 +30,13 @@ void outside_take(const Unit *unit)
 static int goes_on(const double *before, const double *now, size_t stride, double time)
 {
     const double f0 = before[0], f1 = before[stride], f2 = before[2 * stride], f3 = before[3 * stride], t = time;
+    if (f1 == 0.0 && f2 == 0.0 && f3 == 0.0) {
+        return now[0] == f0 && now[stride] == 0.0 && now[2 * stride] == 0.0 && now[3 * stride] == 0.0;
+    }
     const double here[SIGNAL_ORDERS] = {f0 + t * (f1 + t * (f2 / 2.0 + t * f3 / 6.0)),
                                         f1 + t * (f2 + t * f3 / 2.0), f2 + t * f3, f3};
     const double size = absolute(f0) + t * (absolute(f1) + t * (absolute(f2) / 2.0 + t * absolute(f3) / 6.0));
-    const int varies = f1 != 0.0 || f2 != 0.0 || f3 != 0.0;
-    double scale = varies ? SAME_COURSE * size : 0.0; /* and for each order less a time */
+    double scale = SAME_COURSE * size; /* and for each order less a time */
     int k;
     for (k = 0; k < SIGNAL_ORDERS; k++, scale /= t > 0.0 ? t : 1.0) {
         if (absolute(now[stride * (size_t)k] - here[k]) > scale) {
@@ -56,6 +58,18 @@ int outside_jumps(const Unit *unit)
         }
     }
     return 0;
+}
+
+Pair outside_derivative(const Composite *c, const double *forces, int plane, int order, double time)
+{
+    const size_t stride = components(c);
+    const double *told = forces + 2 * (size_t)plane + stride * (size_t)(SIGNAL_ORDERS - 1);
+    Pair sum = {0.0, 0.0};
+    int k;
+    for (k = SIGNAL_ORDERS - 1; k >= order; k--, told -= stride) {
+        sum = sum * pair_both(time / (k - order + 1)) + pair_of(told[0], told[1]);
+    }
+    return sum;
 }
 
 /* Force on a plane at a time since it was told, and its slope, as axes see it that turn with the rotor. */

@@ -50,12 +50,25 @@ void autobalancer_run_free(Run *shown)
     free(run);
 }
 
+static int is_one_piece(const Unit *unit)
+{
+    return ((const Composite *)unit->own)->course->one_piece.active > 0.0;
+}
+
+/* Time that the run has reached [s]. */
+static double time_of(const Unit *unit)
+{
+    return is_one_piece(unit) ? unit->time : ((const Composite *)unit->own)->course->clock.time;
+}
+
 static void show_facts(KeptRun *run)
 {
     const Composite *c = run->unit->own;
     const Course *course = c->course;
     Run *shown = &run->shown;
-    shown->time = course->clock.time;
+    shown->time = time_of(run->unit);
+    shown->one_piece = course->one_piece.active;
+    shown->order = course->one_piece.order;
     shown->steps = course->total.steps;
     shown->passes = course->total.passes;
     shown->unconverged = course->total.unconverged;
@@ -77,6 +90,7 @@ int autobalancer_run_start(Run *shown, const Steps *steps)
     run->warnings = text_in(run->buffer, sizeof run->buffer);
     memset(&c->pacing, 0, sizeof c->pacing);
     c->loop_failed = 0;
+    c->pieces.share = steps->share;
     unit_reset(unit);
     if (unit_setup(unit, 0.0, infinity()) ||
         unit_exit_initialisation(unit)) {
@@ -87,6 +101,10 @@ int autobalancer_run_start(Run *shown, const Steps *steps)
     c->pacing.share = steps->share;
     c->pacing.points = steps->points;
     c->pacing.count = steps->count;
+    if (is_one_piece(unit)) {
+        show_facts(run);
+        return 0;
+    }
     if (steps->points) {
         iterated_allow(c, steps->residual);
     } else if (steps->share > 0.0) {
@@ -98,9 +116,62 @@ int autobalancer_run_start(Run *shown, const Steps *steps)
 
 static void stand(Unit *unit, double time)
 {
+    if (!is_one_piece(unit)) {
+        ((Composite *)unit->own)->course->clock.time = time;
+    }
     unit_go_to(unit, time);
-    ((Composite *)unit->own)->course->clock.time = time;
     unit->stale = OBSERVED;
+}
+
+/* The next output point that is chosen in one piece, where none is given: equal parts of its own steps. */
+static int choose_point(Unit *unit, const Stretch *stretch, double *point)
+{
+    const double SAME_POINT = 1e-6; /* of a part: time is rounded */
+    const Clock *clock = &((const Composite *)unit->own)->course->clock;
+    double parts, part;
+    if (!(unit->time < clock->time - TIME_ROUNDING * (clock->time + clock->length)) && composite_go_on(unit)) {
+        return 1;
+    }
+    parts = larger(1.0, nearest(clock->length / stretch->longest + 0.5));
+    part = clock->length / parts;
+    parts = nearest((unit->time - clock->begin) / part - 0.5 + SAME_POINT) + 1.0;
+    *point = clock->begin + parts * part;
+    return 0;
+}
+
+/* The next output point in one piece; 1 with the reason. */
+static int next_point(Unit *unit, const Stretch *stretch, double *point)
+{
+    Pacing *pacing = &((Composite *)unit->own)->pacing;
+    const double given = stretch->step;
+    if (given > 0.0) {
+        *point = stretch->begin + (double)(stretch->done + 1) * given;
+        return 0;
+    }
+    while (pacing->next < pacing->count && pacing->points[pacing->next] <= unit->time * (1.0 + TIME_ROUNDING)) {
+        pacing->next++;
+    }
+    if (pacing->next < pacing->count) {
+        *point = smaller(stretch->end, pacing->points[pacing->next]);
+        return 0;
+    }
+    if (choose_point(unit, stretch, point)) {
+        return 1;
+    }
+    if (*point > stretch->end * (1.0 - TIME_ROUNDING)) {
+        *point = stretch->end;
+    }
+    return 0;
+}
+
+static double go_on_in_one_piece(Unit *unit, Stretch *stretch)
+{
+    double point;
+    if (composite_meet_host(unit) || next_point(unit, stretch, &point) || composite_go_to(unit, point)) {
+        return -1.0;
+    }
+    stretch->done++;
+    return point;
 }
 
 /* One communication step; the time at its end, below 0 where it failed. */
@@ -108,6 +179,9 @@ static double go_on(Unit *unit, Stretch *stretch)
 {
     const Composite *c = unit->own;
     const double given = stretch->step;
+    if (is_one_piece(unit)) {
+        return go_on_in_one_piece(unit, stretch);
+    }
     if (composite_run_step(unit, given > 0.0 ? given : stretch->end - c->course->clock.time)) {
         return -1.0;
     }
@@ -118,7 +192,7 @@ static double go_on(Unit *unit, Stretch *stretch)
 
 static int is_over(const Unit *unit, const Stretch *stretch)
 {
-    const double time = ((const Composite *)unit->own)->course->clock.time;
+    const double time = time_of(unit);
     if (stretch->step > 0.0) {
         return stretch->done >= stretch->count;
     }

@@ -18,15 +18,19 @@ size_t verdict_doubles(const Composite *c)
     return 2 * axes_of(c);
 }
 
-void verdict_begin(Composite *c)
+/* The extents begin at these displacements. */
+static void begin_extents(Composite *c, const double *place)
 {
-    const double *place = c->parts->unit->memory + MOTION;
-    Vibration *vibration = &c->course->vibration;
     size_t k;
-    vibration->turned = vibration->last = 0.0;
+    c->course->vibration.turned = c->course->vibration.last = 0.0;
     for (k = 0; k < axes_of(c); k++) {
         c->extent[2 * k] = c->extent[2 * k + 1] = place[k];
     }
+}
+
+void verdict_begin(Composite *c)
+{
+    begin_extents(c, c->parts->unit->memory + MOTION);
 }
 
 /* Half of the largest extent of a station along an axis. */
@@ -40,11 +44,22 @@ static double amplitude(const Composite *c)
     return most;
 }
 
+/* Where a revolution is complete, its vibration is the last one, and the next begins there. */
+static void end_revolution(Composite *c, const double *place, double turned)
+{
+    Vibration *vibration = &c->course->vibration;
+    vibration->turned += turned;
+    if (vibration->turned >= TAU * (1.0 - 1e-9)) {
+        const double last = amplitude(c);
+        begin_extents(c, place);
+        vibration->last = last;
+    }
+}
+
 void verdict_follow(Composite *c, double speed, double step)
 {
     const size_t n = axes_of(c);
     const double *begin = c->at_begin + MOTION, *end = c->parts->unit->memory + MOTION;
-    Vibration *vibration = &c->course->vibration;
     size_t k;
     int j;
     for (k = 0; k < n; k++) {
@@ -57,12 +72,17 @@ void verdict_follow(Composite *c, double speed, double step)
             c->extent[2 * k + 1] = larger(c->extent[2 * k + 1], place);
         }
     }
-    vibration->turned += absolute(speed) * step;
-    if (vibration->turned >= TAU * (1.0 - 1e-9)) {
-        const double last = amplitude(c);
-        verdict_begin(c);
-        vibration->last = last;
+    end_revolution(c, end, absolute(speed) * step);
+}
+
+void verdict_look(Composite *c, const double *place, double turned)
+{
+    size_t k;
+    for (k = 0; k < axes_of(c); k++) {
+        c->extent[2 * k] = smaller(c->extent[2 * k], place[k]);
+        c->extent[2 * k + 1] = larger(c->extent[2 * k + 1], place[k]);
     }
+    end_revolution(c, place, absolute(turned));
 }
 
 double verdict_vibration(const Composite *c)

@@ -37,8 +37,7 @@ int motor_check(const Motor *motor, Failure *failure)
     return FINE;
 }
 
-/* The line a speed lies on, or whose continuation. */
-static int piece_of(const Motor *motor, double speed)
+int motor_line(const Motor *motor, double speed)
 {
     int piece = 0;
     while (piece < motor->count - 2 && speed >= speed_at(motor, piece + 1)) {
@@ -55,13 +54,13 @@ static double slope_of(const Motor *motor, int piece)
 
 double motor_torque(const Motor *motor, double speed)
 {
-    const int piece = piece_of(motor, speed);
+    const int piece = motor_line(motor, speed);
     return torque_at(motor, piece) + slope_of(motor, piece) * (speed - speed_at(motor, piece));
 }
 
 double motor_slope(const Motor *motor, double speed)
 {
-    return slope_of(motor, piece_of(motor, speed));
+    return slope_of(motor, motor_line(motor, speed));
 }
 
 void motor_acceleration(const Motor *motor, double speed, const double *torque, double *rates)
@@ -114,7 +113,7 @@ int motor_advance(Motor *motor, double *speed, double *angle, const double *torq
     }
     motor->reached = step;
     line.motor = motor;
-    line.piece = piece_of(motor, *speed);
+    line.piece = motor_line(motor, *speed);
     line.speed = *speed;
     *angle = 0.0;
     for (k = 0; k < MOST_CROSSINGS; k++) {

@@ -19,6 +19,8 @@ typedef struct {
 
 /* 0, or what is not allowed. */
 int motor_check(const Motor *motor, Failure *failure);
+/* The line of the characteristic that a speed lies on, or whose continuation, from 0. */
+int motor_line(const Motor *motor, double speed);
 /* L(w) [N m]. */
 double motor_torque(const Motor *motor, double speed);
 /* dL/dw [N m s/rad]. */

@@ -50,7 +50,8 @@ def test_tolerance_is_kept_on_every_bundled_scene(against, name):
 
 def test_at_rest_steps_last_many_revolutions_within_the_tolerance(against):
     """Eight per revolution, each taken in two, would be 3200."""
-    runs = against("balls_and_liquid", {"run.revolutions": 200})
+    # balls that can meet are coupled by signals, and these do not
+    runs = against("balls_and_liquid", {"run.revolutions": 200, "balls.weight_radius": 1e-3})
     result = runs.run({"tolerance": 1e-3, "steps_per_rev": None})
     assert runs.of_range(result) <= 1e-3
     assert result.steps < 900
@@ -60,6 +61,7 @@ def test_at_rest_steps_last_many_revolutions_within_the_tolerance(against):
 def test_no_step_is_longer_than_a_quarter_of_the_time_that_rest_has_lasted():
     """What is not stable grows meanwhile."""
     changes = {"rotor.unbalance": 0.0, "weights.angles": [0.5, 0.5 + math.pi]}
+    changes["weights.weight_radius"] = 1e-2  # so that parts are coupled by signals
     coupling = {"tolerance": 1e-4, "steps_per_rev": None, "corrections": None, "scheme": "auto"}
     keys = {f"coupling.{key}": value for key, value in coupling.items()}
     time = cosimulate(load_scene("two_balls").replace({**changes, **keys})).time
@@ -79,12 +81,13 @@ def test_a_tight_tolerance_is_kept_past_the_end_of_a_run_up(against, separate):
     assert runs.of_amplitude(result) <= 1e-7
 
 
-def test_a_tighter_tolerance_costs_order_4_steps():
+def test_a_tighter_tolerance_costs_few_steps_in_one_piece():
+    """The order of the series rises with the digits."""
     scene = load_scene("two_balls").replace({"run.revolutions": 10})
     steps = [
         cosimulate(scene.replace({"coupling.tolerance": t}), record=[]).steps for t in (1e-4, 1e-8)
     ]
-    assert math.log(1e4) / math.log(steps[1] / steps[0]) == pytest.approx(4.0, abs=0.4)
+    assert steps[1] < 1.5 * steps[0]
 
 
 @pytest.mark.parametrize(

@@ -1,0 +1,212 @@
+/* Which composites go on in one piece, and their machines. */
+#include "coupling/one_piece.h"
+
+#include "base/elementary.h"
+#include "base/matrix.h"
+#include "constants.h"
+#include "coupling/composite.h"
+#include "weights/liquid.h"
+
+int one_piece_allocate(Unit *unit)
+{
+    enum { NUMBERS = 6 };
+    Composite *c = unit->own;
+    Pieces *pieces = &c->pieces;
+    const Sizes *sizes = &c->parts->unit->layout.sizes;
+    int weights = 0, tracks = 0, k;
+    for (k = 1; k < c->parts_without_motor; k++) {
+        const Balls *balls = part_balls(c->parts + k);
+        weights += balls ? balls->count : 0;
+        tracks += balls != NULL;
+    }
+    for (k = 1; k < c->parts_without_motor; k++) {
+        pieces->followers += c->parts[k].place >= 0;
+    }
+    pieces->looked_at = unit_allocate(unit, 2 * (size_t)sizes->stations, sizeof(double));
+    pieces->places = unit_allocate(unit, (size_t)sizes->stations + ((size_t)weights + 1) / 2, sizeof(Pair));
+    pieces->key_count = NUMBERS + outside_count(c) + c->state_count;
+    pieces->most_planned = unit->layout.real_count;
+    pieces->planned = unit->layout.real_count + 1; /* none yet */
+    pieces->planned_outputs = unit_allocate(unit, pieces->most_planned, sizeof(unsigned));
+    pieces->plan = unit_allocate(unit, pieces->most_planned, sizeof(Output));
+    pieces->key = unit_allocate(unit, pieces->key_count, sizeof(double));
+    pieces->wanted = unit_allocate(unit, pieces->key_count, sizeof(double));
+    return !pieces->planned_outputs || !pieces->plan || !pieces->looked_at || !pieces->places || !pieces->key || !pieces->wanted ||
+           machine_allocate(unit, &pieces->step, sizes->stations, weights, tracks) ||
+           machine_allocate(unit, &pieces->instant, sizes->stations, weights, tracks);
+}
+
+/* -- the machine ----------------------------------------------------------------------------- */
+
+static void make(const Composite *c, double rate, Machine *machine)
+{
+    const LinearRotor *rotor = &composite_rotor(c)->rotor;
+    int k;
+    machine_take_rotor(machine, rotor, rate);
+    for (k = 1; k < c->parts_without_motor; k++) {
+        const Part *part = c->parts + k;
+        const double *row = rotor->planes + part->plane * rotor->stations, *real = part->unit->real;
+        const Balls *balls = part_balls(part);
+        const Liquid liquid = {real[0], real[1], real[2], real[3]};
+        if (balls) {
+            machine_take_weights(machine, row, &balls->track);
+        } else {
+            machine_take_liquid(machine, row, liquid_added_mass(&liquid));
+        }
+    }
+    if (c->motor) {
+        machine_take_motor(machine, c->motor->unit->own);
+    }
+}
+
+int one_piece_make(Unit *unit)
+{
+    Composite *c = unit->own;
+    Pieces *pieces = &c->pieces;
+    if (composite_follow_changes(unit)) {
+        return 1;
+    }
+    if (!pieces->is_made) {
+        /* a power of two rounds nothing, so that it does not matter which */
+        const double rate = scaled_by_power(1.0, binary_exponent(c->course->drive.fastest));
+        make(c, rate, &pieces->step);
+        make(c, rate, &pieces->instant);
+        pieces->is_made = 1;
+        pieces->key[0] = not_a_number();
+    }
+    return 0;
+}
+
+/* -- which ----------------------------------------------------------------------------------- */
+
+/* Square root of the largest modulus of an eigenvalue of mass^-1 matrix, or that itself where it is no
+   stiffness [1/s]; below 0 where the mass is singular. */
+static double rate_of(const Composite *c, const double *matrix, int is_stiffness)
+{
+    const LinearRotor *rotor = &composite_rotor(c)->rotor;
+    const int n = rotor->stations;
+    const size_t square = (size_t)n * (size_t)n;
+    double *mass = c->decay, *found = mass + square, *work = found + square, radius;
+    copy_doubles(square, rotor->mass, mass);
+    copy_doubles(square, matrix, found);
+    if (matrix_solve(1, n, n, mass, found)) {
+        return -1.0;
+    }
+    radius = spectral_radius(n, found, work);
+    return is_stiffness ? square_root(radius) : radius;
+}
+
+/* The fastest rate of rotor and weights [1/s], none of which the other slows down. */
+static double fastest_of(const Composite *c)
+{
+    const LinearRotor *rotor = &composite_rotor(c)->rotor;
+    double fastest = larger(rate_of(c, rotor->stiffness_x, 1), rate_of(c, rotor->stiffness_y, 1));
+    int k, w;
+    fastest = larger(fastest, rate_of(c, rotor->damping_x, 0));
+    fastest = larger(fastest, rate_of(c, rotor->damping_y, 0));
+    fastest = larger(fastest, rate_of(c, rotor->internal_damping, 0));
+    for (k = 1; k < c->parts_without_motor; k++) {
+        const Balls *balls = part_balls(c->parts + k);
+        for (w = 0; balls && w < balls->count; w++) {
+            const Weights one = weights_single(&balls->track.weights, w);
+            fastest = larger(fastest, weights_damping_rate(&one));
+        }
+    }
+    return fastest;
+}
+
+static int is_eventful(const Composite *c)
+{
+    int k, found = composite_rotor(c)->slider_count > 0;
+    for (k = 1; k < c->parts_without_motor; k++) {
+        const Balls *balls = part_balls(c->parts + k);
+        found |= balls && balls->track.eventful;
+    }
+    return found;
+}
+
+int one_piece_covers(Unit *unit)
+{
+    const Composite *c = unit->own;
+    if (is_eventful(c)) {
+        return 0;
+    }
+    return unit->exchanges ||
+           (c->unknowns && unit->real[c->tolerance] > 0.0 &&
+            fastest_of(c) <= MOST_FASTEST_RATE * c->course->drive.fastest);
+}
+
+/* -- the start ------------------------------------------------------------------------------- */
+
+/* Gain of the loop that separate units would have: of what the weights take of the mass that they lend. */
+static double gain_of(const Composite *c)
+{
+    const Rotor *rotor = composite_rotor(c);
+    const int n = rotor->stations, size = 2 * n;
+    const size_t square = (size_t)size * (size_t)size;
+    double *mass = c->decay, *taken = mass + square, *work = taken + square;
+    int part, w, i, j;
+    matrix_per_axis(1, 2, n, n, rotor->rotor.mass, mass);
+    fill_doubles(square, 0.0, taken);
+    for (part = 1; part < c->parts_without_motor; part++) {
+        const Unit *own = c->parts[part].unit;
+        const double *row = rotor->rotor.planes + c->parts[part].plane * n;
+        const double carried = own->real[layout_index(&own->layout, "added_mass", 1)];
+        const Balls *balls = part_balls(c->parts + part);
+        const Liquid liquid = {own->real[0], own->real[1], own->real[2], own->real[3]};
+        const double sent = (balls ? weights_added_mass(&balls->track.weights) : liquid_added_mass(&liquid)) - carried;
+        for (i = 0; i < size; i++) {
+            for (j = 0; j < size; j++) {
+                const double both = row[i / 2] * row[j / 2], same = i % 2 == j % 2;
+                mass[i * size + j] += both * same * carried;
+                taken[i * size + j] -= both * same * sent;
+                for (w = 0; balls && w < balls->count; w++) {
+                    const Weights one = weights_single(&balls->track.weights, w);
+                    const Complex unit = rect(1.0, own->memory[w] + c->parts->unit->memory[REST]);
+                    const double a = i % 2 ? unit.re : -unit.im, b = j % 2 ? unit.re : -unit.im;
+                    taken[i * size + j] += both * (one.mass / one.kappa) * a * b;
+                }
+            }
+        }
+    }
+    return matrix_solve(1, size, size, mass, taken) ? 0.0 : spectral_radius(size, taken, work);
+}
+
+/* A displacement to judge errors by before there is any [m]: what unbalances would leave of a free rotor, the
+   start's, and the sag. */
+static double first_displacement(const Composite *c)
+{
+    const Machine *m = &c->pieces.step;
+    const int n = m->stations;
+    const double mass = sum_of(m->mass, n * n);
+    double moment = 0.0, largest = 0.0;
+    int k;
+    for (k = 0; k < n; k++) {
+        const Pair heavy = m->gravity * pair_both(mass);
+        moment += hypotenuse(m->unbalance[k][0], m->unbalance[k][1]);
+        largest = larger(largest, hypotenuse(heavy[0], heavy[1]) / larger(m->stiffness[k * n + k][0], mass));
+    }
+    for (k = 0; k < m->weight_count; k++) {
+        moment = larger(moment, m->weights[k].moment);
+    }
+    return larger(largest, moment / mass);
+}
+
+int one_piece_begin(Unit *unit)
+{
+    Composite *c = unit->own;
+    OnePiece *own = &c->course->one_piece;
+    const double *place = c->parts->unit->memory + MOTION;
+    const int n = composite_rotor(c)->stations;
+    if (one_piece_make(unit)) {
+        return 1;
+    }
+    c->course->loop.gain = gain_of(c);
+    own->active = own->stands = own->placed = 1.0;
+    own->line = -1.0;
+    own->largest = larger(first_displacement(c), largest_of(2 * n, place));
+    if (!(own->largest > 0.0)) {
+        own->largest = 1.0; /* nothing moves it */
+    }
+    return 0;
+}

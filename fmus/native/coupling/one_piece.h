@@ -1,0 +1,90 @@
+/* The machine of a composite in one piece: its motion by series in place of signals that its parts exchange.
+
+   The state stays where it is, in the memories of the parts, as it is at the start of a step; a series of the
+   step is a function of that and is made where there is none.  Reading between the ends of a step is an
+   evaluation of the series. */
+#ifndef AUTOBALANCER_ONE_PIECE_H
+#define AUTOBALANCER_ONE_PIECE_H
+
+#include "machine/machine.h"
+
+enum { SPEED_OF_MOTOR = 2 }; /* of the outputs that its unit computes: behind it all are of its state alone */
+
+/* In a unit's memory; doubles alone. */
+typedef struct {
+    double active;     /* whether the composite goes on in one piece */
+    double order;      /* of its series */
+    double stands;     /* whether the parts stand at the clock's time, and no step has been begun there */
+    double largest;    /* displacement so far [m] */
+    double speed, acceleration; /* of the rotor at the start of the step */
+    double pushed;     /* how long after forces from outside were told the step begins [s] */
+    double changed;    /* changes of the unbalance by then */
+    double line;       /* of the motor's torque */
+    double placed;     /* whether the parts stand where the clock says they are shown */
+    double looks, looked; /* times at which the step is looked at, and how many are behind */
+    double leaves;     /* where the speed leaves that at the end of the step: 1 upwards, -1 downwards */
+} OnePiece;
+
+/* What outputs follow from: displacements and angles, the memories of parts, signals besides. */
+typedef enum { OUTPUTS_ARE_PLACES, OUTPUTS_OF_STATE, OUTPUTS_OF_SIGNALS } OutputKind;
+
+/* A place: its column among the machine's, and its number in the pair. */
+typedef struct {
+    int column, number;
+} Output;
+
+/* What goes with the unit. */
+typedef struct {
+    Machine step, instant; /* series of the step, and of the present state alone */
+    int is_made;           /* whether both are those of the parameters */
+    int followers;         /* parts that follow their plane's place */
+    double share;          /* of the tolerance, as a run has it; 0: all of it */
+    double *begun_forces;  /* in the unit's memory: from outside, at the start of the step (planes, 2) [N] */
+    double *looked_at;     /* (n, 2) scratch: displacements */
+    Pair *places;          /* (width,) scratch */
+    OutputKind kind;       /* of the outputs that were asked for last, */
+    unsigned *planned_outputs; /* which are these, */
+    Output *plan;          /* and their places */
+    size_t planned, most_planned;
+    double *key, *wanted;  /* (key_count,) what the series is of, and what is wanted */
+    size_t key_count;
+} Pieces;
+
+typedef struct Composite Composite;
+
+int one_piece_allocate(Unit *unit);
+/* Whether the machine has no events and either is for model exchange, or keeps a tolerance and is not stiff. */
+int one_piece_covers(Unit *unit);
+/* Make the machine of the parameters where it is not; 1 with the reason. */
+int one_piece_make(Unit *unit);
+/* From the state in the parts' memories on; 1 with the reason. */
+int one_piece_begin(Unit *unit);
+/* One step from where the last one ends, or from where the parts stand; 1 with the reason. */
+int one_piece_step(Unit *unit);
+/* Begin anew where the parts are shown, and something has jumped; 1 with the reason. */
+int one_piece_begin_anew(Unit *unit);
+/* Show the parts at a time in the step; 1 with the reason. */
+int one_piece_show(Unit *unit, double time);
+/* Let the parts stand at the time that is shown; 1 with the reason. */
+int one_piece_place(Unit *unit);
+/* Displacements of the stations and angles of the weights, two in a pair, at the time that is shown. */
+int one_piece_places(Unit *unit, Pair *places);
+/* Set a machine to a state of the parts at this speed; the rotor's angle.  Set forces from outside,
+   so long after they were told [s]. */
+double one_piece_load(const Composite *c, Machine *machine, const double *states, double speed, double acceleration);
+/* The line of the motor's torque, in the machine's time. */
+void one_piece_set_line(Machine *machine, int line);
+void one_piece_push(const Composite *c, Machine *machine, const double *forces, double time);
+
+/* -- one_piece_show.c ----------------------------------------------------------------------------- */
+
+/* Compute the outputs of the parts that others need: accelerations, forces and torques; 1 with the reason. */
+int one_piece_signals(Unit *unit);
+/* What the outputs that are asked for follow from; without any it is all. */
+OutputKind one_piece_outputs(Unit *unit);
+/* Write places, where nothing else is asked for; 1 with the reason. */
+int one_piece_observe_places(Unit *unit);
+/* Derivatives of the states of model exchange, of each part in turn; 1 with the reason. */
+int one_piece_rates(Unit *unit, double *rates);
+
+#endif

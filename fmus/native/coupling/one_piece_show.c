@@ -1,0 +1,258 @@
+/* What a composite in one piece shows of itself: signals of its parts, places, derivatives. */
+#include <string.h>
+
+#include "base/elementary.h"
+#include "base/matrix.h"
+#include "coupling/composite.h"
+
+enum { ACCELERATION_ORDER = 2, SLOPE_ORDER = 3 }; /* of the motion, that show A, and A' */
+
+/* -- the present state's machine ------------------------------------------------------------------- */
+
+/* Expand the state in the parts' memories, in itself and not from its step. */
+static int expand_instant(Unit *unit, int order)
+{
+    Composite *c = unit->own;
+    Machine *m = &c->pieces.instant;
+    double speed, acceleration = 0.0, angle;
+    if (!c->pieces.is_made && one_piece_make(unit)) {
+        return 1;
+    }
+    speed = c->motor ? c->motor->unit->memory[ANGLE_SIZE] : composite_speed(c, unit->time);
+    if (c->motor) {
+        one_piece_set_line(m, motor_line(m->drive.motor, speed));
+    } else {
+        acceleration = c->course->drive.acceleration;
+    }
+    one_piece_push(c, m, c->outer_forces, unit->time - c->course->drive.pushed_at);
+    angle = one_piece_load(c, m, c->states, speed, acceleration);
+    machine_expand(m, angle, order);
+    return 0;
+}
+
+/* Acceleration of a plane in the rotor's axes, less gravity, and its slope [m/s^2, m/s^3]. */
+static Knot plane_signal(const Composite *c, int plane)
+{
+    const Machine *m = &c->pieces.instant;
+    const int n = m->stations;
+    const double *row = composite_rotor(c)->rotor.planes + plane * n;
+    Pair a = {0.0, 0.0}, slope = {0.0, 0.0}, back = m->spin[0];
+    Knot knot;
+    int i;
+    back[1] = -back[1];
+    for (i = 0; i < n; i++) {
+        a += m->acceleration[i] * pair_both(row[i]);
+        slope += m->acceleration[n + i] * pair_both(row[i]);
+    }
+    slope = pair_product(slope - pair_turned(a) * pair_both(m->speed[0]), back);
+    a = pair_product(a, back);
+    a *= pair_both(m->rate * m->rate);
+    slope *= pair_both(m->rate * m->rate * m->rate);
+    knot.value = complex_of(a[0], a[1]);
+    knot.slope = complex_of(slope[0], slope[1]);
+    return knot;
+}
+
+/* Tell all parts how the rotor turns. */
+static void tell_spin(const Composite *c)
+{
+    const Machine *m = &c->pieces.instant;
+    const double square = m->rate * m->rate;
+    const double rates[SIGNAL_ORDERS] = {m->speed[1] * square,
+                                         c->motor ? 2.0 * m->speed[2] * square * m->rate : 0.0, 0.0, 0.0};
+    int k;
+    for (k = 0; k < c->parts_without_motor; k++) {
+        double *drive = c->parts[k].unit->real + c->parts[k].drive;
+        if (c->parts[k].drive >= 0) {
+            drive[0] = m->speed[0] * m->rate;
+            memcpy(drive + SPIN_UP, rates, sizeof rates);
+        }
+    }
+}
+
+/* Outputs of a balancer on its plane. */
+static int show_balancer(Unit *unit, const Part *part)
+{
+    const Composite *c = unit->own;
+    Unit *own = part->unit;
+    composite_place(c, part);
+    if (part->exchange >= 0) {
+        const Knot knot = plane_signal(c, part->plane);
+        double *input = own->real + own->layout.inputs.first;
+        memset(input, 0, SIGNAL_ORDERS * sizeof(Complex));
+        memcpy(input, &knot, sizeof knot);
+    }
+    own->time = unit->time;
+    own->start = unit->start;
+    return own->equations->outputs(own) && composite_part_failed(unit, part);
+}
+
+int one_piece_signals(Unit *unit)
+{
+    Composite *c = unit->own;
+    Knot spin;
+    int k;
+    if (one_piece_place(unit) || expand_instant(unit, SLOPE_ORDER)) {
+        return 1;
+    }
+    tell_spin(c);
+    for (k = 1; k < c->parts_without_motor; k++) {
+        if (show_balancer(unit, c->parts + k)) {
+            return 1;
+        }
+    }
+    composite_read_forces(c, c->answers);
+    for (k = 0; k < c->exchanges; k++) {
+        knot_from_start(c->answers + k, c->sent + SIGNAL_ORDERS * k);
+    }
+    composite_set_forces(unit, c->sent, 0.0);
+    if (c->parts->unit->equations->outputs(c->parts->unit)) {
+        return composite_part_failed(unit, c->parts);
+    }
+    return c->motor && shaft_answer(unit, &spin);
+}
+
+/* -- places --------------------------------------------------------------------------------------- */
+
+/* The part of an output; NULL for one of the composite's own. */
+static const Part *part_of(const Composite *c, size_t reference)
+{
+    int k;
+    for (k = c->part_count - 1; k >= 0; k--) {
+        if (reference >= c->parts[k].observed) {
+            return reference < c->results ? c->parts + k : NULL;
+        }
+    }
+    return NULL;
+}
+
+/* Number of an output among those that a part observes, below 0 for one that it computes. */
+static long observed_number(const Part *part, size_t reference)
+{
+    const Layout *layout = &part->unit->layout;
+    return (long)(reference - part->observed) - (long)(layout->observed.first - layout->computed.first);
+}
+
+/* Column and number in the pair of a place, from what a part observes; 1 where it is none. */
+static int find_place(const Composite *c, size_t reference, int *column, int *number)
+{
+    const int n = c->pieces.step.stations;
+    const Part *part = part_of(c, reference);
+    const Balls *balls = part ? part_balls(part) : NULL;
+    const long at = part ? observed_number(part, reference) : -1;
+    int k, before = 0;
+    if (part == c->parts && at >= 1 && at <= 2 * n) {
+        *column = (int)(at - 1) / 2;
+        *number = (int)(at - 1) % 2;
+        return 0;
+    }
+    if (!balls || at < 0 || at >= balls->count) {
+        return 1;
+    }
+    for (k = 1; c->parts + k < part; k++) {
+        const Balls *others = part_balls(c->parts + k);
+        before += others ? others->count : 0;
+    }
+    before += (int)at;
+    *column = n + before / 2;
+    *number = before % 2;
+    return 0;
+}
+
+/* Whether an output follows from the state in its part's memory alone. */
+static int is_of_state(const Composite *c, size_t reference)
+{
+    const Part *part = part_of(c, reference);
+    const Unit *own = part ? part->unit : NULL;
+    const size_t output = part ? reference - part->observed + own->layout.computed.first : 0;
+    if (part && part == c->motor) {
+        return reference - part->observed >= SPEED_OF_MOTOR;
+    }
+    return part && observed_number(part, reference) >= 0 &&
+           !(own->equations->is_torque && own->equations->is_torque(own, output));
+}
+
+/* What the outputs that are asked for follow from. */
+static OutputKind kind_of(const Unit *unit, Output *plan)
+{
+    const Composite *c = unit->own;
+    OutputKind kind = OUTPUTS_ARE_PLACES;
+    size_t k;
+    for (k = 0; k < unit->asked_count; k++) {
+        if (kind == OUTPUTS_ARE_PLACES && find_place(c, unit->asked[k], &plan[k].column, &plan[k].number)) {
+            kind = OUTPUTS_OF_STATE;
+        }
+        if (!is_of_state(c, unit->asked[k])) {
+            return OUTPUTS_OF_SIGNALS;
+        }
+    }
+    return kind;
+}
+
+OutputKind one_piece_outputs(Unit *unit)
+{
+    Pieces *pieces = &((Composite *)unit->own)->pieces;
+    const size_t size = unit->asked_count * sizeof *unit->asked;
+    if (!unit->asked || unit->exchanges || unit->asked_count > pieces->most_planned) {
+        return OUTPUTS_OF_SIGNALS;
+    }
+    if (pieces->planned != unit->asked_count || memcmp(pieces->planned_outputs, unit->asked, size)) {
+        pieces->kind = kind_of(unit, pieces->plan);
+        pieces->planned = unit->asked_count;
+        memcpy(pieces->planned_outputs, unit->asked, size);
+    }
+    if (pieces->kind == OUTPUTS_ARE_PLACES && ((const Composite *)unit->own)->course->one_piece.stands > 0.0) {
+        return OUTPUTS_OF_STATE; /* there is no step yet to take places from */
+    }
+    return pieces->kind;
+}
+
+int one_piece_observe_places(Unit *unit)
+{
+    const Pieces *pieces = &((const Composite *)unit->own)->pieces;
+    const Output *plan = pieces->plan;
+    size_t k;
+    if (one_piece_places(unit, pieces->places)) {
+        return 1;
+    }
+    for (k = 0; k < unit->asked_count; k++) {
+        unit->real[unit->asked[k]] = pieces->places[plan[k].column][plan[k].number];
+    }
+    return 0;
+}
+
+/* -- model exchange ------------------------------------------------------------------------------- */
+
+int one_piece_rates(Unit *unit, double *rates)
+{
+    Composite *c = unit->own;
+    const Machine *m = &c->pieces.instant;
+    const int n = m->stations;
+    const double square = m->rate * m->rate;
+    int k, w, i = 0;
+    if (expand_instant(unit, ACCELERATION_ORDER)) {
+        return 1;
+    }
+    *rates++ = m->speed[0] * m->rate;
+    copy_doubles(2 * (size_t)n, c->parts->unit->memory + MOTION + 2 * n, rates);
+    for (k = 0; k < n; k++) {
+        const Pair a = (m->acceleration[k] + m->gravity) * pair_both(square);
+        rates[2 * n + 2 * k] = a[0];
+        rates[2 * n + 2 * k + 1] = a[1];
+    }
+    rates += 4 * n;
+    for (k = 1; k < c->parts_without_motor; k++) {
+        const Balls *balls = part_balls(c->parts + k);
+        const int count = balls ? balls->count : 0;
+        for (w = 0; w < count; w++, i++) {
+            rates[w] = c->parts[k].unit->memory[count + w];
+            rates[count + w] = m->velocity[m->width + n + i / 2][i % 2] * square;
+        }
+        rates += 2 * count;
+    }
+    if (c->motor) {
+        rates[0] = m->speed[0] * m->rate;
+        rates[1] = m->speed[1] * square;
+    }
+    return 0;
+}

@@ -1,0 +1,122 @@
+/* A rotor and its weights in one piece, and their motion as a power series in time.
+
+   With q the stations' displacements, A = q'' - g what an accelerometer would read, E = e^{i beta} of the
+   rotor's angle and p = e^{i phi} of each weight's, both in fixed axes,
+
+       M A = -K q - (C + C_i) v + i w (C_i q + G v) - U E'' + F - sum of s m R p''
+       kappa R phi'' = -Im((s A + e E'') p*) - d kappa R (phi' - w) + (kappa - 1) (R + r) w'
+
+   where M carries all added masses, U is the unbalance with that of the tracks' offsets e, s the row of a
+   weight's plane and F what pushes from outside.  Speed and angle of the rotor are prescribed, or the row
+   of the shaft is one more:
+
+       I w' + Im((U E)* A) + sum of m R (Im((e E)* p'') - (kappa - 1) (R + r) phi'')
+           = L(w) + Im(q* C_i (v - i w q)) + sum of b R^2 (phi' - w)
+
+   Filimonikhina 2017 (4), Dubovik 2006 (3), (5); models/reference/lagrange.py has the same apart from this.
+   All are polynomials in q, v, p, E, phi', w, so that the coefficients of their series follow one from the
+   other, each by one solution with the same matrix: M and I less what the weights take with them.
+
+   Time is counted in 2^-k s: no rounding, and no coefficient leaves the range of numbers. */
+#ifndef AUTOBALANCER_MACHINE_H
+#define AUTOBALANCER_MACHINE_H
+
+#include "base/pair.h"
+#include "fmi/unit.h"
+#include "machine/weights_series.h"
+#include "rotor/motor.h"
+#include "units/rotor_unit.h"
+#include "units/weights_unit.h"
+
+enum { LEAST_ORDER = 8, MOST_ORDER = 36 };
+#define LONGEST_STEP 12.0     /* rad of the rotor at about its fastest speed: of a step */
+#define SMALLEST_TERM 1e-40   /* of the tolerance: a term that is nothing */
+
+/* The weights of one balancer. */
+typedef struct {
+    int first, end;    /* of the machine's weights */
+    const double *row; /* (n,) of its plane */
+    Pair offset;       /* of the track's centre from the plane's, in the rotor [m] */
+    int is_off;        /* whether that is not 0 */
+    double mass;       /* of all its weights [kg] */
+    Pair *pull;        /* (K + 1,) series of -i (s A + e E'') */
+    Pair known;        /* of the coefficient to come, what does not wait for w': e E'' */
+} MachineTrack;
+
+/* The motor's torque on one line, in the machine's time. */
+typedef struct {
+    const Motor *motor;   /* NULL: the speed is prescribed */
+    double inertia;       /* of all that turns [kg m^2] */
+    double torque, slope; /* at speed 0, and by the speed */
+} MachineDrive;
+
+typedef struct {
+    int stations, weight_count, track_count; /* n, N */
+    int width;    /* columns of a series of the motion: n, and N/2 rounded up */
+    int unknowns; /* 2 n, one more for a motor */
+    int turns;    /* whether forces turn the rotor's velocity: internal damping or gyroscopic */
+    double per[MOST_ORDER + 4]; /* 1/k */
+    double rate, per_rate; /* 2^k, 2^-k: one over the unit of time [1/s] */
+    /* of the rotor, in the machine's time; pairs are of x and y */
+    double *mass;                          /* (n, n) [kg] */
+    Pair *stiffness, *damping;             /* (n, n) */
+    double *internal_damping, *gyroscopic; /* (n, n) */
+    Pair *unbalance;                       /* (n,) */
+    Pair *push;                            /* (4, n) series of F, of order 0 to 3 */
+    Pair gravity;
+    MachineTrack *tracks;
+    SeriesWeight *weights;
+    MachineDrive drive;
+    /* coefficients of order 0 to K, later ones behind */
+    Pair *motion;       /* (K + 1, width) displacements; angles of two weights in the rotor */
+    Pair *velocity;     /* the same of their derivatives */
+    Pair *acceleration; /* (K + 1, n) A */
+    Pair *turning;      /* (K + 1, n) C_i q + G v */
+    Pair *swept, *sheared; /* (K + 1, n) w q, C_i (v - i w q); with a motor */
+    Pair *spin;         /* (K + 3,) E */
+    double *speed;      /* (K + 2,) w */
+    int speed_order;    /* the highest that is not 0 */
+    double *matrix;     /* (unknowns, unknowns) Cholesky's factor, with one over its diagonal; of two
+                           unknowns the inverse */
+    double *right;      /* (unknowns,) */
+} Machine;
+
+/* -- build.c ----------------------------------------------------------------------------------- */
+
+/* Memory for a machine of these sizes, in `unit`; 1 where there is none. */
+int machine_allocate(Unit *unit, Machine *machine, int stations, int weights, int tracks);
+/* Begin anew, in this unit of time, with this rotor; then its balancers, and a motor. */
+void machine_take_rotor(Machine *machine, const LinearRotor *rotor, double rate);
+void machine_take_liquid(Machine *machine, const double *row, double mass);
+void machine_take_weights(Machine *machine, const double *row, const Track *track);
+void machine_take_motor(Machine *machine, const Motor *motor);
+
+/* -- series.c ----------------------------------------------------------------------------------- */
+
+/* Coefficients of all series up to that of order K of the motion, 2 or more, from those of order 0 of
+   motion, velocity and speed, and the angle.  The speed's of order 1 is given where it is prescribed. */
+void machine_expand(Machine *machine, double angle, int order);
+
+/* -- shaft_series.c ----------------------------------------------------------------------------- */
+
+/* The right-hand side of the shaft of order k; the speed's coefficient of k + 1 from the solution. */
+void shaft_push(Machine *machine, int k);
+double shaft_take(Machine *machine, int k);
+
+/* -- pace.c ------------------------------------------------------------------------------------- */
+
+/* Order that keeps a tolerance of a step with least work. */
+int machine_order(double tolerance);
+/* Length of a step, in the machine's time, over which the last two terms of displacements are at most so much of
+   `largest`, those of angles of 1 rad; NaN where they are not finite. */
+double machine_length(const Machine *machine, int order, double tolerance, double largest);
+/* The sum of a series, whose coefficients stand `stride` pairs apart, up to an order. */
+Pair machine_at(const Pair *series, int stride, int order, double time);
+/* Speed of the rotor, and the angle turned. */
+double machine_speed_at(const Machine *machine, int order, double time);
+double machine_turned(const Machine *machine, int order, double time);
+/* Whether the speed leaves a line (its least and its highest speed) in a step: 1 upwards, -1 downwards, with the
+   length up to there. */
+int machine_leaves_line(const Machine *machine, int order, const double *ends, double *length);
+
+#endif

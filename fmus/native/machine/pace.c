@@ -1,0 +1,127 @@
+/* Order and length of a step by series, and the motion in it. */
+#include "machine/machine.h"
+
+#include <stdint.h>
+#include <string.h>
+
+#include "base/elementary.h"
+#include "base/roots.h"
+#include "constants.h"
+
+enum { LOOKS = 32 }; /* in a step, for a speed that leaves its line of the motor's torque */
+#define BRACKET 1e-15 /* of a step: where it does */
+
+int machine_order(double tolerance)
+{
+    /* about 1.7 orders for every digit: a step then costs least for its length */
+    const double digits = -0.30102999566398120 * binary_exponent(tolerance);
+    const int order = (int)(2.5 + 1.7 * digits);
+    return order < LEAST_ORDER ? LEAST_ORDER : order > MOST_ORDER ? MOST_ORDER : order;
+}
+
+/* (tolerance/term)^(1/k), read off the exponents as straight lines between powers of two: within 6 %. */
+static double root_of(double term, double tolerance, int k)
+{
+    int64_t above, below, one;
+    const double unit = 1.0;
+    double root;
+    memcpy(&above, &tolerance, sizeof above);
+    memcpy(&below, &term, sizeof below);
+    memcpy(&one, &unit, sizeof one);
+    one += (int64_t)((double)(above - below) / k);
+    memcpy(&root, &one, sizeof root);
+    return root;
+}
+
+/* The largest coefficient of an order: of displacements over `largest`, of angles over 1. */
+static double term_of(const Machine *m, int k, double per_largest)
+{
+    const Pair *motion = m->motion + k * m->width;
+    double most = 0.0;
+    int i;
+    for (i = 0; i < m->width; i++) {
+        const double size = larger(absolute(motion[i][0]), absolute(motion[i][1]));
+        most = larger(most, i < m->stations ? per_largest * size : size);
+    }
+    return m->drive.motor ? larger(most, absolute(m->speed[k - 1]) / k) : most;
+}
+
+double machine_length(const Machine *m, int order, double tolerance, double largest)
+{
+    double length = LONGEST_STEP, finite = 0.0;
+    int k;
+    for (k = order - 1; k <= order; k++) {
+        const double term = term_of(m, k, 1.0 / largest);
+        finite += term;
+        if (term > SMALLEST_TERM * tolerance) {
+            length = smaller(length, root_of(term, tolerance, k));
+        }
+    }
+    return is_finite(finite) ? length : not_a_number();
+}
+
+Pair machine_at(const Pair *series, int stride, int order, double time)
+{
+    const Pair square = pair_both(time * time), step = pair_both(time);
+    const Pair *at = series + order * stride;
+    Pair high = at[0], low = at[-stride]; /* two sums in turn: neither waits for the other */
+    int k;
+    for (k = order; k > 2; k -= 2, at -= 2 * stride) {
+        high = high * square + at[-2 * stride];
+        low = low * square + at[-3 * stride];
+    }
+    return k == 2 ? high * square + series[0] + low * step : low + high * step;
+}
+
+double machine_speed_at(const Machine *m, int order, double time)
+{
+    const int last = m->drive.motor ? order - 1 : 1;
+    double speed = m->speed[last];
+    int k;
+    for (k = last - 1; k >= 0; k--) {
+        speed = speed * time + m->speed[k];
+    }
+    return speed;
+}
+
+double machine_turned(const Machine *m, int order, double time)
+{
+    const int last = m->drive.motor ? order - 1 : 1;
+    double angle = m->speed[last] * m->per[last + 1];
+    int k;
+    for (k = last - 1; k >= 0; k--) {
+        angle = angle * time + m->speed[k] * m->per[k + 1];
+    }
+    return angle * time;
+}
+
+/* What the line goes to beyond its end, and how far the speed is from there. */
+typedef struct {
+    const Machine *machine;
+    int order;
+    double end, sign;
+} LineEnd;
+
+static double short_of_end(void *context, double time)
+{
+    const LineEnd *line = context;
+    return line->sign * (line->end - machine_speed_at(line->machine, line->order, time));
+}
+
+int machine_leaves_line(const Machine *m, int order, const double *ends, double *length)
+{
+    const double until = *length;
+    LineEnd line = {m, order, 0.0, 0.0};
+    int look;
+    for (look = 1; look <= LOOKS; look++) {
+        const double time = until * look / LOOKS, speed = machine_speed_at(m, order, time);
+        line.sign = speed > ends[1] ? 1.0 : speed < ends[0] ? -1.0 : 0.0;
+        if (line.sign != 0.0) {
+            line.end = line.sign > 0.0 ? ends[1] : ends[0];
+            *length = find_crossing(short_of_end, &line, larger(0.0, short_of_end(&line, 0.0)), time,
+                                    BRACKET * time);
+            return (int)line.sign;
+        }
+    }
+    return 0;
+}

@@ -1,0 +1,274 @@
+/* The recurrence of a machine's series. */
+#include "base/elementary.h"
+#include "machine/machine.h"
+
+/* The number that multiplies each unknown in a weight's equation, by 1/(kappa R); unknowns: A as x and y of
+   every station, then w'. */
+static double coupled(const Machine *m, const MachineTrack *track, const SeriesWeight *weight, int unknown)
+{
+    const Pair p = weight->unit[0];
+    if (unknown < 2 * m->stations) {
+        return track->row[unknown / 2] * (unknown % 2 ? p[0] : -p[1]);
+    }
+    /* Re((e E)* p) */
+    return pair_crossed(p, pair_turned(pair_product(track->offset, m->spin[0]))) - weight->roll;
+}
+
+/* M and I less what the weights take with them, of two unknowns inverted, of more factorised. */
+static void set_matrix(Machine *m)
+{
+    const int n = m->stations, size = m->unknowns;
+    double *a = m->matrix;
+    int i, j, t, w;
+    for (i = 0; i < 2 * n; i++) {
+        for (j = 0; j <= i; j++) {
+            a[i * size + j] = i % 2 == j % 2 ? m->mass[i / 2 * n + j / 2] : 0.0;
+        }
+    }
+    if (size > 2 * n) {
+        for (j = 0; j < n; j++) {
+            const Pair pulled = pair_turned(pair_product(m->unbalance[j], m->spin[0]));
+            a[2 * n * size + 2 * j] = pulled[0];
+            a[2 * n * size + 2 * j + 1] = pulled[1];
+        }
+        a[2 * n * size + 2 * n] = m->drive.inertia;
+    }
+    for (t = 0; t < m->track_count; t++) {
+        const MachineTrack *track = m->tracks + t;
+        for (w = track->first; w < track->end; w++) {
+            const SeriesWeight *weight = m->weights + w;
+            for (i = 0; i < size; i++) {
+                const double scaled = weight->share * coupled(m, track, weight, i);
+                for (j = 0; j <= i && scaled != 0.0; j++) {
+                    a[i * size + j] -= scaled * coupled(m, track, weight, j);
+                }
+            }
+        }
+    }
+}
+
+static void factorise(Machine *m)
+{
+    const int size = m->unknowns;
+    double *a = m->matrix;
+    int i, j, k;
+    if (size == 2) {
+        const double over = 1.0 / (a[0] * a[3] - a[2] * a[2]), xx = a[0];
+        a[0] = a[3] * over;
+        a[3] = xx * over;
+        a[1] = a[2] = -a[2] * over;
+        return;
+    }
+    for (j = 0; j < size; j++) {
+        for (i = j; i < size; i++) {
+            double sum = a[i * size + j];
+            for (k = 0; k < j; k++) {
+                sum -= a[i * size + k] * a[j * size + k];
+            }
+            a[i * size + j] = i == j ? 1.0 / square_root(sum) : sum * a[j * size + j];
+        }
+    }
+}
+
+/* The unknowns of an order in place of their right-hand sides. */
+static void solve(const Machine *m, double *b)
+{
+    const int size = m->unknowns;
+    const double *a = m->matrix;
+    int i, k;
+    if (size == 2) {
+        const double x = b[0], y = b[1];
+        b[0] = a[0] * x + a[1] * y;
+        b[1] = a[2] * x + a[3] * y;
+        return;
+    }
+    for (i = 0; i < size; i++) {
+        double sum = b[i];
+        for (k = 0; k < i; k++) {
+            sum -= a[i * size + k] * b[k];
+        }
+        b[i] = sum * a[i * size + i];
+    }
+    for (i = size - 1; i >= 0; i--) {
+        double sum = b[i];
+        for (k = i + 1; k < size; k++) {
+            sum -= a[k * size + i] * b[k];
+        }
+        b[i] = sum * a[i * size + i];
+    }
+}
+
+/* Coefficient k of w times a series whose elements stand `stride` apart, up to that order. */
+static Pair times_speed(const Machine *m, const Pair *series, int stride, int k)
+{
+    const int last = k < m->speed_order ? k : m->speed_order;
+    Pair sum = series[k * stride] * pair_both(m->speed[0]);
+    int j;
+    for (j = 1; j <= last; j++) {
+        sum += series[(k - j) * stride] * pair_both(m->speed[j]);
+    }
+    return sum;
+}
+
+/* What w' leads E'' to without that of order k, and with it where it is prescribed. */
+static Pair spun(const Machine *m, int k)
+{
+    const int last = k < m->speed_order ? k : m->speed_order;
+    Pair sum = m->spin[k + 1] * pair_both(m->speed[0]);
+    int j;
+    for (j = 1; j <= last; j++) {
+        sum += m->spin[k + 1 - j] * pair_both(m->speed[j]);
+    }
+    if (!m->drive.motor && k < m->speed_order) {
+        sum += m->spin[0] * pair_both(m->speed[k + 1]);
+    }
+    return pair_turned(sum) * pair_both(k + 1);
+}
+
+/* Forces on the stations of order k, apart from the weights'. */
+static void push_stations(Machine *m, int k, Pair spun_twice)
+{
+    const int n = m->stations;
+    const Pair *q = m->motion + k * m->width, *v = m->velocity + k * m->width;
+    int i, j;
+    for (i = 0; i < n; i++) {
+        Pair sum = -pair_product(m->unbalance[i], spun_twice);
+        for (j = 0; j < n; j++) {
+            sum -= m->stiffness[i * n + j] * q[j] + m->damping[i * n + j] * v[j];
+        }
+        if (m->turns) {
+            Pair turning = {0.0, 0.0};
+            for (j = 0; j < n; j++) {
+                turning += pair_both(m->internal_damping[i * n + j]) * q[j] +
+                           pair_both(m->gyroscopic[i * n + j]) * v[j];
+            }
+            m->turning[k * n + i] = turning;
+            sum += pair_turned(times_speed(m, m->turning + i, n, k));
+            if (m->drive.motor) {
+                m->swept[k * n + i] = times_speed(m, m->motion + i, m->width, k);
+            }
+        }
+        if (k < SIGNAL_ORDERS) {
+            sum += m->push[k * n + i];
+        }
+        m->right[2 * i] = sum[0];
+        m->right[2 * i + 1] = sum[1];
+    }
+}
+
+static void push_weights(Machine *m, int k, Pair spun_twice)
+{
+    const int n = m->stations;
+    const double carried = m->drive.motor || k >= m->speed_order ? 0.0 : m->speed[k + 1] * (k + 1);
+    int t, w, i;
+    for (t = 0; t < m->track_count; t++) {
+        MachineTrack *track = m->tracks + t;
+        Pair force = {0.0, 0.0};
+        track->known = track->is_off ? pair_product(track->offset, spun_twice) : force;
+        for (w = track->first; w < track->end; w++) {
+            SeriesWeight *weight = m->weights + w;
+            const double speed = m->velocity[k * m->width + n + w / 2][w % 2];
+            series_weight_advance(weight, k, track->pull, track->known, speed, carried);
+            force += series_weight_force(weight);
+        }
+        for (i = 0; i < n; i++) {
+            m->right[2 * i] += track->row[i] * force[0];
+            m->right[2 * i + 1] += track->row[i] * force[1];
+        }
+    }
+}
+
+/* Coefficients of order k from the solution; the motion's of k + 2 but for the weights of k + 1. */
+static void take_stations(Machine *m, int k)
+{
+    const int n = m->stations;
+    const Pair next = pair_both(m->per[k + 1]), second = pair_both(m->per[k + 2]);
+    Pair *v = m->velocity + (k + 1) * m->width, *q = m->motion + (k + 2) * m->width;
+    int i;
+    for (i = 0; i < n; i++) {
+        const Pair a = pair_of(m->right[2 * i], m->right[2 * i + 1]);
+        m->acceleration[k * n + i] = a;
+        v[i] = (k == 0 ? a + m->gravity : a) * next;
+        q[i] = v[i] * second;
+    }
+}
+
+static void take_weights(Machine *m, int k, double speed_gained)
+{
+    const int n = m->stations;
+    int t, w, i;
+    for (t = 0; t < m->track_count; t++) {
+        MachineTrack *track = m->tracks + t;
+        Pair a = track->known;
+        for (i = 0; i < n; i++) {
+            a += m->acceleration[k * n + i] * pair_both(track->row[i]);
+        }
+        if (m->drive.motor && track->is_off) {
+            a += pair_product(track->offset, pair_turned(m->spin[0])) * pair_both(m->right[2 * n]);
+        }
+        track->pull[k] = pair_turned_back(a);
+        a -= track->known; /* which is in 'free' already */
+        for (w = track->first; w < track->end; w++) {
+            SeriesWeight *weight = m->weights + w;
+            const Pair along = pair_turned_back(a) * weight->unit[0];
+            double pulled = along[0] + along[1];
+            if (m->drive.motor) {
+                pulled -= weight->roll * m->right[2 * n];
+            }
+            series_weight_finish(weight, k, weight->free - weight->lever * pulled, m->per + k + 1);
+            m->velocity[(k + 1) * m->width + n + w / 2][w % 2] = weight->rate[k + 1][0] - speed_gained;
+        }
+    }
+    for (w = n; w < m->width; w++) {
+        m->motion[(k + 1) * m->width + w] = m->velocity[k * m->width + w] * pair_both(m->per[k + 1]);
+    }
+}
+
+static void start_series(Machine *m, double angle)
+{
+    const int n = m->stations;
+    const Complex turned = rect(1.0, angle);
+    int i, t, w;
+    m->spin[0] = pair_of(turned.re, turned.im);
+    m->spin[1] = pair_turned(m->spin[0]) * pair_both(m->speed[0]);
+    for (t = 0; t < m->track_count; t++) {
+        for (w = m->tracks[t].first; w < m->tracks[t].end; w++) {
+            SeriesWeight *weight = m->weights + w;
+            weight->rate[0] = pair_both(m->speed[0] + m->velocity[n + w / 2][w % 2]);
+            series_weight_start(weight, angle + m->motion[n + w / 2][w % 2]);
+        }
+    }
+    for (i = 0; i < n; i++) {
+        m->motion[m->width + i] = m->velocity[i];
+    }
+    set_matrix(m);
+    factorise(m);
+}
+
+void machine_expand(Machine *m, double angle, int order)
+{
+    int k;
+    m->speed_order = m->drive.motor ? 0 : m->speed[1] != 0.0;
+    start_series(m, angle);
+    for (k = 0; k <= order - 2; k++) {
+        const Pair spun_twice = spun(m, k);
+        double gained = !m->drive.motor && k < m->speed_order ? m->speed[k + 1] : 0.0;
+        push_stations(m, k, spun_twice);
+        push_weights(m, k, spun_twice);
+        if (m->drive.motor) {
+            shaft_push(m, k);
+        }
+        solve(m, m->right);
+        take_stations(m, k);
+        if (m->drive.motor) {
+            gained = shaft_take(m, k);
+        }
+        take_weights(m, k, gained);
+        m->spin[k + 2] = (m->drive.motor ? spun_twice + pair_turned(m->spin[0]) * pair_both(gained * (k + 1))
+                                         : spun_twice) *
+                         pair_both(m->per[k + 1] * m->per[k + 2]);
+    }
+    for (k = m->stations; k < m->width; k++) { /* the last of the weights' angles */
+        m->motion[order * m->width + k] = m->velocity[(order - 1) * m->width + k] * pair_both(m->per[order]);
+    }
+}

@@ -1,0 +1,82 @@
+"""A tolerance that is kept in one piece: the error of a run, by runs with two tolerances of steps.
+
+The first run chooses the points of the record; the second, whose steps may err a hundredth of that,
+is the result.  The first one's error is the larger by far, so that the difference of the two bounds
+that of the second.  If it exceeds the tolerance, a third run compares with the second, and so on
+until steps err as little as rounding.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ...models.constants import SERIES_SHARE
+from .global_error import largest_difference, motion_signals
+from .recorder import Recorder, Signal, divided
+from .scales import least_motion
+
+if TYPE_CHECKING:
+    from ..output.workers import Progress
+    from .one_file_run import OneFileRun
+
+PARTS = 4  # of the way between two points of the first run, for a smooth record
+FINER = 0.01  # what a step of a run may err, over that of the run before
+ROUNDING = 1e-16  # what a step errs by at least
+
+
+class TwoTolerances:
+    """The runs of one scene in one piece, each of smaller errors than the one before.
+
+    Args:
+        run: of the scene, with a tolerance.
+        names: what is recorded.
+        uncompared: recorded besides, and left out of the error.
+
+    Attributes:
+        error, unknown: estimated, and why it is not known, as of `global_error.Controlled`.
+    """
+
+    def __init__(
+        self, run: OneFileRun, names: Sequence[str], uncompared: Sequence[str] = ()
+    ) -> None:
+        assert run.scene.coupling.tolerance is not None
+        self._run, self._names, self._uncompared = run, names, uncompared
+        self.tolerance = run.scene.coupling.tolerance
+        self.error, self.unknown = math.inf, ""
+
+    def run(self, progress: Progress | None) -> Recorder:
+        """Run as often as it takes; what the last run recorded.
+
+        Raises:
+            SimulationError: as `OneFileRun.record`.
+        """
+        share, done = 1.0, 0
+        recorder = self._recorded(share, None, done, progress)
+        grid, before = recorder.columns()
+        points = np.array(divided(grid, PARTS))
+        least = least_motion(self._run.scene)
+        scale = {name: least.get(unit, 0.0) for name, unit in recorder.signal_units.items()}
+        while True:
+            share, done = share * FINER, done + 1
+            recorder = self._recorded(share, points, done, progress)
+            _, signals = recorder.columns()
+            compared = {n: s[::PARTS] for n, s in signals.items() if n not in self._uncompared}
+            self.error = largest_difference(before, compared, scale)
+            finest = SERIES_SHARE * self.tolerance * share * FINER < ROUNDING
+            if self.error <= self.tolerance or finest:
+                return recorder
+            before = compared
+
+    def _recorded(
+        self, share: float, grid: Signal | None, done: int, progress: Progress | None
+    ) -> Recorder:
+        """One run, of all that is asked for and all that is compared."""
+        run, runs = self._run, max(2, done + 1)
+        recorder = Recorder(run.units, self._names, [*motion_signals(run.scene), *self._uncompared])
+        run.start_in_one_piece(share, grid)
+        run.record(recorder, progress and (lambda part: progress((done + part) / runs)))
+        return recorder

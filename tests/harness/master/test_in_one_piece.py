@@ -1,0 +1,58 @@
+"""Runs in one piece keep their tolerance, state their error, and say what they are."""
+
+import numpy as np
+import pytest
+
+from autobalancer.harness import load_scene
+from autobalancer.harness.master.one_file_run import OneFileRun
+from autobalancer.harness.result.run import cosimulate
+from tests.studies.one_piece import FAMILIES, compared, drawn
+
+
+@pytest.mark.parametrize("family", FAMILIES)
+def test_random_machines_keep_their_tolerance_and_state_their_error(family):
+    known = 0
+    for number in range(24):
+        scene = drawn(family, number)
+        found = compared(scene) if scene else None
+        if found and not found.is_chaotic:
+            assert not found.is_understated
+            assert not found.is_missed
+            known += 1
+    assert known >= 6
+
+
+@pytest.mark.parametrize(
+    ("changes", "one_piece"),
+    [
+        ({}, True),
+        ({"weights.weight_radius": 0.1}, False),
+        ({"weights.rolling_resistance": 1e-3}, False),
+        ({"rotor.friction": [{"limit": 0.1}]}, False),
+        ({"rotor.stiffness": [1.0, 1e5], "rotor.damping": [0.5, 1.0]}, False),
+        ({"weights.drag": 200.0}, False),
+    ],
+)
+def test_machines_with_events_and_stiff_ones_are_coupled_by_signals(changes, one_piece):
+    scene = load_scene("two_balls").replace({"coupling.tolerance": 1e-4, **changes})
+    with OneFileRun(scene) as run:
+        assert run.in_one_piece == one_piece
+
+
+@pytest.mark.parametrize("name", ["two_balls", "run_up", "drum", "sommerfeld", "balls_and_liquid"])
+def test_both_engines_find_the_same_motion(name):
+    """By power series, and by signals in given steps."""
+    scene = load_scene(name).replace({"run.revolutions": 3})
+    tight = {"coupling.scheme": "auto", "coupling.corrections": None}
+    result = cosimulate(scene.replace({**tight, "coupling.tolerance": 1e-8}))
+    given = cosimulate(scene.replace({**tight, "coupling.steps_per_rev": 400}))
+    for signal in ("rotor.x", "rotor.y"):
+        if signal not in result.signals:
+            continue
+        # at points of both
+        times, at, there = np.intersect1d(
+            np.round(result.time, 9), np.round(given.time, 9), return_indices=True
+        )
+        size = np.abs(given[signal]).max()
+        assert len(times) >= 2
+        assert np.abs(result[signal][at] - given[signal][there]).max() <= 3e-6 * size
