@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from autobalancer.harness.motions.outcome import Motions
     from autobalancer.harness.motions.sweep import Sweep
     from autobalancer.harness.output.workers import ItemProgress, Progress, Workers
+    from autobalancer.harness.report.page import Written
     from autobalancer.harness.scatter.study import Scatter
     from autobalancer.harness.scene.scene import Scene
     from autobalancer.harness.show.page import Page
@@ -454,6 +455,48 @@ class Methods:
         from autobalancer.harness.show.page import write_page
 
         return write_page(self._scene, None if output is None else Path(output))
+
+    def report(
+        self,
+        output: str | Path | None = None,
+        *,
+        run_up: float | str | None = None,
+        limit: float | str | None = None,
+        vary: Mapping[str, Any] | Iterable[str] = (),
+        n: int = 200,
+        progress: Progress | None = None,
+    ) -> Written:
+        """Write one page about the machine for a colleague: verdict first, and how sure it is.
+
+        Args:
+            output: the file; default: NAME_report.html in the current folder.
+            run_up: time from standstill to full speed [s]; default: the scene's own drive, else a
+                slow run-up that the page states.
+            limit: of the vibration velocity [m/s rms].
+            vary: tolerances, as of `scatter`; none: they are not judged.
+            n: machines drawn from them.
+
+        Raises:
+            UserError: a value is wrong, or the file cannot be written.
+            SimulationError: the scene itself cannot be run.
+
+        >>> page = ab.load("two_balls").report("two_balls.html")
+        >>> page.path.stat().st_size > 50_000, len(page.verdicts)
+        (True, 4)
+        """
+        from autobalancer.harness.errors import UserError
+        from autobalancer.harness.report.page import write_report
+        from autobalancer.harness.units import si_number
+
+        given = {"run_up": (run_up, "s"), "limit": (limit, "m/s")}
+        values: dict[str, Any] = {}
+        for name, (value, symbol) in given.items():
+            values[name] = None if value is None else si_number(value, symbol, name)
+            if values[name] is not None and not values[name] > 0.0:
+                raise UserError(f"{name} {value}: must be above 0")
+        path = Path(output or f"{self._scene.name}_report.html")
+        values |= {"vary": vary, "machines": n, "progress": progress}
+        return write_report(self._scene, path, **values)
 
     def check(self, *, progress: ItemProgress | None = None) -> SceneReport:
         """Every [[check]] of the scene: its theory and measurements beside runs.

@@ -2,5 +2,17 @@
 
 NAMES = (
     *("check", "build", "run", "speeds", "map", "balance", "rotor", "design", "scatter"),
-    *("capture", "motions", "fit", "drag", "precision", "show", "new", "cite", "stress", "manual"),
+    *(
+        "capture",
+        "motions",
+        "fit",
+        "drag",
+        "precision",
+        "show",
+        "report",
+        "new",
+        "cite",
+        "stress",
+        "manual",
+    ),
 )  # in the order of the help

@@ -37,19 +37,26 @@ class Described(Protocol):
         """Its text."""
 
 
+class Part(Protocol):
+    """A part of a page that is no line of text, such as a `Sheet`."""
+
+    def html(self) -> str:
+        """As HTML, every text escaped."""
+
+
 class Report:
     """What goes into the page, in order.
 
     Attributes:
         directory: where page and pictures are written; None: nowhere.
-        parts: lines of text, and tables.
+        parts: lines of text, tables, and other parts that have HTML of their own.
         pictures: PNG files.
         cited: text that names sources beside the parts.
     """
 
     def __init__(self, directory: Path | None, title: str, scenes: Sequence[Described]) -> None:
         self.directory, self.title, self.scenes = directory, title, scenes
-        self.parts: list[str | Sheet] = []
+        self.parts: list[str | Part] = []
         self.pictures: list[Path] = []
         self.cited = ""
         if directory is not None:
@@ -102,7 +109,10 @@ class Report:
 
     def _sources(self, scenes: Sequence[str]) -> list[str]:
         """What tables, lines and scenes cite, as in the bibliography."""
-        parts = [p if isinstance(p, str) else f"{p.title} {p.rows}" for p in self.parts]
+        parts = [
+            f"{p.title} {p.rows}" if isinstance(p, Sheet) else p if isinstance(p, str) else ""
+            for p in self.parts
+        ]
         named = citations("\n".join([*parts, *scenes, self.cited]))
         return [str(entry) for key, entry in references().items() if key in named]
 

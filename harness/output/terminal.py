@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from ..errors import UserError
 from ..units import in_words
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
     from .table import Sheet
 
-_kept: ContextVar[list[str | Sheet] | None] = ContextVar("kept", default=None)
+_kept: ContextVar[list[Any] | None] = ContextVar("kept", default=None)
 is_quiet: ContextVar[bool] = ContextVar("is_quiet", default=False)  # nothing on the scene itself
 _bars: list[Progress] = []  # at present
 stores: list[Path] = []  # that keep what is done
@@ -84,7 +84,7 @@ def progress_bar(words: str) -> Iterator[Callable[..., None]]:
 
 
 @contextmanager
-def keeping(parts: list[str | Sheet]) -> Iterator[None]:
+def keeping(parts: list[Any]) -> Iterator[None]:
     """What is said and shown within the block is appended to `parts` as well."""
     before = _kept.set(parts)
     try:

@@ -1,0 +1,95 @@
+"""The verdicts that stand first on a page: does it balance, and is it better than without."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from ...models.arrays import Array
+from ..capture.captured import captured_or_none
+from ..master.names import stations
+from ..result.result import Result
+from ..result.sag import from_sag
+from ..scene import Scene
+from ..units import brief, in_words
+from .parts import Lead
+from .runs import SwitchedOn
+
+WORSE = 1.05  # times the vibration without balancers
+
+
+@dataclass(frozen=True)
+class Answer:
+    """One sentence, and whether it is good news."""
+
+    text: str
+    good: bool | None
+
+
+def verdicts(scene: Scene, own: Result, started: SwitchedOn) -> list[Answer]:
+    """What a reader must know, most important first."""
+    answers = [fitted(started)] if started.bare is not None else []
+    summary = own.summary()
+    answers.append(Answer(f"The scene as it is: {summary}", summary.balanced))
+    if started.run is not None:
+        from_rest = started.run.summary()
+        answers.append(Answer(f"Switched on from rest: {from_rest}", from_rest.balanced))
+    elif started.reason:
+        answers.append(Answer(f"Switched on from rest: cannot tell: {started.reason}", None))
+    found = captured_or_none(scene)
+    if found is not None:
+        answers.append(Answer(in_words(found.sentence()), found.found.all_pass))
+    return answers
+
+
+def judged(one: Answer) -> Lead:
+    """As part of the page."""
+    look: Literal["good", "bad", ""] = "" if one.good is None else "good" if one.good else "bad"
+    return Lead(one.text, look)
+
+
+def fitted(started: SwitchedOn) -> Answer:
+    """Whether balancers are better than none, at speed and on the way there."""
+    with_them, without = ends_and_peaks(started.run), ends_and_peaks(started.bare)
+    if with_them is None or without is None:
+        return Answer("Should balancers be fitted? Cannot tell: the run-up could not be run.", None)
+    (end, peak), (bare_end, bare_peak) = with_them, without
+    text = (
+        f"At speed it vibrates {_compared(end, bare_end)}; "
+        f"on the way there at most {_compared(peak, bare_peak)}."
+    )
+    better = end < bare_end / WORSE
+    if better and peak <= WORSE * bare_peak:
+        return Answer(f"Balancers are better here than none. {text}", True)
+    if better:
+        return Answer(f"Balancers are better at speed and worse in the run-up. {text}", None)
+    return Answer(f"Balancers are no better here than none. {text}", False)
+
+
+def ends_and_peaks(run: Result | None) -> tuple[float, float] | None:
+    """Vibration at the end, and the largest of the run [m]; None without a run."""
+    if run is None:
+        return None
+    end = run.summary().vibration
+    return None if end is None else (end, max(end, largest(run)))
+
+
+def largest(run: Result) -> float:
+    """Largest distance of a station from its rest in the run [m]."""
+    return float(distances(run).max())
+
+
+def distances(run: Result) -> Array:
+    """Largest distance of a station from its rest at every time (T,) [m]."""
+    moved = from_sag(run.signals, run.sag())
+    assert run.scene is not None
+    prefixes = [f"rotor.{p}" for p in stations(len(run.scene.rotor.stations))]
+    found: Array = np.max([np.hypot(moved[f"{p}x"], moved[f"{p}y"]) for p in prefixes], axis=0)
+    return found
+
+
+def _compared(value: float, without: float) -> str:
+    share = f" ({100.0 * value / without:.3g} %)" if without > 0.0 else ""
+    return f"{brief(1e3 * value)} mm instead of {brief(1e3 * without)} mm without{share}"

@@ -1,0 +1,116 @@
+"""A scene's machine as a drawing: along the shaft from the side, and each balancer from its end."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator
+
+from ..scene import Scene
+from ..scene.balancer import AnyBalancer, WeightBalancer
+from ..scene.rotor import Flexible, TwoSupport
+from ..units import shown_in
+from .svg import box, circle, drawing, line, spring, words
+
+_HEIGHT = 280.0  # px
+_SHAFT_WIDTH = 420.0  # of the side view, its labels included
+_RING_WIDTH = 230.0  # of a balancer from its end
+_SPRINGS = 40.0  # beside a planar rotor
+_REACH = 78.0  # radius that the largest track is drawn with
+_MIDDLE = 112.0  # height of the shaft
+_LEAST_SPAN = 1e-9  # m: a rotor whose stations all lie at one place
+
+
+def machine_drawing(scene: Scene) -> str:
+    """SVG of rotor, supports, unbalance and balancers, with names and sizes."""
+    rotor = scene.rotor
+    shapes: list[str] = []
+    left = 0.0
+    if isinstance(rotor, TwoSupport | Flexible):
+        shapes += _side_view(scene, rotor)
+        left = _SHAFT_WIDTH
+    elif not scene.balancer:
+        shapes += _end_view(scene, None, 0.0)
+        left = _RING_WIDTH + _SPRINGS
+    for balancer in scene.balancer:
+        shapes += _end_view(scene, balancer, left)
+        left += _RING_WIDTH + (_SPRINGS if rotor.kind == "planar" and not left else 0.0)
+    return drawing(left, _HEIGHT, shapes, f"Drawing of {scene.heading}")
+
+
+def _side_view(scene: Scene, rotor: TwoSupport | Flexible) -> Iterator[str]:
+    """Shaft with stations, supports, balancers' planes and unbalances."""
+    places = [*rotor.stations, *rotor.planes, rotor.centre]
+    low, span = min(places), max(max(places) - min(places), _LEAST_SPAN)
+
+    def across(z: float) -> float:
+        return 50.0 + (z - low) / span * (_SHAFT_WIDTH - 100.0)
+
+    for number, station in enumerate(rotor.supports, start=1):
+        x = across(rotor.stations[station - 1])
+        yield spring((x, _MIDDLE), (x, _MIDDLE + 85.0))
+        yield words(x, _MIDDLE + 112.0, f"support {number}")
+    yield line([(across(low) - 25.0, _MIDDLE), (across(low + span) + 25.0, _MIDDLE)], "shaft")
+    yield from _bodies(rotor, across(rotor.centre), across)
+    unit, factor = shown_in("kg m")
+    for one in rotor.unbalances:
+        x = across(one.position)
+        yield circle(x, _MIDDLE - 30.0, 5.0, "heavy")
+        yield words(x, 20.0, f"{factor * one.amount:.4g} {unit}")
+    for balancer in scene.balancer:
+        x = across(rotor.planes[balancer.at - 1])
+        for side in (-1.0, 1.0):
+            yield box(x, _MIDDLE + side * 42.0, 12.0, 12.0, "ring")
+        yield words(x, _MIDDLE + 132.0, balancer.label)
+    yield words(_SHAFT_WIDTH / 2.0, _HEIGHT - 4.0, f"rotor of {rotor.mass:.4g} kg")
+
+
+def _bodies(
+    rotor: TwoSupport | Flexible, centre: float, across: Callable[[float], float]
+) -> Iterator[str]:
+    """Discs of a flexible shaft, higher the heavier; the one body of a rigid rotor."""
+    if isinstance(rotor, TwoSupport):
+        width = 0.6 * abs(across(rotor.span) - across(0.0))
+        yield box(centre, _MIDDLE, width, 56.0)
+        return
+    most = max(rotor.masses)
+    for z, mass in zip(rotor.stations, rotor.masses, strict=True):
+        if mass > 0.0:
+            yield box(across(z), _MIDDLE, 14.0, 24.0 + 56.0 * (mass / most) ** (1.0 / 3.0))
+
+
+def _end_view(scene: Scene, balancer: AnyBalancer | None, left: float) -> Iterator[str]:
+    """A balancer along the axis at its start; a planar rotor with its supports and unbalance."""
+    rotor, first = scene.rotor, not left
+    on_springs = rotor.kind == "planar" and first
+    middle = left + _RING_WIDTH / 2.0 + (_SPRINGS if on_springs else 0.0)
+    edge = _REACH + 10.0
+    if on_springs:
+        yield spring((middle, _MIDDLE + edge), (middle, _MIDDLE + edge + 34.0), 5.0)
+        yield spring((middle - edge, _MIDDLE), (middle - edge - 46.0, _MIDDLE), 5.0)
+    yield circle(middle, _MIDDLE, edge, "body")
+    if rotor.kind == "planar" and rotor.unbalance:
+        yield circle(*_at(middle, 0.45 * _REACH, rotor.unbalance_angle), 5.0, "heavy")
+    if balancer is None:
+        yield words(middle, _HEIGHT - 4.0, f"rotor of {rotor.mass:.4g} kg")
+        return
+    unit, factor = shown_in("m")
+    if isinstance(balancer, WeightBalancer):
+        yield circle(middle, _MIDDLE, _REACH, "track")
+        scale = _REACH / balancer.track_radius
+        for angle, one in zip(balancer.angles, balancer.device.each, strict=True):
+            size = scale * one.radius if one.radius else 6.0
+            yield circle(*_at(middle, _REACH, angle), max(2.0, size), "weight")
+        said = (
+            f"{balancer.count} {balancer.kind}, track {factor * balancer.track_radius:.4g} {unit}"
+        )
+    else:
+        ratio = balancer.float_radius / balancer.chamber_radius
+        yield circle(middle, _MIDDLE, _REACH, "liquid")
+        yield circle(middle, _MIDDLE, ratio * _REACH, "body")
+        said = f"liquid, chamber {factor * balancer.chamber_radius:.4g} {unit}"
+    yield words(middle, _HEIGHT - 20.0, balancer.label)
+    yield words(middle, _HEIGHT - 4.0, said)
+
+
+def _at(middle: float, radius: float, angle: float) -> tuple[float, float]:
+    return middle + radius * math.cos(angle), _MIDDLE - radius * math.sin(angle)

@@ -1,0 +1,179 @@
+"""What a page says about a scene, a section a question; each is a list of the page's parts."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+import numpy as np
+
+from ...models.arrays import Array
+from ...models.linear.modes import speeds_of_interest
+from ..capture.captured import captured_or_none
+from ..errors import UserError
+from ..output.outcome import Outcome
+from ..output.picture import Line, Panel, Picture, PlotAxis, colour
+from ..output.report import Part
+from ..output.table import GOOD, Sheet
+from ..result.result import Result
+from ..scatter.report import grade_table, lines
+from ..scatter.study import scatter
+from ..scatter.vary import variations
+from ..scene import Scene
+from ..scene.balancer import WeightBalancer
+from ..stability.boundaries import speeds
+from ..units import brief, in_both, in_words, readable_unbalance
+from .answers import distances, largest
+from .parts import Heading, Image, Note
+from .runs import SwitchedOn
+
+Parts = list[str | Part]
+METHODS = ("criterion", "floquet")
+BINS = 800  # of a picture over time
+
+
+def picture_of(outcome: Outcome, shows: str) -> Image:
+    """The picture of an outcome, as part of the page."""
+    return Image(outcome.plot()._repr_png_(), shows)  # type: ignore[union-attr]
+
+
+def where(scene: Scene) -> Parts:
+    """Speeds at which the balancers balance, by the closed form and by exact stability."""
+    parts: Parts = [Heading("At which speeds does it balance, and how sure is that?")]
+    low, high = speeds_of_interest(scene.assembly().rotor, scene.profile().end)
+    try:
+        found = speeds(scene, (low, high), list(METHODS))
+    except UserError as error:
+        return [*parts, f"Not known: {error}"]
+    for name, reason in found.refused.items():
+        parts.append(Note(f"{name}: no answer: {reason}"))
+    if found.methods:
+        parts.append(found.table().in_units())
+        parts.append(picture_of(found, "Speeds at which balancing begins or ends."))
+    parts.append(
+        Note(
+            "floquet: linear stability of the equations of motion. criterion: a rule, fast and "
+            "approximate. A band that is proved needs `autobalancer speeds --method proved`."
+        )
+    )
+    return parts
+
+
+def switching_on(scene: Scene, started: SwitchedOn) -> Parts:
+    """The run from standstill, and whether weights are left behind on the way."""
+    parts: Parts = [Heading("Will it balance when it is switched on?")]
+    if started.run is not None and started.bare is not None:
+        parts.append(Image(compared(started), "Vibration from standstill, with and without."))
+    if started.reason:
+        parts.append(f"No run from standstill: {started.reason}")
+    found = captured_or_none(scene)
+    if found is None:
+        return [*parts, "No balls, rollers or pendulums: nothing can be left behind."]
+    parts.append(in_words(found.sentence()))
+    if found.found.natural:
+        parts.append(picture_of(found, "Brake and drag over the weights' speed."))
+    return [*parts, *(Note(line) for line in found.limits())]
+
+
+def vibration(scene: Scene, own: Result, started: SwitchedOn, limit: float | None) -> Parts:
+    """Vibration and its velocity beside a limit that the user gives."""
+    parts: Parts = [Heading("How much does it vibrate?")]
+    rows = []
+    runs = {"the scene as it is": own, "switched on": started.run, "without": started.bare}
+    for name, run in runs.items():
+        summary = run.summary() if run else None
+        if run is None or summary is None or summary.vibration is None:
+            continue
+        velocity = summary.velocity or 0.0
+        over = "" if limit is None else "within" if velocity <= limit else "above"
+        peak = largest(run)
+        rows.append([name, *(brief(1e3 * v) for v in (summary.vibration, velocity, peak)), over])
+    columns = ["", "at the end [mm]", "[mm/s rms]", "largest of the run [mm]", "limit"]
+    if limit is None:
+        parts.append(Note("No limit of the vibration velocity was given (--limit 4.5mm/s)."))
+        columns, rows = columns[:-1], [row[:-1] for row in rows]
+    else:
+        parts.append(f"Limit of the vibration velocity, as given: {1e3 * limit:.3g} mm/s rms.")
+    colours = {"limit": {"within": GOOD, "above": "red"}}
+    return [*parts, Sheet(columns, rows, "l" + "r" * (len(columns) - 1), "", colours)]
+
+
+def capacity(scene: Scene) -> Parts:
+    """What the balancers hold, beside what there is."""
+    parts: Parts = [Heading("How much unbalance can it take?")]
+    weights = [one for one in scene.balancer if isinstance(one, WeightBalancer)]
+    rows = [
+        [one.label, f"{one.count} {one.kind}", f"{1e3 * one.count * float(one.device.mass):.4g}",
+         readable_unbalance(one.capacity)]
+        for one in weights
+    ]  # fmt: skip
+    if rows:
+        parts.append(Sheet(["balancer", "weights", "mass of all [g]", "capacity"], rows, "llrr"))
+    for name, amount in unbalances(scene):
+        parts.append(f"{name}: {in_both(amount, 'kg m')}")
+    return parts
+
+
+def unbalances(scene: Scene) -> list[tuple[str, float]]:
+    """The rotor's, by name [kg m]."""
+    rotor = scene.rotor
+    if rotor.kind == "planar":
+        return [("Unbalance of the rotor", rotor.unbalance)]
+    return [(f"Unbalance at z = {1e3 * u.position:.4g} mm", u.amount) for u in rotor.unbalances]
+
+
+def tolerances(scene: Scene, vary: Mapping[str, Any] | Iterable[str], machines: int) -> Parts:
+    """Machines as they leave the factory, if tolerances are given."""
+    parts: Parts = [Heading("What do tolerances do?")]
+    if not vary:
+        return [
+            *parts,
+            Note('Not judged: no tolerances were given (--vary "balls.drag=normal(0.2,10%)").'),
+        ]
+    found = scatter(scene, variations(vary, scene), machines, workers=os.cpu_count() or 1)
+    said = found.as_json()
+    parts += lines(said)
+    if said["grades"]:
+        parts.append(grade_table(said))
+    return [*parts, picture_of(found, f"{machines} machines drawn from the tolerances.")]
+
+
+def assumptions(scene: Scene, own: Result, started: SwitchedOn) -> Parts:
+    """What was assumed, and what the runs did without."""
+    parts: Parts = [Heading("What was assumed?")]
+    if started.assumed:
+        parts.append(started.assumed[0].upper() + started.assumed[1:] + ".")
+    parts.append("Weights are at rest when the rotor starts, at the angles of the scene.")
+    if not scene.operation.gravity:
+        parts.append("The axis is vertical: gravity is left out.")
+    for one in scene.balancer:
+        if isinstance(one, WeightBalancer) and not one.rolling_resistance:
+            parts.append(f"{one.label}: no rolling resistance, so no weight sticks.")
+    error = own.estimated_error
+    parts.append(
+        f"Error of the motion, estimated by the run: {error:.1g} of itself." if error else ""
+    )
+    parts += [Note(f"Left out: {line}") for line in own.left_out]
+    return [part for part in parts if part]
+
+
+def compared(started: SwitchedOn) -> bytes:
+    """Picture of the vibration over time, with and without balancers."""
+    assert started.run is not None
+    assert started.bare is not None
+    runs = {"without balancers": started.bare, "with balancers": started.run}
+    lines = [
+        Line((time, 1e3 * size), label, colour(number))
+        for number, (label, run) in enumerate(runs.items())
+        for time, size in [envelope(run)]
+    ]
+    axes = (PlotAxis("time", "s"), PlotAxis("vibration", "mm"))
+    return Picture("From standstill, weights at rest", [Panel(axes, lines)])._repr_png_()
+
+
+def envelope(run: Result) -> tuple[Array, Array]:
+    """Largest distance of a station from its rest in each of `BINS` parts of the run [s, m]."""
+    size = distances(run)
+    edges = np.linspace(0, len(size), min(BINS, len(size)) + 1).astype(int)[:-1]
+    return run.time[edges], np.maximum.reduceat(size, edges)
