@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from autobalancer.harness.capture.captured import Captured
     from autobalancer.harness.checks.runner import SceneReport
     from autobalancer.harness.design.choices import Design
+    from autobalancer.harness.design.fitting import Fitting
     from autobalancer.harness.export.build import Built
     from autobalancer.harness.fit.study import Fit
     from autobalancer.harness.motions.map import MotionsMap
@@ -294,6 +295,66 @@ class Methods:
         *,
         race: float | str | None = None,
         width: float | str | None = None,
+        clearance: float | str = 0.0,
+        material: str | float = "steel",
+        reserve: float = 1.0,
+        start: str = "run-up",
+        run_up: float | str | None = None,
+        drag: float | str | None = None,
+        oil: str | None = None,
+        standard: bool = False,
+        n: int = 40,
+        most: int = 8,
+        workers: Workers = 1,
+        progress: Progress | None = None,
+    ) -> Fitting:
+        """Balls or rollers to fit, if any: number and size, judged from the real start.
+
+        Args:
+            unbalance: the largest one [kg m], or "LOW..HIGH" with a unit; default: the scene's.
+            race: radius of the race [m]; default: that of the scene's weights.
+            width: space along the axis [m]; default: the diameter of the scene's weights.
+            clearance: of the width that stays free [m].
+            material: a name such as "brass", or a density [kg/m^3].
+            reserve: capacity over the unbalance that a candidate must have.
+            start: run-up, rest, or turning (the friendliest).
+            run_up: time from standstill to full speed [s]; default: the scene's own, else a slow
+                one that the answer states.
+            drag: of every weight [N s/m], or "LOW..HIGH"; default: that of the scene's weights in
+                proportion to the mass, else from the oil's bound to ten times it.
+            oil: such as "ISO VG 46".
+            standard: only standard diameters of balls.
+            n: random starts of every candidate, at each end of drag and unbalance.
+            most: largest number of weights.
+
+        Returns:
+            Every candidate with the share of starts that balance; `words()`.
+
+        Raises:
+            UserError: a value is wrong, or two exclude each other.
+            SceneError: the scene is no planar rotor at constant speed or with a run-up, or its
+                race is not known.
+
+        >>> drum = ab.load("goncharov_balls").replace({"run.revolutions": 20})
+        >>> found = drum.design("2..5 g m", race="0.1 m", width="20 mm", n=2, most=2)
+        >>> sorted({one.candidate.count for one in found.trials})
+        [2]
+        """
+        from autobalancer.harness.design.study import design
+
+        values: dict[str, Any] = {"race": race, "width": width, "clearance": clearance}
+        values |= {"material": material}
+        values |= {"reserve": reserve, "start": start, "run_up": run_up, "drag": drag, "oil": oil}
+        options: dict[str, Any] = {"workers": workers, "progress": progress}
+        options |= {"standard": standard, "starts": n, "counts": range(2, most + 1)}
+        return design(self._scene, unbalance, **values, **options)
+
+    def settling(
+        self,
+        unbalance: float | str | None = None,
+        *,
+        race: float | str | None = None,
+        width: float | str | None = None,
         material: str | float = "steel",
         reserve: float = 1.0,
         starts: int = 200,
@@ -301,7 +362,9 @@ class Methods:
         workers: Workers = 1,
         progress: Progress | None = None,
     ) -> Design:
-        """Number and size of balls or rollers for a rotor (Goncharov 2017).
+        """Settling times over the number of weights, which start turning (Goncharov 2017).
+
+        Each number has the size of largest capacity that fits.  `design` recommends weights.
 
         Args:
             unbalance: the largest one [kg m], or "LOW..HIGH" with a unit; default: the scene's.
@@ -319,7 +382,7 @@ class Methods:
             SimulationError: a run fails.
 
         >>> drum = ab.load("goncharov_balls").replace({"run.revolutions": 20})
-        >>> found = drum.design("2..5 g m", race="0.1 m", width="20 mm", starts=6, most=3)
+        >>> found = drum.settling("2..5 g m", race="0.1 m", width="20 mm", starts=6, most=3)
         >>> [choice.count for choice in found.choices]
         [2, 3]
         """

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import os
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -17,8 +17,12 @@ from ..units import in_both, rounded, shown_in
 from .changes import changed_scene, set_option
 
 if TYPE_CHECKING:
+    from ..api.scene import Scene
     from ..design.choices import Choice, Design
+    from ..design.fitting import Fitting
+    from ..output.report import Report
 
+DETAILS_STARTS = 200  # of `Scene.settling`
 MEASURE = "Measure it (autobalancer drag) and give it in a [[balancer]] table: settling follows it."
 
 
@@ -48,7 +52,30 @@ def command(
         ),
     ] = "steel",
     reserve: Annotated[float, typer.Option(help="Ratio of capacity to largest unbalance.")] = 1.0,
-    starts: Annotated[int, typer.Option(min=6, help="Random starts for each number.")] = 200,
+    starts: Annotated[
+        str,
+        typer.Option(help="run-up, rest, or turning (the friendliest); or their number."),
+    ] = "run-up",
+    n: Annotated[
+        int, typer.Option("-n", min=1, help="Starts at each end of drag and unbalance.")
+    ] = 40,
+    run_up: Annotated[
+        float | None,
+        options.quantity(
+            "s", "Time from standstill to full speed [s]; default: the scene's.", "--run-up"
+        ),
+    ] = None,
+    drag: Annotated[
+        str | None,
+        typer.Option(metavar="[LOW..]HIGH", help="Drag of every weight, N s/m; measured."),
+    ] = None,
+    oil: Annotated[str | None, typer.Option(help='Bounds the drag: "ISO VG 46".')] = None,
+    clearance: Annotated[
+        float, options.quantity("m", "Of the width that stays free, m.", "--clearance")
+    ] = 0.0,
+    standard: Annotated[
+        bool, typer.Option("--standard", help="Only standard diameters of balls.")
+    ] = False,
     most: Annotated[int, typer.Option(min=2, max=64, help="Largest number to compare.")] = 8,
     output: Annotated[
         Path | None, options.picture("Picture (png, svg, pdf).", "--output", "-o")
@@ -56,42 +83,93 @@ def command(
     changes: Annotated[list[str] | None, set_option("balls.drag=0.1")] = None,
     report: Annotated[Path | None, options.REPORT] = None,
     details: Annotated[
-        bool, typer.Option("--details", help="Also compare Goncharov's theory with the runs.")
+        bool,
+        typer.Option(
+            "--details", help="Instead: settling times from turning starts, beside Goncharov."
+        ),
     ] = False,
 ) -> None:
-    """Find number and size of balls or rollers for a rotor."""
-    from ..design.recommendation import left_behind, words
+    """Find number and size of balls or rollers for a rotor, or that none is better."""
     from ..output.report import Report
 
     loaded = changed_scene(scene, changes)
     page = Report(report, f"Design: {loaded.heading}", [loaded])
+    number = int(starts) if starts.isdecimal() else None
+    space: dict[str, Any] = {"race": race, "width": width, "material": material}
+    space |= {"reserve": reserve, "most": most, "workers": os.cpu_count() or 1}
+    if details:
+        _details(loaded, unbalance, space, number or DETAILS_STARTS, page, output)
+        return
+    if number is not None:
+        starts, n = "run-up", number
     with progress_bar(f"designing for {loaded.name}") as progress:
         data = loaded.design(
-            unbalance,
-            race=race,
-            width=width,
-            material=material,
-            reserve=reserve,
-            starts=starts,
-            most=most,
-            workers=os.cpu_count() or 1,
-            progress=progress,
-        )
+            unbalance, start=starts, n=n, run_up=run_up, drag=drag, oil=oil,
+            clearance=clearance, standard=standard, progress=progress, **space,
+        )  # fmt: skip
+    with page.keeping():
+        show(candidates_table(data))
+        for line in data.words():
+            say(line)
+    for path in filter(None, (output, page.picture(f"{loaded.name}_design"))):
+        say(f"Picture: {data.plot(path)}")
+    page.cited = "ISO 3290" if standard else ""
+    page.write()
+
+
+def candidates_table(data: Fitting) -> Sheet:
+    """One line for every candidate."""
+    unit, factor = shown_in("kg m")
+    columns = (
+        "n", "diameter mm", "mass g", f"holds {unit}", "balances", "95 %", "drag/limit",
+        "peak/none", "left/none", "settles s",
+    )  # fmt: skip
+    rows = []
+    for one in data.trials:
+        c, (low, high) = one.candidate, one.interval
+        size = (str(c.count), f"{2e3 * c.radius:.4g}", f"{1e3 * one.total:.4g}")
+        share = f"{one.worst.balanced}/{one.worst.of}"
+        rows.append(
+            [
+                *size, rounded(factor * c.capacity), share, f"{100 * low:.0f}-{100 * high:.0f}",
+                *map(_number, (one.margin, one.peak_ratio, one.left, one.settling)),
+            ]
+        )  # fmt: skip
+    title = f"{data.title}: {data.kind} in a race of {1e3 * data.space.race:.4g} mm\n"
+    title += "each in its worst corner of drag and unbalance; peak, left: vibration over that "
+    title += "without; drag/limit: above 1 none can be left behind"
+    return Sheet(columns, rows, "r" * len(columns), title)
+
+
+def _number(value: float) -> str:
+    return f"{value:.3g}" if math.isfinite(value) else "-"
+
+
+def _details(
+    scene: Scene,
+    unbalance: str | None,
+    space: dict[str, Any],
+    starts: int,
+    page: Report,
+    output: Path | None,
+) -> None:
+    """Settling times from turning starts beside Goncharov's theory."""
+    from ..design.recommendation import left_behind, words
+    from ..design.scenes import ASSUMED_RATE
+
+    with progress_bar(f"settling times of {scene.name}") as progress:
+        data = scene.settling(unbalance, starts=starts, progress=progress, **space)
     with page.keeping():
         show(table(data, starts))
-        if details:
-            show(details_table(data))
-        for line in words(data):
+        show(details_table(data))
+        say("Starts: weights turn with the rotor at its speed, the friendliest start.")
+        for line in filter(None, (*words(data), left_behind(data))):
             say(line)
-        if said := left_behind(data):
-            say(said)
-        if not loaded.balancer:
-            from ..design.scenes import ASSUMED_RATE
-
-            rate = ASSUMED_RATE * loaded.profile().end
+        if not scene.balancer:
+            rate = ASSUMED_RATE * scene.profile().end
             say(f"Drag is ASSUMED: a ball loses its speed within {1.0 / rate:.3g} s. {MEASURE}")
-    for path in filter(None, (output, page.picture(f"{loaded.name}_design"))):
-        say(f"Picture: {data.plot(path, theory=details)}")
+    for path in filter(None, (output, page.picture(f"{scene.name}_design"))):
+        say(f"Picture: {data.plot(path, theory=True)}")
     page.cited = "Goncharov 2017"
     page.write()
 

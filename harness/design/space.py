@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 from typing import Any
 
 from ..errors import UserError
@@ -12,6 +13,33 @@ MATERIALS = {
     "steel": 7800.0, "brass": 8500.0, "tungsten carbide": 14900.0, "ceramic": 3200.0,
     "glass": 2500.0, "aluminium": 2700.0,
 }  # kg/m^3  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Space:
+    """What weights must fit into, and what they must hold.
+
+    Attributes:
+        race: radius on which they roll [m].
+        width: room along the axis, the height of rollers included [m].
+        clearance: of it that stays free [m].
+        density: of the weights [kg/m^3].
+        least, unbalance: the smallest and the largest unbalance [kg m].
+        reserve: capacity over the largest unbalance.
+    """
+
+    race: float
+    width: float
+    clearance: float
+    density: float
+    least: float
+    unbalance: float
+    reserve: float
+
+    @property
+    def required(self) -> float:
+        """Capacity that a candidate must have [kg m]."""
+        return self.reserve * self.unbalance
 
 
 def read_space(

@@ -1,6 +1,6 @@
 """Pages of the reference: an introduction, and below it what the code says of itself.
 
-    python -m autobalancer.harness.manual.reference
+    python -m tests.studies.reference
 
 writes them into the checkout.  They stand in the repository so that they can be read where the
 repository is; tests/harness/test_reference_pages.py fails when they are stale.
@@ -16,10 +16,7 @@ from ..scene.reference import reference
 from . import commands, messages, python, units
 
 FOLDER = Path(__file__).with_name("reference")
-MARK = (
-    "<!-- The rest of this page is written by `python -m autobalancer.harness.manual.reference`. "
-    "-->\n"
-)
+MARK = "<!-- The rest of this page is written by `python -m tests.studies.reference`. -->\n"
 
 
 def pages(program: Any) -> dict[str, str]:
@@ -51,16 +48,3 @@ def write(program: Any) -> list[str]:
             (FOLDER / name).write_text(text, encoding="utf-8", newline="\n")
             written.append(name)
     return written
-
-
-def main() -> None:
-    """Write the pages and say which have changed."""
-    from typer.main import get_command
-
-    from ..__main__ import program
-
-    print("written:", ", ".join(write(get_command(program()))) or "none, all are up to date")
-
-
-if __name__ == "__main__":
-    main()

@@ -12,8 +12,9 @@ from ..capture.captured import captured_or_none
 from ..master.names import stations
 from ..result.result import Result
 from ..result.sag import from_sag
+from ..result.verdict.ruling import millimetres, percent
 from ..scene import Scene
-from ..units import brief, in_words
+from ..units import in_words
 from .parts import Lead
 from .runs import SwitchedOn
 
@@ -30,7 +31,8 @@ class Answer:
 
 def verdicts(scene: Scene, own: Result, started: SwitchedOn) -> list[Answer]:
     """What a reader must know, most important first."""
-    answers = [fitted(started)] if started.bare is not None else []
+    none = "The scene has no balancer: `autobalancer design` says whether one is better."
+    answers = [fitted(started)] if scene.balancer else [Answer(none, None)]
     summary = own.summary()
     answers.append(Answer(f"The scene as it is: {summary}", summary.balanced))
     if started.run is not None:
@@ -91,5 +93,5 @@ def distances(run: Result) -> Array:
 
 
 def _compared(value: float, without: float) -> str:
-    share = f" ({100.0 * value / without:.3g} %)" if without > 0.0 else ""
-    return f"{brief(1e3 * value)} mm instead of {brief(1e3 * without)} mm without{share}"
+    share = f" ({percent(value / without)})" if without > 0.0 else ""
+    return f"{millimetres(value)} instead of {millimetres(without)} without{share}"

@@ -2,19 +2,17 @@
 
 from __future__ import annotations
 
-import math
 import warnings
 from dataclasses import dataclass
 from typing import Any
 
 from ..errors import SimulationError, UserError
+from ..motions.starts import drive_to, holders, length
 from ..result.result import Result
 from ..result.run import cosimulate
 from ..scene import Scene
-from ..scene.balancer import WeightBalancer
 
-SLOW_RUN_UP = 60.0  # revolutions at full speed in which a rotor without a drive is run up
-SETTLING = 200.0  # revolutions at full speed that follow
+_NO_DRIVE = {"operation.speed": None, "operation.run_up": None, "operation.motor": None}
 
 
 @dataclass(frozen=True)
@@ -45,7 +43,7 @@ def switched_on(scene: Scene, seconds: float | None = None) -> SwitchedOn:
     """The scene's own drive where the speed rises from rest, else a run-up at a steady rate.
 
     Args:
-        seconds: of the run-up [s]; default: of `SLOW_RUN_UP` revolutions at full speed.
+        seconds: of the run-up [s]; default: of a slow one.
     """
     started, assumed = from_rest(scene, seconds)
     try:
@@ -58,29 +56,21 @@ def switched_on(scene: Scene, seconds: float | None = None) -> SwitchedOn:
 
 def from_rest(scene: Scene, seconds: float | None = None) -> tuple[Scene, str]:
     """The scene with a run-up from standstill, and what was assumed for it; weights at rest."""
-    profile, assumed = scene.profile(), ""
-    changes: dict[str, Any] = {}
-    rises = bool(scene.operation.motor) or (profile.changes and profile.speed(0.0) < profile.end)
-    if not rises or seconds is not None:
-        turn = math.tau / profile.end
-        length = SLOW_RUN_UP * turn if seconds is None else seconds
-        if seconds is None:
-            assumed = f"a run-up of {length:.3g} s at a steady rate is assumed (--run-up)"
-        stop = length + SETTLING * turn
-        changes = {
-            "operation.speed": None,
-            "operation.run_up": None,
-            "operation.motor": None,
-            "operation.profile": [[0.0, 0.0], [length, profile.end], [stop, profile.end]],
-            "run.revolutions": None,
-        }
-    first = 0.0 if changes else scene.operation.start_speed
-    still = {
-        f"{one.label}.speeds": [-first] * one.count
-        for one in scene.balancer
-        if isinstance(one, WeightBalancer)
-    }
-    return scene.replace({**changes, **still}), assumed
+    if scene.operation.motor and seconds is None:
+        return scene, ""
+    speed = scene.profile().end
+    if seconds is not None:
+        scene = scene.replace({**_NO_DRIVE, "operation.profile": [[0.0, 0.0], [seconds, speed]]})
+    driven, reached, said = drive_to(scene, speed, "run-up")
+    corners = [list(c) for c in zip(driven.profile().times, driven.profile().speeds, strict=True)]
+    if driven.profile().speed(0.0) > 0.0:  # the scene's own rises from a speed
+        still: dict[str, Any] = {}
+    else:
+        still = {f"{one.label}.speeds": [0.0] * one.count for one in holders(scene)}
+    corners.append([reached + length(scene, speed), speed])
+    assumed = f"{said} (--run-up 4s for your own)" if said else ""
+    drive = {**_NO_DRIVE, "operation.profile": corners, "run.revolutions": None}
+    return driven.replace({**drive, **still}), assumed
 
 
 def _quietly(scene: Scene) -> Result:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterable, Mapping
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -11,12 +12,14 @@ import numpy as np
 from ...models.arrays import Array
 from ...models.linear.modes import speeds_of_interest
 from ..capture.captured import captured_or_none
-from ..errors import UserError
+from ..errors import SimulationError, UserError
+from ..motions.study import find_motions
 from ..output.outcome import Outcome
 from ..output.picture import Line, Panel, Picture, PlotAxis, colour
 from ..output.report import Part
 from ..output.table import GOOD, Sheet
 from ..result.result import Result
+from ..result.verdict.ruling import millimetres
 from ..scatter.report import grade_table, lines
 from ..scatter.study import scatter
 from ..scatter.vary import variations
@@ -31,6 +34,7 @@ from .runs import SwitchedOn
 Parts = list[str | Part]
 METHODS = ("criterion", "floquet")
 BINS = 800  # of a picture over time
+STARTS = 40  # random ones of each kind: a share is known to +-15 points
 
 
 def picture_of(outcome: Outcome, shows: str) -> Image:
@@ -49,7 +53,9 @@ def where(scene: Scene) -> Parts:
     for name, reason in found.refused.items():
         parts.append(Note(f"{name}: no answer: {reason}"))
     if found.methods:
-        parts.append(found.table().in_units())
+        sheet = found.table()
+        rows = [[method, f"{speed:.6g}", *rest] for method, speed, *rest in sheet.rows]
+        parts.append(replace(sheet, rows=rows, title="").in_units())
         parts.append(picture_of(found, "Speeds at which balancing begins or ends."))
     parts.append(
         Note(
@@ -71,9 +77,22 @@ def switching_on(scene: Scene, started: SwitchedOn) -> Parts:
     if found is None:
         return [*parts, "No balls, rollers or pendulums: nothing can be left behind."]
     parts.append(in_words(found.sentence()))
+    parts += _shares(started.scene)
     if found.found.natural:
         parts.append(picture_of(found, "Brake and drag over the weights' speed."))
     return [*parts, *(Note(line) for line in found.limits())]
+
+
+def _shares(scene: Scene) -> Parts:
+    """How many of many starts balance, from the real start and from the friendliest."""
+    kinds = ["run-up"] if scene.operation.motor else ["run-up", "rest", "turning"]
+    try:
+        found = find_motions(
+            scene, [scene.profile().end], kinds, STARTS, workers=os.cpu_count() or 1
+        )
+    except (UserError, SimulationError) as error:
+        return [Note(f"Shares of starts: not known: {error}")]
+    return [found.readable(), *(in_words(line) for line in found.sentences())]
 
 
 def vibration(scene: Scene, own: Result, started: SwitchedOn, limit: float | None) -> Parts:
@@ -87,9 +106,9 @@ def vibration(scene: Scene, own: Result, started: SwitchedOn, limit: float | Non
             continue
         velocity = summary.velocity or 0.0
         over = "" if limit is None else "within" if velocity <= limit else "above"
-        peak = largest(run)
-        rows.append([name, *(brief(1e3 * v) for v in (summary.vibration, velocity, peak)), over])
-    columns = ["", "at the end [mm]", "[mm/s rms]", "largest of the run [mm]", "limit"]
+        sizes = [millimetres(summary.vibration), brief(1e3 * velocity), millimetres(largest(run))]
+        rows.append([name, *sizes, over])
+    columns = ["", "at the end", "[mm/s rms]", "largest of the run", "limit"]
     if limit is None:
         parts.append(Note("No limit of the vibration velocity was given (--limit 4.5mm/s)."))
         columns, rows = columns[:-1], [row[:-1] for row in rows]

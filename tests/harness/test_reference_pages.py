@@ -25,7 +25,7 @@ def test_a_page_of_the_reference_is_what_the_code_says(pages, name):
         pytest.skip(f"Typer {version('typer')} writes the help of options in other words")
     in_repository = (reference.FOLDER / f"{name}.md").read_text(encoding="utf-8")
     assert in_repository == pages[f"{name}.md"], (
-        f"reference/{name}.md is stale: python -m autobalancer.harness.manual.reference"
+        f"reference/{name}.md is stale: python -m tests.studies.reference"
     )
 
 

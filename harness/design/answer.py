@@ -1,0 +1,101 @@
+"""What a design comes to in words: take these weights, or none, and why."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+from ..units import brief, in_both, readable_unbalance
+from .trials import WORSE_PEAK, Trial, preference
+
+if TYPE_CHECKING:
+    from .fitting import Fitting
+
+LIKELY = 0.9  # share of starts whose interval must reach above it: a candidate that balances
+
+
+def words(data: Fitting) -> list[str]:
+    """Assumptions, then the recommendation, then what else a reader must know."""
+    return [*data.assumed, *_recommendation(data)]
+
+
+def sure(data: Fitting) -> list[Trial]:
+    """Candidates that balance in every corner, as far as the runs can tell; the best first.
+
+    All starts balance, or the interval of the share reaches above `LIKELY` from below; then the
+    smaller peak in the run-up counts, as far as it exceeds that without balancers, and the mass.
+    """
+    good = [one for one in data.trials if one.interval[0] >= LIKELY]
+    return sorted(good, key=preference)
+
+
+def _recommendation(data: Fitting) -> list[str]:
+    space = data.space
+    if not data.trials:
+        return [
+            f"None: no number and size of {data.kind} in this space holds "
+            f"{in_both(space.required, 'kg m')}: {data.most.count} of "
+            f"{2e3 * data.most.radius:.3g} mm hold most, {in_both(data.most.capacity, 'kg m')}. "
+            "Use more of them (--most), a larger race, a wider space or a denser material."
+        ]
+    good = sure(data)
+    if not good:
+        return _none(data)
+    best = good[0]
+    lines = [_take(data, best)]
+    if best.peak_ratio > WORSE_PEAK:
+        lines.append(
+            f"In the run-up the machine vibrates more than without: {brief(1e3 * best.peak)} mm "
+            f"(median of the worst corner), without at most {brief(1e3 * best.peak_alone)} mm. If "
+            "that matters, run up faster, or use none."
+        )
+    for one in [t for t in good[1:] if t.total > best.total][:1]:
+        lines.append(f"Also good: {_named(one, data)}.")
+    failed = [t for t in data.trials if t.failure]
+    lines += [f"{_named(t, data)}: a run failed: {t.failure}" for t in failed]
+    if data.not_run:
+        lines.append(f"{data.not_run} heavier candidates were not run.")
+    return lines
+
+
+def _none(data: Fitting) -> list[str]:
+    """Why no balancer is better, and what would help."""
+    best = max(data.trials, key=lambda one: (one.interval[0], -one.total))
+    low, high = (100.0 * x for x in best.interval)
+    lines = [
+        f"None: no candidate balances in at least {100.0 * LIKELY:.0f} % of the starts. The best, "
+        f"{_named(best, data)}, does in {100.0 * best.worst.share:.0f} % ({low:.0f} to {high:.0f}) "
+        f"at drag {best.worst.drag:.3g} N s/m and {readable_unbalance(best.worst.unbalance)}."
+    ]
+    if best.margin < 1.0:
+        lines.append(
+            f"Its balls can be left behind: it needs {1.0 / best.margin:.2g} times the drag, or "
+            "lighter weights, more damping of the supports, or a quicker run-up."
+        )
+    return lines
+
+
+def _take(data: Fitting, best: Trial) -> str:
+    low, _ = best.interval
+    held = best.candidate.capacity / data.space.unbalance if data.space.unbalance else math.inf
+    settled = f" within {best.settling:.3g} s at speed (median)" if best.settling else ""
+    margin = (
+        "no weights can be left behind"
+        if math.isinf(best.margin)
+        else f"drag is {best.margin:.2g} times the one that excludes weights left behind"
+    )
+    return (
+        f"Take {_named(best, data)}: it balances in {best.worst.balanced} of {best.worst.of} "
+        f"starts of the worst corner (at least {100.0 * low:.0f} %, with 95 % confidence)"
+        f"{settled}; "
+        f"capacity {held:.3g} times the largest unbalance; {margin}; vibration at speed "
+        f"{100.0 * best.left:.2g} % of that without."
+    )
+
+
+def _named(one: Trial, data: Fitting) -> str:
+    c = one.candidate
+    return (
+        f"{c.count} {data.kind} of {2e3 * c.radius:.3g} mm ({1e3 * c.mass:.3g} g each, "
+        f"{1e3 * one.total:.3g} g in all)"
+    )

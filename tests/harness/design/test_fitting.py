@@ -1,0 +1,145 @@
+"""Weights that a design recommends, judged from the real start."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+import autobalancer as ab
+from autobalancer.harness.design.candidates import STANDARD
+from autobalancer.harness.design.drags import drag_range
+from autobalancer.harness.drag.estimate import find_drag
+from autobalancer.harness.errors import SceneError, UserError
+
+FAN = {
+    "rotor": {
+        "kind": "planar", "mass": 14.0, "stiffness": [4e4, 6e4], "damping": [45.0, 55.0],
+        "unbalance": 1.2e-4,
+    },
+    "operation": {"speed": 309.0},
+}  # fmt: skip
+SPACE = {"race": "80 mm", "width": "14 mm"}
+
+
+@pytest.fixture(scope="module")
+def fan():
+    return ab.Scene.from_document(FAN)
+
+
+@pytest.fixture(scope="module")
+def found(fan):
+    given = {"run_up": "4 s", "drag": "0.02 N s/m", "n": 6, "most": 3}
+    return fan.design("120 g mm", reserve=1.5, **SPACE, **given)
+
+
+def test_every_candidate_has_the_capacity_and_fits(found):
+    for one in found.trials:
+        c = one.candidate
+        assert c.capacity >= 1.5 * 1.2e-4 * (1 - 1e-9)
+        assert 2.0 * c.radius <= 0.014 * (1 + 1e-9)
+        alpha = math.asin(c.radius / c.track)
+        held = c.mass * c.track * math.sin(c.count * alpha) / math.sin(alpha)
+        assert c.capacity == pytest.approx(held, rel=1e-9)
+
+
+def test_sizes_below_the_largest_are_candidates(found):
+    for count in (2, 3):
+        radii = [t.candidate.radius for t in found.trials if t.candidate.count == count]
+        assert len(radii) == 3
+        assert max(radii) == pytest.approx(0.007)
+        assert min(radii) < 0.7 * max(radii)
+
+
+def test_lightest_of_the_candidates_that_always_balance_is_taken(found):
+    good = [t for t in found.trials if t.worst.share == 1.0 and t.peak_ratio <= 1.05]
+    if good:
+        best = min(good, key=lambda t: t.total).candidate
+        assert f"{best.count} balls of {2e3 * best.radius:.3g} mm" in " ".join(found.words())
+
+
+def test_share_of_starts_is_that_of_single_runs(found, fan):
+    """Each start again as a run of its own, judged by its last tenth."""
+    from autobalancer.harness.design.trials import corner_scenes
+    from autobalancer.harness.motions.starts import job
+    from autobalancer.harness.motions.study import alone
+
+    trial = found.trials[-1]
+    corner = trial.corners[0]
+    steady = fan.replace({"operation.speed": None, "operation.profile": [[0, 0], [4.0, 309.0]]})
+    scenes = corner_scenes(_with_balls(steady), trial.candidate, [corner.drag], [corner.unbalance])
+    scene = scenes[0][0]
+    made, _ = job(scene, 309.0, "run-up", 1, 0, 6)
+    bare = alone(scene, 309.0)
+    for k in range(2):
+        label = scene.balancer[0].label
+        angles = made.values[k][::2].tolist()
+        end = [[0, 0], [4.0, 309.0], [made.seconds, 309.0]]
+        run = scene.replace({f"{label}.angles": angles, "operation.profile": end}).run()
+        size = np.hypot(run["rotor.x"], run["rotor.y"])
+        late = size[run.time >= made.seconds - 0.1 * made.settled].max() / bare
+        assert corner.peak[k] == pytest.approx(size.max(), rel=0.02)
+        if math.isfinite(corner.settled[k]) and late < 0.04:
+            assert corner.left[k] <= 0.05
+
+
+def _with_balls(scene):
+    from autobalancer.harness.design.scenes import with_balls
+
+    return with_balls(scene, 0.08, 0.014)
+
+
+def test_balls_that_are_left_behind_are_not_recommended(fan):
+    """Drag far below the closed form's limit: a slow run-up leaves every ball behind."""
+    found = fan.design("120 g mm", **SPACE, run_up="20 s", drag="2e-5 N s/m", n=6, most=2)
+    heavy = [t for t in found.trials if t.margin < 0.1]
+    assert heavy
+    assert all(t.worst.share < 1.0 for t in heavy)
+    assert "left behind" in " ".join(found.words())
+
+
+def test_no_candidate_with_the_capacity_is_a_reasoned_none(fan):
+    found = fan.design("90 g m", **SPACE, n=1, most=2)
+    assert not found.trials
+    (line,) = [w for w in found.words() if w.startswith("None")]
+    assert "larger race" in line
+
+
+def test_standard_diameters_alone_are_used(fan):
+    found = fan.design("120 g mm", **SPACE, drag="0.02 N s/m", standard=True, n=1, most=2)
+    assert found.trials
+    for one in found.trials:
+        assert any(math.isclose(2.0 * one.candidate.radius, d) for d in STANDARD)
+
+
+def test_unknown_drag_is_tried_from_the_bound_of_the_oil_to_ten_times_it(fan):
+    drags = drag_range(fan, None, "ISO VG 68")
+    found = fan.design("120 g mm", **SPACE, drag="0.02 N s/m", n=1, most=2)
+    one = found.trials[0].candidate
+    low, high = drags.of(one)
+    assert low == pytest.approx(find_drag(2.0 * one.radius, oil="ISO VG 68").value)
+    assert high == pytest.approx(10.0 * low)
+    assert "Measure it" in drags.said
+
+
+@pytest.mark.parametrize(
+    ("given", "word"),
+    [
+        ({"start": "asleep"}, "must be some of rest, turning, run-up"),
+        ({"drag": "0.1..0.01 N s/m"}, "--drag"),
+        ({"drag": 0.1, "oil": "ISO VG 46"}, "either --drag"),
+        ({"run_up": "-4 s"}, "--run-up"),
+        ({"start": "rest", "run_up": "4 s"}, "belongs to --starts run-up"),
+        ({"clearance": "20 mm"}, "--clearance"),
+        ({"n": 0}, "at least 1"),
+    ],
+)
+def test_wrong_values_are_refused_by_name(fan, given, word):
+    with pytest.raises(UserError, match=word):
+        fan.design("120 g mm", **SPACE, **given)
+
+
+def test_motor_is_refused_with_what_to_give_instead():
+    with pytest.raises(SceneError, match=r"operation\.motor: give operation\.speed or run_up"):
+        ab.load("sommerfeld").design("1 g m", race="0.1 m", width="20 mm")
