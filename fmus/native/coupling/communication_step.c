@@ -29,7 +29,7 @@ int composite_run_step(Unit *unit, double step)
         c->pacing.step = course->adaptive.allowed > 0.0 ? ends - course->clock.time : step;
         if (composite_go_on(unit)) {
             if (c->unknowns) {
-                composite_put_gain(unit, &unit->reason);
+                composite_put_gain(unit);
             }
             return 1;
         }

@@ -621,7 +621,7 @@ static int reach_time(Unit *unit, double end)
                              "steps", end - begin);
         }
         if (composite_go_on(unit)) {
-            composite_put_gain(unit, &unit->reason);
+            composite_put_gain(unit);
             return 1;
         }
     }

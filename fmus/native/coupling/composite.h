@@ -273,7 +273,7 @@ int composite_run_step(Unit *unit, double step);
 Rotor *composite_rotor(const Composite *c);
 Balls *part_balls(const Part *part);
 /* Add the loop gain to a reason. */
-void composite_put_gain(const Unit *unit, Text *reason);
+void composite_put_gain(Unit *unit);
 /* 1, with a part's reason under its name. */
 int composite_part_failed(Unit *unit, const Part *part);
 /* Name of a signal: what a step assumes, and behind it the accelerations of the planes. */

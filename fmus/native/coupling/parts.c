@@ -12,9 +12,12 @@ Balls *part_balls(const Part *part)
     return part->unit->equations == &WEIGHTS_EQUATIONS ? part->unit->own : NULL;
 }
 
-void composite_put_gain(const Unit *unit, Text *reason)
+void composite_put_gain(Unit *unit)
 {
-    text_format(reason, "; loop gain %3", ((const Composite *)unit->own)->course->loop.gain);
+    if (!unit->reason.at) { /* whatever failed gave no reason */
+        unit_fail(unit, "the coupling cannot go on at t = %6 s: events follow each other too closely", unit_host_time(unit, unit->time));
+    }
+    text_format(&unit->reason, "; loop gain %3", ((const Composite *)unit->own)->course->loop.gain);
 }
 
 int composite_part_failed(Unit *unit, const Part *part)

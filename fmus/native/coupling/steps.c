@@ -49,8 +49,13 @@ int iterated_cross(Unit *unit, double step)
     while (iterated_attempt(unit, step, MAX_PASSES) < 0.0) {
         int struck;
         composite_restore(c);
-        if (c->course->loop.ahead < 0.0 || impacts_strike(unit, 2.0 * step, &struck) || !struck) {
+        if (c->course->loop.ahead < 0.0 || impacts_strike(unit, 2.0 * step, &struck)) {
             return 1;
+        }
+        if (!struck) {
+            return unit_fail(unit, "weights meet, part or stick at the very time %6 s at which an input or the "
+                             "drive jumps: move that time by a thousandth of a revolution",
+                             unit_host_time(unit, c->course->clock.time));
         }
     }
     return iterated_accept(unit, step);
