@@ -598,10 +598,13 @@ class Methods:
         return precision(self._scene, seconds=seconds, progress=progress)
 
     def cite(self) -> str:
-        """BibTeX of the papers and methods that a run of the scene uses.
+        """BibTeX of the program and of the papers and methods that a run of the scene uses.
 
-        >>> [line for line in ab.load("drum").cite().splitlines() if line.startswith("@")][0]
-        '@article{Filimonikhina2017,'
+        A comment above each entry says what it is cited for.
+
+        >>> print(*ab.load("drum").cite().splitlines()[:2], sep="\\n")
+        % the program that ran the scene
+        @software{autobalancer,
         """
         from autobalancer.harness.scene.citations import bibtex
 

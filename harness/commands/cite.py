@@ -13,5 +13,5 @@ def command(
     scene: Annotated[str, options.SCENE],
     changes: Annotated[list[str] | None, set_option("coupling.scheme='\"jacobi\"'")] = None,
 ) -> None:
-    """Print what a run of a scene cites, as BibTeX."""
+    """Print as BibTeX what a run of a scene cites, and what for; first the program itself."""
     say(changed_scene(scene, changes, quietly=True).cite())

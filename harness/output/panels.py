@@ -84,6 +84,7 @@ class Panel:
 
     Attributes:
         equal: lengths along both axes are shown alike (of three: the last two).
+        beside: the legend stands beside the panel, since its lines are everywhere.
     """
 
     axes: tuple[PlotAxis, ...]
@@ -92,6 +93,7 @@ class Panel:
     title: str = ""
     kind: Literal["plane", "polar", "space"] = "plane"
     equal: bool = False
+    beside: bool = False
 
 
 @dataclass(frozen=True, eq=False)

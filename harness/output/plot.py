@@ -184,7 +184,7 @@ def _legend(figure: Figure, axes: Any, panel: Panel) -> None:
         figure.legend(*axes.get_legend_handles_labels(), loc="outside lower center", **look)
     elif panel.kind == "space":
         axes.legend(loc="upper left", **look)
-    elif count > _MOST_WITHIN:
+    elif panel.beside or count > _MOST_WITHIN:
         axes.legend(loc="upper left", bbox_to_anchor=(1.0, 1.03), **look)
     else:
         axes.legend(loc="best", **look)

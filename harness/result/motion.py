@@ -76,6 +76,22 @@ class Motion:
         return Motion(self.scene, self.time[part], _Part(self.recorded, part))
 
     @property
+    def swept(self) -> str:
+        """What `sweep` is a part of: for a title, such as ": run-down from 16 s to 19 s only".
+
+        Empty where it is all of the run.
+        """
+        if not self.changes:
+            return ""
+        profile = self.scene.profile()
+        begin, end = profile.sweep
+        if begin <= self.time[0] and end >= self.time[-1]:
+            return ""
+        low, high = np.interp((begin, end), profile.times, profile.speeds)
+        name = "run-up" if high > low else "run-down"
+        return f": {name} from {begin:.4g} s to {end:.4g} s only"
+
+    @property
     def across(self) -> tuple[PlotAxis, Array]:
         """Speed (T,) where it changes, else time."""
         if self.changes:

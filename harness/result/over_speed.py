@@ -56,7 +56,7 @@ def waterfall(motion: Motion, signal: str | None = None) -> Picture:
         text = (f"order {order}",)
         lines.append(Line(at, "", "#FFFFFF", "dots", texts=text, text_colour="#FFFFFF"))
     flat = Panel((axis, upward), lines, field, title=f"{signal}: amplitude over frequency")
-    return Picture(f"{motion.scene.heading}\nwaterfall", [stack, flat], height=5.2)
+    return Picture(f"{motion.scene.heading}\nwaterfall{motion.swept}", [stack, flat], height=5.2)
 
 
 def _field(across: Array, frequency: Array, heights: Array, amplitude: PlotAxis) -> Field:
@@ -82,7 +82,7 @@ def polar(motion: Motion) -> Picture:
     axis, values = swept.across
     across = np.interp(angle, swept.angle, values)
     return polar_picture(
-        f"{motion.scene.heading}\nsynchronous vibration",
+        f"{motion.scene.heading}\nsynchronous vibration{motion.swept}",
         across,
         axis,
         amplitude.reshape(len(across), 2, -1),

@@ -91,7 +91,7 @@ def _panel(
         label = f"and {len(signals) - _MOST_LINES} more, not drawn"
         lines.append(Line((nothing, nothing), label, "none"))
     upward = ONE_TURN if title == ANGLE else PlotAxis(called.get(title, title), shown)
-    return Panel((PlotAxis("time", "s"), upward), lines)
+    return Panel((PlotAxis("time", "s"), upward), lines, beside=title == ANGLE)
 
 
 def _amplitudes(
@@ -137,5 +137,5 @@ def motion_with_weights(motion: Motion, judged: Verdict | None = None) -> Pictur
         if np.isfinite(light).any():
             line = time, unbroken(np.degrees(light))
             lines.append(Line(line, "opposite the unbalance", GREY, "dashed"))
-        panels.append(Panel((axis, ONE_TURN), lines, title=balancer.label))
+        panels.append(Panel((axis, ONE_TURN), lines, title=balancer.label, beside=True))
     return Picture(f"{motion.scene.heading}\nmotion and weights", panels, height=2.6)

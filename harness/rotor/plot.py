@@ -26,6 +26,7 @@ from ..output.plot import metres
 from ..result.in_space import mode_shapes
 from ..result.motion import station_names
 from ..result.sag import FROM_SAG
+from ..units import shown_in
 from .analysis import Kind, RotorAnalysis
 
 CRITICAL = "#D62728"
@@ -66,7 +67,8 @@ def campbell_diagram(found: RotorAnalysis) -> Picture:
     lines.append(Line((data.speeds, data.speeds), "frequency = speed", GREY, width=0.8))
     double = data.speeds, 2.0 * data.speeds
     lines.append(Line(double, "frequency = 2 x speed", GREY, "dashed", 0.8))
-    listed = ", ".join(f"{speed:.4g} rad/s" for speed in critical)
+    unit, factor = shown_in("rad/s")
+    listed = ", ".join(f"{speed * factor:.6g} {unit}" for speed in critical)  # as the table
     label = f"critical speeds, undamped: {listed}" if listed else ""
     lines.append(Line((critical, critical), label, CRITICAL, "marks"))
     # modes far above the speeds would press the rest together

@@ -11,6 +11,7 @@ from matplotlib.colors import ListedColormap, SymLogNorm
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
+from matplotlib.ticker import NullLocator
 
 from ..output.picture import Field, Line, Panel, Picture, PlotAxis
 from ..output.plot import Drawing, metres, save
@@ -24,6 +25,7 @@ if TYPE_CHECKING:
 
 
 DECADES = 3.0  # of growth rates shown on either side of zero
+FLOOR = 1e-5  # of the largest residual amplitude: below is rounding and transients that differ
 
 
 def plot_map(data: StabilityMap, path: Path | None) -> Path | Drawing:
@@ -38,7 +40,12 @@ def plot_map(data: StabilityMap, path: Path | None) -> Path | Drawing:
         x, y, np.ma.masked_invalid(data.growth), cmap="RdBu_r", norm=norm,
         shading="nearest", rasterized=True,  # between colours is no growth: white stars
     )  # fmt: skip
+    first = 10.0 ** np.floor(np.log10(largest)) if largest > 0.0 else 1.0
+    ends = [first / 10.0**k for k in range(int(DECADES))]
     bar = figure.colorbar(colours, ax=axes, extend="both", pad=0.015)
+    bar.set_ticks([*(-end for end in ends), 0.0, *ends[::-1]])
+    bar.ax.yaxis.set_major_formatter("{x:g}")
+    bar.ax.yaxis.set_minor_locator(NullLocator())
     bar.set_label("largest growth rate [1/s]: below 0 balanced, above 0 not")
     handles: list[Artist] = [_boundary(axes, x, y, data.growth, "black", "-", "Floquet boundary")]
     if data.undecided.any():
@@ -66,11 +73,16 @@ def plot_map(data: StabilityMap, path: Path | None) -> Path | Drawing:
 def plot_run_map(data: RunMap, path: Path | None) -> Path | Picture:
     """Residual amplitude as colour; runs that have not settled are dotted, failed ones grey."""
     factor, unit = metres(float(np.nan_to_num(data.residual).max()))
-    shown = np.where(data.residual > 0.0, data.residual * factor, np.nan)
-    moves = bool(np.isfinite(shown).any())
-    amplitude = PlotAxis(
-        "residual amplitude", unit, log=moves, limits=None if moves else (0.0, 1.0)
-    )
+    shown, limits, name = data.residual * factor, (0.0, 1.0), "residual amplitude"
+    top = float(np.nan_to_num(shown).max())
+    if top > 0.0:
+        low = max(float(np.nanmin(shown)), FLOOR * top)
+        if np.nanmin(shown) < low:
+            name += f", darkest: at most {low:.2g}"
+        # a colour needs a span, also where all runs leave the same
+        limits = min(low, 0.99 * top), top
+        shown = np.fmax(shown, low, where=np.isfinite(shown), out=np.full_like(shown, np.nan))
+    amplitude = PlotAxis(name, unit, log=top > 0.0, limits=limits)
     x, y = (
         PlotAxis(label, log=axis.log)
         for label, axis in zip(data.labels, (data.x, data.y), strict=True)

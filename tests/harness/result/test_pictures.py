@@ -234,3 +234,17 @@ def test_run_draws_what_is_asked_for(invoke, tmp_path):
     assert done.exit_code == 0, done.output
     for kind in kinds:
         assert (tmp_path / f"{kind}.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_a_waterfall_of_a_profile_says_which_part_it_shows():
+    corners = [[0.0, 1.0], [20.0, 2.0], [60.0, 2.0], [110.0, 0.2]]
+    changes = {"operation.profile": corners, "run.record": ["rotor.x", "rotor.y"]}
+    result = cosimulate(load_scene("two_balls").without_balancers().replace(changes))
+    assert result.plot_waterfall().title.endswith("waterfall: run-down from 60 s to 110 s only")
+    assert result.plot_polar().title.endswith("run-down from 60 s to 110 s only")
+
+
+def test_a_legend_stands_beside_the_angles_of_weights():
+    result = cosimulate(load_scene("two_balls").replace({"run.revolutions": 5.0}))
+    beside = [panel.axes[1].name for panel in result.plot().panels if panel.beside]
+    assert beside == ["angle in the rotor"]

@@ -1,0 +1,57 @@
+"""What `cite` names: the program, and what a scene's run uses, each with its reason."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
+
+from autobalancer.harness import load_scene
+from autobalancer.harness.scene.citations import bibtex, program
+
+CFF = Path(__file__).parents[3] / "CITATION.cff"
+
+
+def cited(name, **changes):
+    """Reasons by the keys of the entries below them."""
+    text = bibtex(load_scene(name).replace({k.replace("__", "."): v for k, v in changes.items()}))
+    found = re.findall(r"^% (.+)\n@\w+\{([^,]+),", text, re.MULTILINE)
+    return {key: reason for reason, key in found}
+
+
+def test_the_program_is_cited_as_its_citation_file_says():
+    said = dict(
+        re.findall(r"^(title|version|license): (.+)$", CFF.read_text("utf-8"), re.MULTILINE)
+    )
+    author = re.search(r"authors:\n  - name: (.+)", CFF.read_text("utf-8"))[1]
+    fields = program().fields
+    assert (fields["title"], fields["version"]) == (said["title"], said["version"])
+    assert fields["author"] == f"{{{author}}}"
+    assert said["license"] in fields["note"]
+
+
+@pytest.mark.parametrize(
+    ("name", "used", "unused"),
+    [
+        ("two_balls", {"Filimonikhina2017"}, {"Dubovik2006", "Sicklinger2014", "Goncharov2017"}),
+        ("liquid_closed", {"Dubovik2006", "Schierz2012"}, {"Filimonikhina2017", "Jorba2005"}),
+        ("washing_machine", {"Jorba2005", "Moreau1988", "Goncharov2017"}, {"Hairer1996"}),
+    ],
+)
+def test_what_a_scene_does_not_use_is_not_cited(name, used, unused):
+    keys = set(cited(name))
+    assert used | {"autobalancer"} <= keys
+    assert not keys & unused
+
+
+def test_every_entry_says_what_it_is_cited_for():
+    for name in ("bristol", "two_balls", "washing_machine"):
+        text = bibtex(load_scene(name))
+        assert len(cited(name)) == len(re.findall(r"^@", text, re.MULTILINE))
+
+
+def test_another_scheme_cites_its_own_papers():
+    keys = set(cited("two_balls", coupling__scheme="compensated"))
+    assert {"Benedikt2013", "Sicklinger2014"} <= keys
+    assert "Broyden1965" not in keys
