@@ -10,7 +10,7 @@ from pathlib import Path
 _FILE = Path(__file__).with_name("REFERENCES.bib")
 _ENTRY = re.compile(r"^@(\w+)\{([^,\s]+),\n(.*?)^\}", re.MULTILINE | re.DOTALL)
 _FIELD = re.compile(r"^\s*(\w+) = \{(.*)\},$", re.MULTILINE)
-_OTHERS = r"(?:(?:,|\s+(?:&|and))\s+[A-Z][a-zß]+)*(?:\s+et\s+al\.)?"
+_OTHERS = r"(?:(?:,|\s+(?:&|and))\s+(?:Van\s+)?[A-Z][a-zß]+)*(?:\s+et\s+al\.)?"
 _CITATION = re.compile(rf"\b([A-Z][a-z]+){_OTHERS}\s+\(?((?:19|20)\d\d)\b|\b(ISO)\s(\d+-\d+)")
 
 

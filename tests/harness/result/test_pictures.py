@@ -237,8 +237,12 @@ def test_run_draws_what_is_asked_for(invoke, tmp_path):
 
 
 def test_a_waterfall_of_a_profile_says_which_part_it_shows():
-    corners = [[0.0, 1.0], [20.0, 2.0], [60.0, 2.0], [110.0, 0.2]]
-    changes = {"operation.profile": corners, "run.record": ["rotor.x", "rotor.y"]}
+    corners = [[0.0, 1.0], [20.0, 2.0], [60.0, 2.0], [110.0, 0.2]]  # 8.7 turns down
+    changes = {
+        "operation.profile": corners,
+        "run.record": ["rotor.x", "rotor.y"],
+        "run.revolutions": None,
+    }
     result = cosimulate(load_scene("two_balls").without_balancers().replace(changes))
     assert result.plot_waterfall().title.endswith("waterfall: run-down from 60 s to 110 s only")
     assert result.plot_polar().title.endswith("run-down from 60 s to 110 s only")
