@@ -602,10 +602,14 @@ class Methods:
 
         A comment above each entry says what it is cited for.
 
+        Raises:
+            SimulationError: the scene cannot be started.
+
         >>> print(*ab.load("drum").cite().splitlines()[:2], sep="\\n")
         % the program that ran the scene
         @software{autobalancer,
         """
+        from autobalancer.harness.result.run import is_in_one_piece
         from autobalancer.harness.scene.citations import bibtex
 
-        return bibtex(self._scene)
+        return bibtex(self._scene, is_in_one_piece(self._scene))

@@ -13,5 +13,8 @@ def command(
     scene: Annotated[str, options.SCENE],
     changes: Annotated[list[str] | None, set_option("coupling.scheme='\"jacobi\"'")] = None,
 ) -> None:
-    """Print as BibTeX what a run of a scene cites, and what for; first the program itself."""
+    """Print what a run of a scene cites, as BibTeX.
+
+    The first entry is the program itself.  A comment above each entry says what it is cited for.
+    """
     say(changed_scene(scene, changes, quietly=True).cite())

@@ -100,6 +100,20 @@ def load(scene: Scene, fmus: Path | None = None, separate: bool = False) -> Simu
     return OneFileRun(scene)
 
 
+def is_in_one_piece(scene: Scene) -> bool:
+    """Whether a run of the scene integrates the machine without a coupling inside.
+
+    Raises:
+        SimulationError: the scene cannot be started.
+    """
+    if scene.coupling.tolerance is None or why_separate(scene):
+        return False
+    from ..master.one_file_run import OneFileRun  # compiles where it has to
+
+    with OneFileRun(scene) as simulation:
+        return simulation.in_one_piece
+
+
 def controlled_runs(
     simulation: Simulation, names: Sequence[str], uncompared: Sequence[str] = ()
 ) -> Controlled | TwoTolerances:

@@ -32,10 +32,14 @@ def program() -> Reference:
     return Reference("autobalancer", "software", fields)
 
 
-def bibtex(scene: Scene) -> str:
-    """The program, then entries in the bibliography's order, each below what it is cited for."""
+def bibtex(scene: Scene, in_one_piece: bool = False) -> str:
+    """The program, then entries in the bibliography's order, each below what it is cited for.
+
+    Args:
+        in_one_piece: whether the machine is integrated without a coupling.
+    """
     reasons: dict[str, list[str]] = {}
-    for cited, reason in _cited(scene):
+    for cited, reason in _cited(scene, in_one_piece):
         for key in sorted(citations(cited)):
             if reason not in reasons.setdefault(key, []):
                 reasons[key].append(reason)
@@ -46,7 +50,7 @@ def bibtex(scene: Scene) -> str:
     return "\n".join(entries)
 
 
-def _cited(scene: Scene) -> Iterator[tuple[str, str]]:
+def _cited(scene: Scene, in_one_piece: bool) -> Iterator[tuple[str, str]]:
     """What every part that runs cites, and for what."""
     yield scene.source, "source of the scene's values"
     liquid_only = all(balancer.kind == "liquid" for balancer in scene.balancer)
@@ -67,12 +71,15 @@ def _cited(scene: Scene) -> Iterator[tuple[str, str]]:
         yield "Moreau 1988", "sliders that let go at once"
     if scene.operation.motor:
         yield "Sommerfeld 1902; Kononenko 1969", "motor of limited power"
-    if scene.coupling.units == "native" and (scene.rotor.friction or not scene.operation.speed):
+    if in_one_piece:
+        yield "Jorba & Zou 2005", "steps of the whole machine by Taylor series"
+    elif scene.coupling.units == "native" and (scene.rotor.friction or not scene.operation.speed):
         yield "Jorba & Zou 2005", "steps of the rotor by Taylor series"
     elif not scene.operation.speed:
         yield "Hairer & Wanner 1996", "steps of the rotor at a speed that changes (Radau IIA)"
         yield "Hairer, Norsett & Wanner 1993", "error of these steps (step doubling)"
-    yield from _coupling(scene)
+    if not in_one_piece:
+        yield from _coupling(scene)
     if scene.balancing is not None:
         yield "Polushkin 2016; ISO 21940-11", "balancing in cycles, permissible unbalance"
 

@@ -8,14 +8,14 @@ from pathlib import Path
 import pytest
 
 from autobalancer.harness import load_scene
-from autobalancer.harness.scene.citations import bibtex, program
+from autobalancer.harness.scene.citations import program
 
 CFF = Path(__file__).parents[3] / "CITATION.cff"
 
 
 def cited(name, **changes):
     """Reasons by the keys of the entries below them."""
-    text = bibtex(load_scene(name).replace({k.replace("__", "."): v for k, v in changes.items()}))
+    text = load_scene(name).replace({k.replace("__", "."): v for k, v in changes.items()}).cite()
     found = re.findall(r"^% (.+)\n@\w+\{([^,]+),", text, re.MULTILINE)
     return {key: reason for reason, key in found}
 
@@ -47,7 +47,7 @@ def test_what_a_scene_does_not_use_is_not_cited(name, used, unused):
 
 def test_every_entry_says_what_it_is_cited_for():
     for name in ("bristol", "two_balls", "washing_machine"):
-        text = bibtex(load_scene(name))
+        text = load_scene(name).cite()
         assert len(cited(name)) == len(re.findall(r"^@", text, re.MULTILINE))
 
 
@@ -55,3 +55,9 @@ def test_another_scheme_cites_its_own_papers():
     keys = set(cited("two_balls", coupling__scheme="compensated"))
     assert {"Benedikt2013", "Sicklinger2014"} <= keys
     assert "Broyden1965" not in keys
+
+
+def test_a_machine_in_one_piece_cites_no_coupling():
+    keys = set(cited("two_balls", coupling__tolerance=1e-4))
+    assert "Jorba2005" in keys
+    assert not keys & {"Broyden1965", "Schierz2012", "Hairer1993"}
