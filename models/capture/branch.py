@@ -7,6 +7,7 @@ falls, and bunched weights repel each other.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -24,6 +25,8 @@ _LOWEST = 0.03  # of a natural frequency: how far down motions are looked for
 _NARROWEST = 1e-7  # half width over frequency, of undamped rotors too
 _SMALLEST_LAG = 1e-3  # of a peak's speed: weights that lag less are let go at once
 _POLE_STEPS = 2
+_FARTHEST_POLE = 1.5  # of the rotor's speed: weights lag below a natural frequency above it too
+LAGS = 0.02  # of the rotor's speed: weights that lag by less turn with the rotor
 _FARTHEST_PEAK = 3.0  # half widths between a pole and its peak
 _SAME_PEAK = 0.05  # half widths: peaks so near are one
 _REFINEMENTS, _END_REFINEMENTS = 6, 3
@@ -63,9 +66,9 @@ class Branches:
 
 
 def find_branches(receptance: Receptance, lag: Lag, speed: float) -> Branches:
-    """Branches of every natural frequency below the rotor's speed, for k = 1 to N weights."""
+    """Branches of natural frequencies below the rotor's speed and near it, for k = 1 to N."""
     poles = receptance.poles(speed)
-    poles = poles.select(poles.frequency < speed)
+    poles = poles.select(poles.frequency < _FARTHEST_POLE * speed)
     shapes = poles.shapes[:, lag.planes]
     numbers = [ordered_numbers(lag.groups, lag.drags, reach) for reach in np.abs(shapes)]
     ways = 1 if len(lag.groups) == 1 else 2
@@ -203,11 +206,14 @@ def _without_twins(peak: Array, held: Array, width: Array, pole: Indices) -> tup
 def _bracket(branches: Branches, row: int) -> tuple[float, float, Array] | None:
     """Points of the rising side between which w + lag passes the rotor's speed."""
     peak, held, speed = branches.peak[row], branches.lag[row], branches.speed
-    if not peak < speed < peak + held:
+    if not speed < peak + held:
         return None
     w, lags = branches.frequency[row], branches.lags[row]
-    high = float(peak)
-    for j in range(int(np.searchsorted(w, peak)) - 1, -1, -1):
+    high = float(min(peak, (1.0 - LAGS) * speed))
+    at_high = _between(w, lags, high) if high < peak else held
+    if not high + at_high > speed:
+        return None
+    for j in range(int(np.searchsorted(w, high)) - 1, -1, -1):
         if np.isnan(lags[j]):
             return None
         if w[j] + lags[j] <= speed:
@@ -216,6 +222,23 @@ def _bracket(branches: Branches, row: int) -> tuple[float, float, Array] | None:
             return None  # a trough: the side of a lower natural frequency begins
         high = float(w[j])
     return None
+
+
+def _between(w: Array, lags: Array, at: float) -> float:
+    """Lag at a speed on the rising side; NaN where there is no motion."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        found = float(np.exp(np.interp(at, w, np.log(lags))))
+    return found if at >= w[0] else math.nan
+
+
+def ratio_below_speed(branches: Branches, row: int) -> float:
+    """Largest lag over Om - w of a brake that rises up to the rotor's speed; 0: no motion."""
+    w, lags = branches.frequency[row], branches.lags[row]
+    at = (1.0 - LAGS) * branches.speed
+    below = w <= at
+    ratios = [_between(w, lags, at) / (branches.speed - at)]
+    ratios += (lags[below] / (branches.speed - w[below])).tolist()
+    return max((ratio for ratio in ratios if ratio > 0.0), default=0.0)
 
 
 def _crossing(

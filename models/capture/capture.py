@@ -22,7 +22,7 @@ import numpy as np
 from ..arrays import Array
 from ..assembly import Assembly, weights_of
 from ..harmonic_balance import NoResponse, largest_displacement, unbalance_response
-from .branch import Branches, find_branches, follow
+from .branch import LAGS, Branches, find_branches, follow, ratio_below_speed
 from .groups import Group, Lag, groups_of
 from .receptance import Receptance
 from .release import release_speeds
@@ -40,7 +40,7 @@ class LeftBehind:
         numbers: of each group: those that are held most strongly.
         release_speed: of the rotor, at which they are let go [rad/s]; infinite: never.
         drag_ratio: drag over the present one below which they can be left behind at the rotor's
-            speed; infinite where the speed is below the natural frequency.
+            speed.
         frequency: at which they turn while the rotor turns at its speed [rad/s]; NaN: let go.
         amplitude: (n,) of the stations then, without the unbalance's own [m].
         peak: (w, lag) at the peak of the brake [rad/s].
@@ -178,11 +178,13 @@ def _natural(branches: Branches, receptance: Receptance, lag: Lag) -> Sequence[N
     for k, row in enumerate(rows.tolist()):
         peak, held = float(branches.peak[row]), float(branches.lag[row])
         left = branches.speed - peak
+        near = left < LAGS * branches.speed  # the peak is near the rotor's speed, or above it
+        ratio = ratio_below_speed(branches, row) if near else held / left
         numbers = branches.numbers[row]
         motions.setdefault(int(branches.pole[row]), []).append(
             LeftBehind(
                 int(numbers.sum()), tuple(int(n) for n in numbers), float(released[k]),
-                held / left if left > 0.0 else math.inf, float(frequency[k]), amplitude[k],
+                ratio, float(frequency[k]), amplitude[k],
                 (peak, held), branches.phases[row, branches.top[row]],
             )
         )  # fmt: skip
