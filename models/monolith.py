@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.integrate import ODEintWarning, odeint, solve_ivp
+from scipy.integrate import odeint, solve_ivp
 
 from .arrays import Array
 from .assembly import Assembly, SpeedProfile
@@ -143,7 +143,7 @@ def _solve(
     asked = np.linspace(begin, end, _POINTS) if at is None else at
     times = asked if len(asked) and asked[0] == begin else np.append(begin, asked)
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore", ODEintWarning)  # its message is raised
+        warnings.simplefilter("ignore")  # its message is raised
         states, told = odeint(
             rhs, state, times, tfirst=True, rtol=rtol, atol=absolute, full_output=True, mxstep=_MOST
         )

@@ -109,8 +109,8 @@ class CalledRotor:
             UserError: the range is empty, or the supports have dry friction.
 
         >>> rotor = ab.load("three_mass_shaft").rotor()
-        >>> rotor.to_pandas()["whirl"][0], rotor.response().amplitude.shape
-        ('backward', (400, 2, 3))
+        >>> sorted(set(rotor.to_pandas()["whirl"])), rotor.response().amplitude.shape
+        (['backward', 'forward'], (400, 2, 3))
         """
         from autobalancer.harness.rotor.analysis import analyse
 

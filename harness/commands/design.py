@@ -89,7 +89,7 @@ def command(
         ),
     ] = False,
 ) -> None:
-    """Find number and size of balls or rollers for a rotor, or that none is better."""
+    """Choose balls or rollers for a rotor, or none."""
     from ..output.report import Report
 
     loaded = changed_scene(scene, changes)

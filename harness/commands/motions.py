@@ -5,7 +5,6 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Annotated
 
-import numpy as np
 import typer
 
 from ..errors import UserError
@@ -82,4 +81,6 @@ def _speeds(first: str, last: str, count: int) -> list[float]:
             f"--speeds {first} {last} {count}: must be two positive speeds, rising, and a number "
             f"of them from 1 to {MOST_SPEEDS}"
         )
-    return [float(w) for w in np.linspace(low, high, count)]
+    if count == 1:
+        return [low]
+    return [low + (high - low) * k / (count - 1) for k in range(count)]

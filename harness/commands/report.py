@@ -34,7 +34,7 @@ def command(
     ] = 200,
     changes: Annotated[list[str] | None, set_option("rotor.mass=3.0")] = None,
 ) -> None:
-    """Write a page about a machine for a colleague: verdict first, how sure, how to repeat it."""
+    """Write a page about a machine for a colleague."""
     loaded = changed_scene(scene, changes)
     with progress_bar(f"report on {loaded.name}") as progress:
         page = loaded.report(

@@ -38,7 +38,7 @@ from ..units import si_number
 from .crossings import FINE, measured_regions, nodes_around, side
 from .main_motion import MainMotion, NoMainMotion
 from .methods import DEFAULT_METHODS, METHODS
-from .speeds import Speeds
+from .speeds import Speeds, add_regions
 from .whirl import whirls
 
 MOST_SPEEDS = 100_000  # of one scan: more is a slip of the keyboard
@@ -133,7 +133,7 @@ def _by_floquet(scene: Scene, result: Speeds, narrowest: float | None) -> None:
     except (CannotBalance, ArithmeticError) as error:
         result.refused["floquet"] = str(error)
         return
-    result.put("floquet", found)
+    add_regions(result, "floquet", found)
 
 
 def _by_proof(
@@ -198,7 +198,7 @@ def _by_units(
             raise
         result.refused["cosim"] = str(error)
         return
-    result.put("cosim", found)
+    add_regions(result, "cosim", found)
 
 
 def _nodes(result: Speeds, narrowest: float | None) -> NDArray[np.float64]:

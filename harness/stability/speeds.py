@@ -46,15 +46,13 @@ class Speeds(Outcome):
     proof: Proof | None = None
     captured: Captured | None = None
 
-    def put(self, method: str, found: Regions) -> None:
-        """Add what a method found."""
-        self.methods[method] = found.crossings
-        self.lowest[method] = found.lowest
-        if found.undecided:
-            self.undecided[method] = found.undecided
-
     def unknown(self) -> Iterator[str]:
-        """Where a method cannot tell stable from unstable, in words."""
+        """Where a method cannot tell stable from unstable, in words.
+
+        >>> found = ab.load("filimonikhina").speeds(0.5, 12.0, "criterion,floquet")
+        >>> list(found.unknown())
+        []
+        """
         for method, regions in self.undecided.items():
             for each in regions:
                 neutral = each.word == "neutral"
@@ -125,3 +123,11 @@ class Speeds(Outcome):
                     taken.add(j)
             rows += [{method: c} for j, c in enumerate(left) if j not in taken]
         return sorted(rows, key=lambda row: next(iter(row.values())).speed)
+
+
+def add_regions(result: Speeds, method: str, found: Regions) -> None:
+    """Add what a method found."""
+    result.methods[method] = found.crossings
+    result.lowest[method] = found.lowest
+    if found.undecided:
+        result.undecided[method] = found.undecided

@@ -142,7 +142,7 @@ def test_a_value_set_for_the_one_file_is_its_start_value(invoke, tmp_path):
 def test_build_makes_exactly_the_units_of_a_scene_and_run_takes_them(invoke, tmp_path):
     outcome = invoke("build", "liquid_disc", "-o", tmp_path)
     assert outcome.exit_code == 0, outcome.output
-    assert {p.name for p in tmp_path.iterdir()} == {"LiquidBalancer.fmu", "RotorOnSupports.fmu"}
+    assert {p.name for p in tmp_path.iterdir()} == {"liquid.fmu", "rotor.fmu"}
     outcome = invoke("run", "liquid_disc", "--fmus", tmp_path, "--set", "run.revolutions=1")
     assert outcome.exit_code == 0, outcome.output
     outcome = invoke("run", "two_balls", "--fmus", tmp_path)

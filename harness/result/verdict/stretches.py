@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
-from scipy.interpolate import CubicSpline
 
 from ....models.arrays import Array
 from ...scene import Scene
@@ -77,7 +76,11 @@ def _kept_at_end(last: Stretch) -> list[Stretch]:
 
 def motor_angle(time: Array, speed: Array) -> Array:
     """Angle turned since the start (T,) [rad] by a recorded speed (T,) [rad/s]."""
-    return np.asarray(CubicSpline(time, speed).antiderivative()(time)) if len(time) > 1 else time
+    if len(time) < 2:
+        return time
+    from scipy.interpolate import CubicSpline  # of motors alone
+
+    return np.asarray(CubicSpline(time, speed).antiderivative()(time))
 
 
 def driven(time: Array, speed: Array) -> list[Stretch]:
