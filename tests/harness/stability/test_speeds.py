@@ -323,7 +323,7 @@ def test_check_compares_units_with_floquet():
 
 
 def test_check_fails_when_floquet_is_not_that_of_the_units(monkeypatch):
-    from autobalancer.models.linear import boundaries as module
+    from autobalancer.models import boundaries as module
 
     true = module.balancing_regions
 
