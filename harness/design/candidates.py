@@ -12,6 +12,7 @@ from ..scene import Scene
 from .scenes import weights_of
 from .space import Space
 
+ROUNDING = 1e-6  # of a capacity: the smallest size is found by iteration
 SIZES = 3  # of each number: the smallest that holds enough, one between, the largest that fits
 # nominal diameters of steel balls for rolling bearings, ISO 3290-1, in part [m]
 STANDARD = tuple(
@@ -58,7 +59,7 @@ def candidates(
             continue
         for radius in _radii(low, high, standard):
             found.append(_candidate(kind, space, count, radius))
-    return [one for one in found if one.capacity >= space.required * (1.0 - 1e-12)]
+    return [one for one in found if one.capacity >= space.required * (1.0 - ROUNDING)]
 
 
 def largest_capacity(scene: Scene, space: Space, counts: Sequence[int]) -> Candidate:

@@ -80,7 +80,7 @@ def test_what_cannot_be_built_is_refused_and_nothing_is_left(tmp_path, arguments
 
 def test_without_compiler_the_command_says_what_to_do(tmp_path, monkeypatch):
     monkeypatch.setattr(compiler, "BINARIES", tmp_path / "bin")
-    monkeypatch.setattr(compiler.importlib.util, "find_spec", lambda name: None)
+    monkeypatch.setattr("importlib.util.find_spec", lambda name: None)
     outcome = invoke("-o", tmp_path / "units")
     assert outcome.exit_code != 0
     said = str(outcome.exception) + outcome.output

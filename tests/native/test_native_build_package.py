@@ -158,9 +158,9 @@ def test_a_unit_that_a_tool_compiles_from_its_sources_gives_the_same_bits(fmi, o
 # --- wheel ------------------------------------------------------------------------------------
 
 
-def test_the_wheel_has_libraries_sources_and_the_manual_in_at_most_6_million_bytes(wheel):
+def test_the_wheel_has_libraries_sources_and_the_manual_in_at_most_7_million_bytes(wheel):
     assert wheel.name.endswith("-py3-none-any.whl")
-    assert wheel.stat().st_size <= 6_000_000
+    assert wheel.stat().st_size <= 7_000_000
     home = "autobalancer/fmus/native"
     with zipfile.ZipFile(wheel) as archive:
         manual = [e.compress_size for e in archive.infolist() if "/manual/" in e.filename]

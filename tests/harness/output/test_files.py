@@ -113,7 +113,7 @@ def test_a_picture_that_cannot_be_measured_does_not_cost_the_report(tmp_path, mo
     def singular(_scene, _speeds):  # as an undamped shaft at its critical speed
         raise SimulationError("no steady state")
 
-    monkeypatch.setattr("autobalancer.harness.checks.pictures.measured_bending", singular)
+    monkeypatch.setattr("autobalancer.harness.checks.pictures.cosimulated_bending", singular)
     report = tmp_path / "report"
     outcome = CliRunner().invoke(program(), ["check", "liquid_touch", "--report", str(report)])
     assert outcome.exit_code == 0, outcome.output

@@ -138,7 +138,7 @@ def test_a_signal_ends_the_process_at_any_moment_and_leaves_no_file(tmp_path, an
 
 @pytest.mark.parametrize(
     ("module", "number", "word"),
-    [("typer", 2, "interrupted"), ("autobalancer.harness.accuracy.stress", 15, "terminated")],
+    [("typer", 2, "interrupted"), ("autobalancer.harness.commands.stress", 15, "terminated")],
 )
 def test_a_signal_while_the_program_loads_is_answered_in_a_word(
     tmp_path, answering, module, number, word
