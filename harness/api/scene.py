@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from pydantic import Field
 
@@ -11,9 +11,6 @@ from autobalancer.harness.scene import scene as description
 
 from .methods import Methods
 from .tables import Rotor, Run
-
-if TYPE_CHECKING:
-    pass
 
 
 class Scene(Methods, description.Scene):
