@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import json
+import subprocess
+import sys
 from importlib.metadata import version
 
 import pytest
@@ -13,9 +16,23 @@ from autobalancer.harness.manual import reference
 HELP_OF = (0, 29)  # release of Typer that wrote the options: others write them in other words
 
 
+PRINTED = """
+import json
+from typer.main import get_command
+from autobalancer.harness.__main__ import program
+from autobalancer.harness.manual import reference
+print(json.dumps(reference.pages(get_command(program()))))
+"""
+
+
 @pytest.fixture(scope="module")
-def pages() -> dict[str, str]:
-    return reference.pages(get_command(program()))
+def pages():
+    """As the program writes them, in a process of its own: classes that are built late show."""
+    command = [sys.executable, "-c", PRINTED]
+    found: dict[str, str] = json.loads(
+        subprocess.run(command, capture_output=True, check=True).stdout
+    )
+    return found
 
 
 @pytest.mark.parametrize("name", ["scene", "commands", "messages", "python", "units"])

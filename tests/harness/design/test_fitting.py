@@ -96,7 +96,7 @@ def test_balls_that_are_left_behind_are_not_recommended(fan):
     heavy = [t for t in found.trials if t.margin < 0.1]
     assert heavy
     assert all(t.worst.share < 1.0 for t in heavy)
-    assert "left behind" in " ".join(found.words())
+    assert any(line.startswith("None") for line in found.words())
 
 
 def test_no_candidate_with_the_capacity_is_a_reasoned_none(fan):
