@@ -7,17 +7,14 @@ from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from typing import Any
 
-import numpy as np
-
-from ...models.arrays import Array
 from ...models.linear.modes import speeds_of_interest
 from ..capture.captured import captured_or_none
 from ..errors import SimulationError, UserError
 from ..motions.study import find_motions
 from ..output.outcome import Outcome
-from ..output.picture import Line, Panel, Picture, PlotAxis, colour
 from ..output.report import Part
 from ..output.table import GOOD, Sheet
+from ..result.compared import draw_both
 from ..result.result import Result
 from ..result.verdict.ruling import millimetres
 from ..scatter.report import grade_table, lines
@@ -33,7 +30,6 @@ from .runs import SwitchedOn
 
 Parts = list[str | Part]
 METHODS = ("criterion", "floquet")
-BINS = 800  # of a picture over time
 STARTS = 40  # random ones of each kind: a share is known to +-15 points
 
 
@@ -181,18 +177,5 @@ def compared(started: SwitchedOn) -> bytes:
     """Picture of the vibration over time, with and without balancers."""
     assert started.run is not None
     assert started.bare is not None
-    runs = {"without balancers": started.bare, "with balancers": started.run}
-    lines = [
-        Line((time, 1e3 * size), label, colour(number))
-        for number, (label, run) in enumerate(runs.items())
-        for time, size in [envelope(run)]
-    ]
-    axes = (PlotAxis("time", "s"), PlotAxis("vibration", "mm"))
-    return Picture("From standstill, weights at rest", [Panel(axes, lines)])._repr_png_()
-
-
-def envelope(run: Result) -> tuple[Array, Array]:
-    """Largest distance of a station from its rest in each of `BINS` parts of the run [s, m]."""
-    size = distances(run)
-    edges = np.linspace(0, len(size), min(BINS, len(size)) + 1).astype(int)[:-1]
-    return run.time[edges], np.maximum.reduceat(size, edges)
+    runs = [(run.time, distances(run)) for run in (started.run, started.bare)]
+    return draw_both(started.scene, runs[0], runs[1])._repr_png_()

@@ -39,17 +39,22 @@ def compare(scene: Scene, time: Array, signals: dict[str, Array]) -> Picture:
     bare = without_balancers(scene)
     if bare is None:
         raise UserError("--compare: the rotor without balancers cannot be run")
-    factor, unit = metres(float(max(size.max(), bare[1].max())))
+    return draw_both(scene, (time, size), bare)
+
+
+def draw_both(scene: Scene, own: tuple[Array, Array], bare: tuple[Array, Array]) -> Picture:
+    """The envelopes of both runs, each by its times (T,) [s] and distances (T,) [m]."""
+    factor, unit = metres(float(max(own[1].max(), bare[1].max())))
     lines = [
         _envelope(*bare, factor, "without balancers", GREY),
-        _envelope(time, size, factor, "with balancers", colour(0)),
+        _envelope(*own, factor, "with balancers", colour(0)),
     ]
     top = max(float(line.points[1].max()) for line in lines)
     vibration = PlotAxis("vibration, 0-peak", unit, log=True, limits=(_SMALLEST * top, 1.5 * top))
     panels = [Panel((PlotAxis("time", "s"), vibration), lines)]
     profile = scene.profile()
     if profile.changes and not scene.operation.motor:
-        speed = Line((time, profile.speeds_at(time)), "", GREY)
+        speed = Line((own[0], profile.speeds_at(own[0])), "", GREY)
         panels.append(Panel((PlotAxis("time", "s"), PlotAxis("speed", "rad/s")), [speed]))
     return Picture(f"{scene.heading}: with and without balancers", panels)
 
