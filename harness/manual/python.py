@@ -49,6 +49,8 @@ def _entry(name: str, thing: Any, level: str) -> Iterator[str]:
     is_class = inspect.isclass(thing)
     is_error = is_class and issubclass(thing, Exception)
     is_table = is_class and issubclass(thing, Table)
+    if is_table:
+        thing.model_rebuild()  # else the signature depends on whether the class was used before
     if callable(thing) and not is_error:
         yield from ("```python", _signature(name.split(".")[-1], thing, is_table), "```", "")
     yield from _docstring(inspect.getdoc(thing) or "")
