@@ -1,10 +1,104 @@
 /* Two numbers that are computed together: the parts of a vector or of a complex number x + i y, or two of a
-   kind.  Every operation is rounded number by number, as if there were no pairs. */
+   kind.  Every operation is rounded number by number, as if there were no pairs.
+
+   An x86-64 or 64-bit ARM processor holds both numbers in one register; compilers make use of that only
+   where they are told to.  Elsewhere a pair is two numbers.  A pair lies at a multiple of its size. */
 #ifndef AUTOBALANCER_PAIR_H
 #define AUTOBALANCER_PAIR_H
 
-/* Wherever a number may stand, a pair may. */
-typedef double Pair __attribute__((vector_size(16), aligned(8)));
+#if defined(__x86_64__) || defined(_M_X64)
+#include <emmintrin.h>
+
+typedef struct {
+    __m128d both;
+} Pair;
+
+static inline Pair pair_of(double x, double y)
+{
+    const Pair made = {_mm_set_pd(y, x)};
+    return made;
+}
+
+static inline double pair_x(Pair a)
+{
+    return _mm_cvtsd_f64(a.both);
+}
+
+static inline double pair_y(Pair a)
+{
+    return _mm_cvtsd_f64(_mm_unpackhi_pd(a.both, a.both));
+}
+
+/* a + b */
+static inline Pair pair_sum(Pair a, Pair b)
+{
+    const Pair made = {_mm_add_pd(a.both, b.both)};
+    return made;
+}
+
+/* a - b */
+static inline Pair pair_difference(Pair a, Pair b)
+{
+    const Pair made = {_mm_sub_pd(a.both, b.both)};
+    return made;
+}
+
+/* Each number of a by that of b. */
+static inline Pair pair_times(Pair a, Pair b)
+{
+    const Pair made = {_mm_mul_pd(a.both, b.both)};
+    return made;
+}
+
+#elif defined(__aarch64__) || defined(_M_ARM64)
+#include <arm_neon.h>
+
+typedef struct {
+    float64x2_t both;
+} Pair;
+
+static inline Pair pair_of(double x, double y)
+{
+    const Pair made = {vcombine_f64(vdup_n_f64(x), vdup_n_f64(y))};
+    return made;
+}
+
+static inline double pair_x(Pair a)
+{
+    return vgetq_lane_f64(a.both, 0);
+}
+
+static inline double pair_y(Pair a)
+{
+    return vgetq_lane_f64(a.both, 1);
+}
+
+/* a + b */
+static inline Pair pair_sum(Pair a, Pair b)
+{
+    const Pair made = {vaddq_f64(a.both, b.both)};
+    return made;
+}
+
+/* a - b */
+static inline Pair pair_difference(Pair a, Pair b)
+{
+    const Pair made = {vsubq_f64(a.both, b.both)};
+    return made;
+}
+
+/* Each number of a by that of b. */
+static inline Pair pair_times(Pair a, Pair b)
+{
+    const Pair made = {vmulq_f64(a.both, b.both)};
+    return made;
+}
+
+#else
+
+typedef struct {
+    double x, y;
+} Pair;
 
 static inline Pair pair_of(double x, double y)
 {
@@ -12,33 +106,95 @@ static inline Pair pair_of(double x, double y)
     return made;
 }
 
+static inline double pair_x(Pair a)
+{
+    return a.x;
+}
+
+static inline double pair_y(Pair a)
+{
+    return a.y;
+}
+
+/* a + b */
+static inline Pair pair_sum(Pair a, Pair b)
+{
+    return pair_of(a.x + b.x, a.y + b.y);
+}
+
+/* a - b */
+static inline Pair pair_difference(Pair a, Pair b)
+{
+    return pair_of(a.x - b.x, a.y - b.y);
+}
+
+/* Each number of a by that of b. */
+static inline Pair pair_times(Pair a, Pair b)
+{
+    return pair_of(a.x * b.x, a.y * b.y);
+}
+
+#endif
+
 static inline Pair pair_both(double x)
 {
     return pair_of(x, x);
 }
 
+/* The first number, or the second. */
+static inline double pair_at(Pair a, int second)
+{
+    return second ? pair_y(a) : pair_x(a);
+}
+
+static inline void pair_set(Pair *a, int second, double value)
+{
+    *a = second ? pair_of(pair_x(*a), value) : pair_of(value, pair_y(*a));
+}
+
+static inline Pair pair_scaled(Pair a, double factor)
+{
+    return pair_times(a, pair_both(factor));
+}
+
+/* a + b c, number by number. */
+static inline Pair pair_add_times(Pair a, Pair b, Pair c)
+{
+    return pair_sum(a, pair_times(b, c));
+}
+
+static inline Pair pair_add_scaled(Pair a, Pair b, double factor)
+{
+    return pair_sum(a, pair_scaled(b, factor));
+}
+
+static inline Pair pair_negative(Pair a)
+{
+    return pair_of(-pair_x(a), -pair_y(a));
+}
+
 /* i a: a quarter turn further. */
 static inline Pair pair_turned(Pair a)
 {
-    return pair_of(-a[1], a[0]);
+    return pair_of(-pair_y(a), pair_x(a));
 }
 
 /* -i a: a quarter turn back. */
 static inline Pair pair_turned_back(Pair a)
 {
-    return pair_of(a[1], -a[0]);
+    return pair_of(pair_y(a), -pair_x(a));
 }
 
 /* a b as complex numbers. */
 static inline Pair pair_product(Pair a, Pair b)
 {
-    return pair_of(a[0] * b[0] - a[1] * b[1], a[0] * b[1] + a[1] * b[0]);
+    return pair_of(pair_x(a) * pair_x(b) - pair_y(a) * pair_y(b), pair_x(a) * pair_y(b) + pair_y(a) * pair_x(b));
 }
 
 /* Im(a* b). */
 static inline double pair_crossed(Pair a, Pair b)
 {
-    return a[0] * b[1] - a[1] * b[0];
+    return pair_x(a) * pair_y(b) - pair_y(a) * pair_x(b);
 }
 
 #endif

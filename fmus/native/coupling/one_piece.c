@@ -182,9 +182,10 @@ static double first_displacement(const Composite *c)
     double moment = 0.0, largest = 0.0;
     int k;
     for (k = 0; k < n; k++) {
-        const Pair heavy = m->gravity * pair_both(mass);
-        moment += hypotenuse(m->unbalance[k][0], m->unbalance[k][1]);
-        largest = larger(largest, hypotenuse(heavy[0], heavy[1]) / larger(m->stiffness[k * n + k][0], mass));
+        const Pair heavy = pair_scaled(m->gravity, mass);
+        moment += hypotenuse(pair_x(m->unbalance[k]), pair_y(m->unbalance[k]));
+        const double stiffness = larger(pair_x(m->stiffness[k * n + k]), mass);
+        largest = larger(largest, hypotenuse(pair_x(heavy), pair_y(heavy)) / stiffness);
     }
     for (k = 0; k < m->weight_count; k++) {
         moment = larger(moment, m->weights[k].moment);

@@ -36,20 +36,20 @@ static Knot plane_signal(const Composite *c, int plane)
     const Machine *m = &c->pieces.instant;
     const int n = m->stations;
     const double *row = composite_rotor(c)->rotor.planes + plane * n;
-    Pair a = {0.0, 0.0}, slope = {0.0, 0.0}, back = m->spin[0];
+    Pair a = pair_both(0.0), slope = a, back = m->spin[0];
     Knot knot;
     int i;
-    back[1] = -back[1];
+    back = pair_of(pair_x(back), -pair_y(back));
     for (i = 0; i < n; i++) {
-        a += m->acceleration[i] * pair_both(row[i]);
-        slope += m->acceleration[n + i] * pair_both(row[i]);
+        a = pair_add_scaled(a, m->acceleration[i], row[i]);
+        slope = pair_add_scaled(slope, m->acceleration[n + i], row[i]);
     }
-    slope = pair_product(slope - pair_turned(a) * pair_both(m->speed[0]), back);
+    slope = pair_product(pair_difference(slope, pair_scaled(pair_turned(a), m->speed[0])), back);
     a = pair_product(a, back);
-    a *= pair_both(m->rate * m->rate);
-    slope *= pair_both(m->rate * m->rate * m->rate);
-    knot.value = complex_of(a[0], a[1]);
-    knot.slope = complex_of(slope[0], slope[1]);
+    a = pair_scaled(a, m->rate * m->rate);
+    slope = pair_scaled(slope, m->rate * m->rate * m->rate);
+    knot.value = complex_of(pair_x(a), pair_y(a));
+    knot.slope = complex_of(pair_x(slope), pair_y(slope));
     return knot;
 }
 
@@ -216,7 +216,7 @@ int one_piece_observe_places(Unit *unit)
         return 1;
     }
     for (k = 0; k < unit->asked_count; k++) {
-        unit->real[unit->asked[k]] = pieces->places[plan[k].column][plan[k].number];
+        unit->real[unit->asked[k]] = pair_at(pieces->places[plan[k].column], plan[k].number);
     }
     return 0;
 }
@@ -236,9 +236,9 @@ int one_piece_rates(Unit *unit, double *rates)
     *rates++ = m->speed[0] * m->rate;
     copy_doubles(2 * (size_t)n, c->parts->unit->memory + MOTION + 2 * n, rates);
     for (k = 0; k < n; k++) {
-        const Pair a = (m->acceleration[k] + m->gravity) * pair_both(square);
-        rates[2 * n + 2 * k] = a[0];
-        rates[2 * n + 2 * k + 1] = a[1];
+        const Pair a = pair_scaled(pair_sum(m->acceleration[k], m->gravity), square);
+        rates[2 * n + 2 * k] = pair_x(a);
+        rates[2 * n + 2 * k + 1] = pair_y(a);
     }
     rates += 4 * n;
     for (k = 1; k < c->parts_without_motor; k++) {
@@ -246,7 +246,7 @@ int one_piece_rates(Unit *unit, double *rates)
         const int count = balls ? balls->count : 0;
         for (w = 0; w < count; w++, i++) {
             rates[w] = c->parts[k].unit->memory[count + w];
-            rates[count + w] = m->velocity[m->width + n + i / 2][i % 2] * square;
+            rates[count + w] = pair_at(m->velocity[m->width + n + i / 2], i % 2) * square;
         }
         rates += 2 * count;
     }

@@ -44,18 +44,18 @@ double one_piece_load(const Composite *c, Machine *m, const double *states, doub
 {
     const double *rotor = state_of(c, c->parts, states), *place = rotor + MOTION;
     const int n = m->stations;
-    const Pair t = pair_both(m->per_rate);
     int k, w, i = 0;
     for (k = 0; k < n; k++) {
         m->motion[k] = pair_of(place[2 * k], place[2 * k + 1]);
-        m->velocity[k] = pair_of(place[2 * n + 2 * k], place[2 * n + 2 * k + 1]) * t;
+        m->velocity[k] = pair_of(place[2 * n + 2 * k], place[2 * n + 2 * k + 1]);
+        m->velocity[k] = pair_scaled(m->velocity[k], m->per_rate);
     }
     for (k = 1; k < c->parts_without_motor; k++) {
         const Balls *balls = part_balls(c->parts + k);
         const double *angles = state_of(c, c->parts + k, states);
         for (w = 0; balls && w < balls->count; w++, i++) {
-            m->motion[n + i / 2][i % 2] = angles[w];
-            m->velocity[n + i / 2][i % 2] = angles[balls->count + w] * m->per_rate;
+            pair_set(&m->motion[n + i / 2], i % 2, angles[w]);
+            pair_set(&m->velocity[n + i / 2], i % 2, angles[balls->count + w] * m->per_rate);
         }
     }
     m->speed[0] = speed * m->per_rate;
@@ -76,7 +76,8 @@ void one_piece_push(const Composite *c, Machine *m, const double *forces, double
         for (k = 0; k < planes; k++) {
             const Pair force = outside_derivative(c, forces, k, order, time);
             for (i = 0; i < n; i++) {
-                m->push[order * n + i] += force * pair_both(rotor->planes[k * n + i] * power);
+                m->push[order * n + i] =
+                    pair_add_scaled(m->push[order * n + i], force, rotor->planes[k * n + i] * power);
             }
         }
     }
@@ -132,12 +133,12 @@ static void stand_at(Unit *unit, double time)
     memcpy(c->states, c->at_begin, c->state_count * sizeof(double));
     angle_turn(rotor, turned);
     for (k = 0; k < n; k++) {
-        const Pair at = machine_at(m->motion + k, width, order, time);
-        const Pair velocity = machine_at(m->velocity + k, width, order - 1, time) * pair_both(m->rate);
-        place[2 * k] = at[0];
-        place[2 * k + 1] = at[1];
-        place[2 * n + 2 * k] = velocity[0];
-        place[2 * n + 2 * k + 1] = velocity[1];
+        const Pair displacement = machine_at(m->motion + k, width, order, time);
+        const Pair velocity = pair_scaled(machine_at(m->velocity + k, width, order - 1, time), m->rate);
+        place[2 * k] = pair_x(displacement);
+        place[2 * k + 1] = pair_y(displacement);
+        place[2 * n + 2 * k] = pair_x(velocity);
+        place[2 * n + 2 * k + 1] = pair_y(velocity);
     }
     place[4 * n] = speed;
     place[4 * n + 1] = 0.0;
@@ -146,8 +147,9 @@ static void stand_at(Unit *unit, double time)
         double *angles = c->parts[k].unit->memory;
         for (w = 0; balls && w < balls->count; w++, i++) {
             const int column = n + i / 2;
-            angles[w] = machine_at(m->motion + column, width, order, time)[i % 2];
-            angles[balls->count + w] = machine_at(m->velocity + column, width, order - 1, time)[i % 2] * m->rate;
+            angles[w] = pair_at(machine_at(m->motion + column, width, order, time), i % 2);
+            angles[balls->count + w] =
+                pair_at(machine_at(m->velocity + column, width, order - 1, time), i % 2) * m->rate;
         }
     }
     if (c->motor) {
@@ -262,9 +264,9 @@ static int look_on(Unit *unit, double time)
     while (own->looked < own->looks && clock->begin + (own->looked + 1.0) * apart <= time) {
         const double now = ++own->looked * apart * m->rate, angle = machine_turned(m, order, now);
         for (i = 0; i < m->stations; i++) {
-            const Pair at = machine_at(m->motion + i, m->width, order, now);
-            place[2 * i] = at[0];
-            place[2 * i + 1] = at[1];
+            const Pair displacement = machine_at(m->motion + i, m->width, order, now);
+            place[2 * i] = pair_x(displacement);
+            place[2 * i + 1] = pair_y(displacement);
         }
         verdict_look(c, place, angle - turned);
         turned = angle;

@@ -64,10 +64,10 @@ Pair outside_derivative(const Composite *c, const double *forces, int plane, int
 {
     const size_t stride = components(c);
     const double *told = forces + 2 * (size_t)plane + stride * (size_t)(SIGNAL_ORDERS - 1);
-    Pair sum = {0.0, 0.0};
+    Pair sum = pair_both(0.0);
     int k;
     for (k = SIGNAL_ORDERS - 1; k >= order; k--, told -= stride) {
-        sum = sum * pair_both(time / (k - order + 1)) + pair_of(told[0], told[1]);
+        sum = pair_sum(pair_scaled(sum, time / (k - order + 1)), pair_of(told[0], told[1]));
     }
     return sum;
 }

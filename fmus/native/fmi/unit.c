@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "base/elementary.h"
+#include "base/pair.h"
 
 /* A host's own sums of times are off by their rounding; more is another point in time. */
 static const double POINT_OF_STEP = 1e-6, POINT_OF_TIME = 1e-10;
@@ -12,15 +13,15 @@ static const double POINT_OF_STEP = 1e-6, POINT_OF_TIME = 1e-10;
 
 void *unit_allocate(Unit *unit, size_t count, size_t size)
 {
-    /* the first double of a block is the link to the block before */
-    const size_t most = ((size_t)-1 - sizeof(double)) / (size ? size : 1);
-    void **block = count <= most ? calloc(1, sizeof(double) + count * size) : NULL;
+    /* a block begins with the link to the block before; pairs behind it lie at multiples of their size */
+    const size_t most = ((size_t)-1 - sizeof(Pair)) / (size ? size : 1);
+    void **block = count <= most ? calloc(1, sizeof(Pair) + count * size) : NULL;
     if (!block) {
         return NULL;
     }
     *block = unit->allocated;
     unit->allocated = block;
-    return (char *)block + sizeof(double);
+    return (char *)block + sizeof(Pair);
 }
 
 void unit_free(Unit *unit)

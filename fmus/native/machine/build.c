@@ -83,8 +83,9 @@ void machine_take_rotor(Machine *machine, const LinearRotor *rotor, double rate)
     copy_doubles((size_t)square, rotor->mass, machine->mass);
     for (k = 0; k < square; k++) {
         const double inner = rotor->internal_damping[k] * t;
-        machine->stiffness[k] = pair_of(rotor->stiffness_x[k], rotor->stiffness_y[k]) * pair_both(t * t);
-        machine->damping[k] = pair_of(rotor->damping_x[k], rotor->damping_y[k]) * pair_both(t) + pair_both(inner);
+        machine->stiffness[k] = pair_scaled(pair_of(rotor->stiffness_x[k], rotor->stiffness_y[k]), t * t);
+        machine->damping[k] = pair_scaled(pair_of(rotor->damping_x[k], rotor->damping_y[k]), t);
+        machine->damping[k] = pair_sum(machine->damping[k], pair_both(inner));
         machine->internal_damping[k] = inner;
         machine->gyroscopic[k] = rotor->gyroscopic[k];
     }
@@ -92,7 +93,7 @@ void machine_take_rotor(Machine *machine, const LinearRotor *rotor, double rate)
     for (k = 0; k < n; k++) {
         machine->unbalance[k] = pair_of(rotor->unbalance[2 * k], rotor->unbalance[2 * k + 1]);
     }
-    machine->gravity = pair_of(rotor->gravity[0], rotor->gravity[1]) * pair_both(t * t);
+    machine->gravity = pair_scaled(pair_of(rotor->gravity[0], rotor->gravity[1]), t * t);
 }
 
 void machine_take_liquid(Machine *machine, const double *row, double mass)
@@ -137,7 +138,7 @@ void machine_take_weights(Machine *machine, const double *row, const Track *trac
     machine->width = machine->stations + (made->end + 1) / 2;
     machine_take_liquid(machine, row, made->mass);
     for (k = 0; k < machine->stations && made->is_off; k++) {
-        machine->unbalance[k] += made->offset * pair_both(row[k] * made->mass);
+        machine->unbalance[k] = pair_add_scaled(machine->unbalance[k], made->offset, row[k] * made->mass);
     }
 }
 
@@ -150,7 +151,8 @@ void machine_take_motor(Machine *machine, const Motor *motor)
     machine->unknowns = 2 * machine->stations + 1;
     for (k = 0; k < machine->track_count; k++) {
         const MachineTrack *track = machine->tracks + k;
-        drive->inertia += track->mass * (track->offset[0] * track->offset[0] + track->offset[1] * track->offset[1]);
+        const Pair offset = track->offset;
+        drive->inertia += track->mass * (pair_x(offset) * pair_x(offset) + pair_y(offset) * pair_y(offset));
         for (j = track->first; j < track->end; j++) {
             drive->inertia += machine->weights[j].inertia;
         }

@@ -40,7 +40,7 @@ static double term_of(const Machine *m, int k, double per_largest)
     double most = 0.0;
     int i;
     for (i = 0; i < m->width; i++) {
-        const double size = larger(absolute(motion[i][0]), absolute(motion[i][1]));
+        const double size = larger(absolute(pair_x(motion[i])), absolute(pair_y(motion[i])));
         most = larger(most, i < m->stations ? per_largest * size : size);
     }
     return m->drive.motor ? larger(most, absolute(m->speed[k - 1]) / k) : most;
@@ -67,10 +67,13 @@ Pair machine_at(const Pair *series, int stride, int order, double time)
     Pair high = at[0], low = at[-stride]; /* two sums in turn: neither waits for the other */
     int k;
     for (k = order; k > 2; k -= 2, at -= 2 * stride) {
-        high = high * square + at[-2 * stride];
-        low = low * square + at[-3 * stride];
+        high = pair_sum(pair_times(high, square), at[-2 * stride]);
+        low = pair_sum(pair_times(low, square), at[-3 * stride]);
     }
-    return k == 2 ? high * square + series[0] + low * step : low + high * step;
+    if (k == 2) {
+        return pair_add_times(pair_sum(pair_times(high, square), series[0]), low, step);
+    }
+    return pair_add_times(low, high, step);
 }
 
 double machine_speed_at(const Machine *m, int order, double time)

@@ -8,7 +8,7 @@ static double coupled(const Machine *m, const MachineTrack *track, const SeriesW
 {
     const Pair p = weight->unit[0];
     if (unknown < 2 * m->stations) {
-        return track->row[unknown / 2] * (unknown % 2 ? p[0] : -p[1]);
+        return track->row[unknown / 2] * (unknown % 2 ? pair_x(p) : -pair_y(p));
     }
     /* Re((e E)* p) */
     return pair_crossed(p, pair_turned(pair_product(track->offset, m->spin[0]))) - weight->roll;
@@ -28,8 +28,8 @@ static void set_matrix(Machine *m)
     if (size > 2 * n) {
         for (j = 0; j < n; j++) {
             const Pair pulled = pair_turned(pair_product(m->unbalance[j], m->spin[0]));
-            a[2 * n * size + 2 * j] = pulled[0];
-            a[2 * n * size + 2 * j + 1] = pulled[1];
+            a[2 * n * size + 2 * j] = pair_x(pulled);
+            a[2 * n * size + 2 * j + 1] = pair_y(pulled);
         }
         a[2 * n * size + 2 * n] = m->drive.inertia;
     }
@@ -102,10 +102,10 @@ static void solve(const Machine *m, double *b)
 static Pair times_speed(const Machine *m, const Pair *series, int stride, int k)
 {
     const int last = k < m->speed_order ? k : m->speed_order;
-    Pair sum = series[k * stride] * pair_both(m->speed[0]);
+    Pair sum = pair_scaled(series[k * stride], m->speed[0]);
     int j;
     for (j = 1; j <= last; j++) {
-        sum += series[(k - j) * stride] * pair_both(m->speed[j]);
+        sum = pair_add_scaled(sum, series[(k - j) * stride], m->speed[j]);
     }
     return sum;
 }
@@ -114,15 +114,15 @@ static Pair times_speed(const Machine *m, const Pair *series, int stride, int k)
 static Pair spun(const Machine *m, int k)
 {
     const int last = k < m->speed_order ? k : m->speed_order;
-    Pair sum = m->spin[k + 1] * pair_both(m->speed[0]);
+    Pair sum = pair_scaled(m->spin[k + 1], m->speed[0]);
     int j;
     for (j = 1; j <= last; j++) {
-        sum += m->spin[k + 1 - j] * pair_both(m->speed[j]);
+        sum = pair_add_scaled(sum, m->spin[k + 1 - j], m->speed[j]);
     }
     if (!m->drive.motor && k < m->speed_order) {
-        sum += m->spin[0] * pair_both(m->speed[k + 1]);
+        sum = pair_add_scaled(sum, m->spin[0], m->speed[k + 1]);
     }
-    return pair_turned(sum) * pair_both(k + 1);
+    return pair_scaled(pair_turned(sum), k + 1);
 }
 
 /* Forces on the stations of order k, apart from the weights'. */
@@ -132,27 +132,28 @@ static void push_stations(Machine *m, int k, Pair spun_twice)
     const Pair *q = m->motion + k * m->width, *v = m->velocity + k * m->width;
     int i, j;
     for (i = 0; i < n; i++) {
-        Pair sum = -pair_product(m->unbalance[i], spun_twice);
+        Pair sum = pair_negative(pair_product(m->unbalance[i], spun_twice));
         for (j = 0; j < n; j++) {
-            sum -= m->stiffness[i * n + j] * q[j] + m->damping[i * n + j] * v[j];
+            const Pair sprung = pair_times(m->stiffness[i * n + j], q[j]);
+            sum = pair_difference(sum, pair_add_times(sprung, m->damping[i * n + j], v[j]));
         }
         if (m->turns) {
-            Pair turning = {0.0, 0.0};
+            Pair turning = pair_both(0.0);
             for (j = 0; j < n; j++) {
-                turning += pair_both(m->internal_damping[i * n + j]) * q[j] +
-                           pair_both(m->gyroscopic[i * n + j]) * v[j];
+                const Pair damped = pair_scaled(q[j], m->internal_damping[i * n + j]);
+                turning = pair_sum(turning, pair_add_scaled(damped, v[j], m->gyroscopic[i * n + j]));
             }
             m->turning[k * n + i] = turning;
-            sum += pair_turned(times_speed(m, m->turning + i, n, k));
+            sum = pair_sum(sum, pair_turned(times_speed(m, m->turning + i, n, k)));
             if (m->drive.motor) {
                 m->swept[k * n + i] = times_speed(m, m->motion + i, m->width, k);
             }
         }
         if (k < SIGNAL_ORDERS) {
-            sum += m->push[k * n + i];
+            sum = pair_sum(sum, m->push[k * n + i]);
         }
-        m->right[2 * i] = sum[0];
-        m->right[2 * i + 1] = sum[1];
+        m->right[2 * i] = pair_x(sum);
+        m->right[2 * i + 1] = pair_y(sum);
     }
 }
 
@@ -163,17 +164,17 @@ static void push_weights(Machine *m, int k, Pair spun_twice)
     int t, w, i;
     for (t = 0; t < m->track_count; t++) {
         MachineTrack *track = m->tracks + t;
-        Pair force = {0.0, 0.0};
+        Pair force = pair_both(0.0);
         track->known = track->is_off ? pair_product(track->offset, spun_twice) : force;
         for (w = track->first; w < track->end; w++) {
             SeriesWeight *weight = m->weights + w;
-            const double speed = m->velocity[k * m->width + n + w / 2][w % 2];
+            const double speed = pair_at(m->velocity[k * m->width + n + w / 2], w % 2);
             series_weight_advance(weight, k, track->pull, track->known, speed, carried);
-            force += series_weight_force(weight);
+            force = pair_sum(force, series_weight_force(weight));
         }
         for (i = 0; i < n; i++) {
-            m->right[2 * i] += track->row[i] * force[0];
-            m->right[2 * i + 1] += track->row[i] * force[1];
+            m->right[2 * i] += track->row[i] * pair_x(force);
+            m->right[2 * i + 1] += track->row[i] * pair_y(force);
         }
     }
 }
@@ -182,14 +183,13 @@ static void push_weights(Machine *m, int k, Pair spun_twice)
 static void take_stations(Machine *m, int k)
 {
     const int n = m->stations;
-    const Pair next = pair_both(m->per[k + 1]), second = pair_both(m->per[k + 2]);
     Pair *v = m->velocity + (k + 1) * m->width, *q = m->motion + (k + 2) * m->width;
     int i;
     for (i = 0; i < n; i++) {
         const Pair a = pair_of(m->right[2 * i], m->right[2 * i + 1]);
         m->acceleration[k * n + i] = a;
-        v[i] = (k == 0 ? a + m->gravity : a) * next;
-        q[i] = v[i] * second;
+        v[i] = pair_scaled(k == 0 ? pair_sum(a, m->gravity) : a, m->per[k + 1]);
+        q[i] = pair_scaled(v[i], m->per[k + 2]);
     }
 }
 
@@ -201,26 +201,26 @@ static void take_weights(Machine *m, int k, double speed_gained)
         MachineTrack *track = m->tracks + t;
         Pair a = track->known;
         for (i = 0; i < n; i++) {
-            a += m->acceleration[k * n + i] * pair_both(track->row[i]);
+            a = pair_add_scaled(a, m->acceleration[k * n + i], track->row[i]);
         }
         if (m->drive.motor && track->is_off) {
-            a += pair_product(track->offset, pair_turned(m->spin[0])) * pair_both(m->right[2 * n]);
+            a = pair_add_scaled(a, pair_product(track->offset, pair_turned(m->spin[0])), m->right[2 * n]);
         }
         track->pull[k] = pair_turned_back(a);
-        a -= track->known; /* which is in 'free' already */
+        a = pair_difference(a, track->known); /* which is in 'free' already */
         for (w = track->first; w < track->end; w++) {
             SeriesWeight *weight = m->weights + w;
-            const Pair along = pair_turned_back(a) * weight->unit[0];
-            double pulled = along[0] + along[1];
+            const Pair along = pair_times(pair_turned_back(a), weight->unit[0]);
+            double pulled = pair_x(along) + pair_y(along);
             if (m->drive.motor) {
                 pulled -= weight->roll * m->right[2 * n];
             }
             series_weight_finish(weight, k, weight->free - weight->lever * pulled, m->per + k + 1);
-            m->velocity[(k + 1) * m->width + n + w / 2][w % 2] = weight->rate[k + 1][0] - speed_gained;
+            pair_set(&m->velocity[(k + 1) * m->width + n + w / 2], w % 2, pair_x(weight->rate[k + 1]) - speed_gained);
         }
     }
     for (w = n; w < m->width; w++) {
-        m->motion[(k + 1) * m->width + w] = m->velocity[k * m->width + w] * pair_both(m->per[k + 1]);
+        m->motion[(k + 1) * m->width + w] = pair_scaled(m->velocity[k * m->width + w], m->per[k + 1]);
     }
 }
 
@@ -230,12 +230,12 @@ static void start_series(Machine *m, double angle)
     const Complex turned = rect(1.0, angle);
     int i, t, w;
     m->spin[0] = pair_of(turned.re, turned.im);
-    m->spin[1] = pair_turned(m->spin[0]) * pair_both(m->speed[0]);
+    m->spin[1] = pair_scaled(pair_turned(m->spin[0]), m->speed[0]);
     for (t = 0; t < m->track_count; t++) {
         for (w = m->tracks[t].first; w < m->tracks[t].end; w++) {
             SeriesWeight *weight = m->weights + w;
-            weight->rate[0] = pair_both(m->speed[0] + m->velocity[n + w / 2][w % 2]);
-            series_weight_start(weight, angle + m->motion[n + w / 2][w % 2]);
+            weight->rate[0] = pair_both(m->speed[0] + pair_at(m->velocity[n + w / 2], w % 2));
+            series_weight_start(weight, angle + pair_at(m->motion[n + w / 2], w % 2));
         }
     }
     for (i = 0; i < n; i++) {
@@ -251,7 +251,7 @@ void machine_expand(Machine *m, double angle, int order)
     m->speed_order = m->drive.motor ? 0 : m->speed[1] != 0.0;
     start_series(m, angle);
     for (k = 0; k <= order - 2; k++) {
-        const Pair spun_twice = spun(m, k);
+        Pair spun_twice = spun(m, k);
         double gained = !m->drive.motor && k < m->speed_order ? m->speed[k + 1] : 0.0;
         push_stations(m, k, spun_twice);
         push_weights(m, k, spun_twice);
@@ -264,11 +264,12 @@ void machine_expand(Machine *m, double angle, int order)
             gained = shaft_take(m, k);
         }
         take_weights(m, k, gained);
-        m->spin[k + 2] = (m->drive.motor ? spun_twice + pair_turned(m->spin[0]) * pair_both(gained * (k + 1))
-                                         : spun_twice) *
-                         pair_both(m->per[k + 1] * m->per[k + 2]);
+        if (m->drive.motor) {
+            spun_twice = pair_add_scaled(spun_twice, pair_turned(m->spin[0]), gained * (k + 1));
+        }
+        m->spin[k + 2] = pair_scaled(spun_twice, m->per[k + 1] * m->per[k + 2]);
     }
     for (k = m->stations; k < m->width; k++) { /* the last of the weights' angles */
-        m->motion[order * m->width + k] = m->velocity[(order - 1) * m->width + k] * pair_both(m->per[order]);
+        m->motion[order * m->width + k] = pair_scaled(m->velocity[(order - 1) * m->width + k], m->per[order]);
     }
 }

@@ -9,10 +9,10 @@ static double damped(Machine *m, int k)
     double torque = 0.0;
     int i, j;
     for (i = 0; i < n; i++) {
-        Pair sheared = {0.0, 0.0};
+        Pair sheared = pair_both(0.0);
         for (j = 0; j < n; j++) {
-            sheared += pair_both(m->internal_damping[i * n + j]) *
-                       (v[j] - pair_turned(m->swept[k * n + j]));
+            const Pair past = pair_difference(v[j], pair_turned(m->swept[k * n + j]));
+            sheared = pair_add_scaled(sheared, past, m->internal_damping[i * n + j]);
         }
         m->sheared[k * n + i] = sheared;
         for (j = 0; j <= k; j++) {
@@ -25,7 +25,7 @@ static double damped(Machine *m, int k)
 /* Torque of the tracks' offsets without phi'' of order k, less that of a weight's mass. */
 static double off_centre(const Machine *m, const MachineTrack *track, const SeriesWeight *weight, int k)
 {
-    const Pair free = pair_turned(weight->turned + weight->unit[0] * pair_both(weight->free));
+    const Pair free = pair_turned(pair_add_scaled(weight->turned, weight->unit[0], weight->free));
     double sum = pair_crossed(pair_product(track->offset, m->spin[0]), free);
     int j;
     for (j = 1; j <= k; j++) {
@@ -53,7 +53,7 @@ void shaft_push(Machine *m, int k)
         for (w = track->first; w < track->end; w++) {
             const SeriesWeight *weight = m->weights + w;
             const double back = track->is_off ? off_centre(m, track, weight, k) : 0.0;
-            torque += weight->torque * m->velocity[k * m->width + n + w / 2][w % 2] +
+            torque += weight->torque * pair_at(m->velocity[k * m->width + n + w / 2], w % 2) +
                       weight->moment * (weight->roll * weight->free - back);
         }
     }
