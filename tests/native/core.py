@@ -6,7 +6,7 @@ import ctypes
 import math
 import subprocess
 from collections.abc import Callable, Sequence
-from ctypes import POINTER, byref, c_double, c_int, c_size_t
+from ctypes import POINTER, byref, c_bool, c_double, c_int, c_size_t
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -63,13 +63,14 @@ LinearRotor = _struct(
     deflections=c_int,
     **dict.fromkeys(_MATRICES, _D),
     gravity=c_double * 2,
-    sliders=c_int,
+    sliders=c_bool,
 )
 Spin = _struct("Spin", angle=c_double, speed=c_double, rates=c_double * 4)
-Drive = _struct(
-    "Drive",
+Excitation = _struct(
+    "Excitation",
     forces=_D,
-    **dict.fromkeys(["planes", "turning_force"], c_int),
+    planes=c_int,
+    turning_force=c_bool,
     spin=Spin,
 )
 Weights = _struct(
@@ -85,7 +86,7 @@ Track = _struct(
     **dict.fromkeys(["weight_radius", "restitution", "mobility", "rolling_resistance"], c_double),
     offset=Complex,
     **dict.fromkeys(["alpha", "lever", "grip", "damping_rate", "moment", "spin_share"], c_double),
-    **dict.fromkeys(["solid", "full", "eventful"], c_int),
+    **dict.fromkeys(["solid", "full", "eventful"], c_bool),
 )
 Moved = _struct(
     "Moved",
@@ -98,7 +99,7 @@ CentreMotion = _struct("CentreMotion", signal=Complex * 4, spin=Spin)
 Instant = _struct("Instant", motion=Complex * 2, spin=Spin)
 
 STRUCTURES = (
-    Complex, Failure, LinearRotor, Spin, Drive, Weights, Quadrature, Track, Moved,
+    Complex, Failure, LinearRotor, Spin, Excitation, Weights, Quadrature, Track, Moved,
     Instant,
 )  # fmt: skip
 
@@ -203,12 +204,12 @@ class Core:
         self._kept.append((memory, sliders, rotor))
         return made
 
-    def drive(
+    def excitation(
         self, forces: NDArray, turning: bool, angle: float, speed: float, *rates: float
     ) -> Any:
         """What moves a rotor: forces (4, p) on the planes, and how it turns."""
         spin = Spin(angle, speed, (c_double * 4)(*rates))
-        made = Drive(forces.ctypes.data_as(_D), forces.shape[1], int(turning), spin)
+        made = Excitation(forces.ctypes.data_as(_D), forces.shape[1], turning, spin)
         made.kept = forces
         return made
 

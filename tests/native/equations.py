@@ -167,22 +167,22 @@ class Pools(ctypes.Structure):
     _fields_ = (
         ("count", c_int),
         *((name, POINTER(c_int)) for name in ("first", "size")),
-        *((name, POINTER(c_double)) for name in ("drive", "limit", "mass", "value")),
+        *((name, POINTER(c_double)) for name in ("forcing", "limit", "mass", "value")),
     )
 
 
-def pooled(core: Core, drives: Sequence[float], limits: Sequence[float] | None) -> list[float]:
+def pooled(core: Core, forcings: Sequence[float], limits: Sequence[float] | None) -> list[float]:
     """Accelerations of a chain of touching weights, by the principle of least constraint."""
-    n = len(drives)
+    n = len(forcings)
     pools = Pools(0, *((c_int * n)() for _ in range(2)), *((c_double * n)() for _ in range(4)))
     values = np.empty(n)
     held = None if limits is None else np.array(limits, float)
-    core("pool_violators", byref(pools), np.array(drives, float), held, None, n, 0.0)
+    core("pool_violators", byref(pools), np.array(forcings, float), held, None, n, 0.0)
     core("expand_pools", byref(pools), values)
     return values.tolist()
 
 
-class Drive(NamedTuple):
+class Excitation(NamedTuple):
     """What moves a rotor over a step.
 
     Attributes:
@@ -225,11 +225,12 @@ class Friction:
         return held
 
     def advance(
-        self, state: NDArray, held: NDArray, drive: Drive, step: float
+        self, state: NDArray, held: NDArray, excitation: Excitation, step: float
     ) -> tuple[NDArray, NDArray]:
         """State and sliders one step later."""
-        state, held, forces = state.copy(), held.copy(), np.ascontiguousarray(drive.forces)
-        given = self.core.drive(forces, self.turning, drive.angle, drive.speed, *drive.spin_up)
+        state, held, forces = state.copy(), held.copy(), np.ascontiguousarray(excitation.forces)
+        by = excitation
+        given = self.core.excitation(forces, self.turning, by.angle, by.speed, *by.spin_up)
         reached = c_double(step)
         self.core.demand(
             "taylor_advance", byref(self._native), state, held, byref(given), float(step), 0,

@@ -10,14 +10,14 @@ import numpy as np
 import pytest
 
 from autobalancer.models.rotor import LinearRotor, Slider
-from tests.native.equations import Drive
+from tests.native.equations import Excitation
 
 pytestmark = pytest.mark.slow
 
 MASS, STIFFNESS, LIMIT = 2.0, 8.0e3, 3.0
 NATURAL = math.sqrt(STIFFNESS / MASS)
 NO_FORCE = np.zeros((4, 1), complex)
-REST = Drive(NO_FORCE, 0.0, 0.0)
+REST = Excitation(NO_FORCE, 0.0, 0.0)
 
 
 @pytest.fixture
@@ -31,7 +31,7 @@ def planar(friction_of):
     return make
 
 
-def run(method, state, seconds, steps, drive=REST, held=None):
+def run(method, state, seconds, steps, excitation=REST, held=None):
     """States and friction at the ends of equal steps, the start included."""
     state = np.array(state, float)
     held = method.at_start(state) if held is None else held
@@ -39,8 +39,8 @@ def run(method, state, seconds, steps, drive=REST, held=None):
     found = [(state, held)]
     for k in range(steps):
         t = k * step
-        angle, w, *spin_up = later([drive.angle, drive.speed, *drive.spin_up], t)
-        now = Drive(np.array(later(drive.forces, t)), angle, w, tuple(spin_up))
+        angle, w, *spin_up = later([excitation.angle, excitation.speed, *excitation.spin_up], t)
+        now = Excitation(np.array(later(excitation.forces, t)), angle, w, tuple(spin_up))
         state, held = method.advance(state, held, now, step)
         found.append((state, held))
     return found
@@ -81,8 +81,8 @@ def test_a_growing_force_moves_it_from_the_limit_on(planar, steps):
     growth, seconds = 40.0, 0.2  # N/s
     forces = NO_FORCE.copy()
     forces[1] = growth
-    drive = Drive(forces, 0.0, 0.0)
-    (state, _) = run(planar(Slider(0, 0, LIMIT)), [0.0] * 4, seconds, steps, drive)[-1]
+    excitation = Excitation(forces, 0.0, 0.0)
+    (state, _) = run(planar(Slider(0, 0, LIMIT)), [0.0] * 4, seconds, steps, excitation)[-1]
     since = seconds - LIMIT / growth
     expected = growth / STIFFNESS * (since - math.sin(NATURAL * since) / NATURAL)
     assert state[0] == pytest.approx(expected, rel=1e-11)
@@ -103,8 +103,8 @@ def test_forced_vibration_is_that_of_den_hartog(planar, ratio):
     method = planar(Slider(0, 0, LIMIT), unbalance=pull / speed**2)
     # at a turning point the mass is at its amplitude, with the force ahead by the phase
     for lead in (behind, -behind):
-        drive = Drive(NO_FORCE, lead, speed)
-        found = run(method, [amplitude, 0.0, 0.0, 0.0], 2.0 * math.pi / speed, 2, drive)
+        excitation = Excitation(NO_FORCE, lead, speed)
+        found = run(method, [amplitude, 0.0, 0.0, 0.0], 2.0 * math.pi / speed, 2, excitation)
         if abs(found[1][0][0] + amplitude) < 1e-6 * amplitude:
             break
     for turn_point, sign in ((1, -1.0), (2, 1.0)):
@@ -113,16 +113,16 @@ def test_forced_vibration_is_that_of_den_hartog(planar, ratio):
         assert abs(state[2]) < 1e-9 * speed * amplitude
 
 
-def slip_work(method, sliders, begin, seconds, drive=REST, depth=5):
+def slip_work(method, sliders, begin, seconds, excitation=REST, depth=5):
     """State and friction at the end, and the work of the sliders [J]: slip times limit.
 
     Stretches within which a slider has turned round are divided until they do not matter.
     """
-    state, held = method.advance(*begin, drive, seconds)
+    state, held = method.advance(*begin, excitation, seconds)
     if depth == 5 or (depth and (held[:, 0] != begin[1][:, 0]).any()):
         total, now, part = 0.0, begin, seconds / 20
         for k in range(20):
-            later = drive._replace(angle=drive.angle + drive.speed * k * part)
+            later = excitation._replace(angle=excitation.angle + excitation.speed * k * part)
             *now, work = slip_work(method, sliders, now, part, later, depth - 1)
             total += work
         return *now, total
@@ -137,12 +137,12 @@ def test_jenkins_hysteresis_loses_four_limits_times_the_slip(planar):
     spring, speed = 2.0e4, 0.8 * NATURAL
     slider = Slider(0, 0, LIMIT, spring)
     method = planar(slider, unbalance=5.0 * LIMIT / speed**2)
-    period, drive = 2.0 * math.pi / speed, Drive(NO_FORCE, 0.0, speed)
-    settled = run(method, [0.0] * 4, 200 * period, 200, drive)[-1]
-    found = run(method, settled[0], period, 1000, drive, settled[1])
+    period, excitation = 2.0 * math.pi / speed, Excitation(NO_FORCE, 0.0, speed)
+    settled = run(method, [0.0] * 4, 200 * period, 200, excitation)[-1]
+    found = run(method, settled[0], period, 1000, excitation, settled[1])
     assert abs(found[-1][0][0] - settled[0][0]) < 1e-12
     amplitude = max(abs(state[0]) for state, _ in found)
-    *_, lost = slip_work(method, [slider], settled, period, drive)
+    *_, lost = slip_work(method, [slider], settled, period, excitation)
     assert lost == pytest.approx(4.0 * LIMIT * (amplitude - LIMIT / spring), rel=2e-5)
 
 
@@ -178,9 +178,9 @@ def test_energy_goes_into_the_slip_alone(friction_of):
 @pytest.mark.parametrize("spin_up", [0.0, 300.0])
 def test_the_step_does_not_depend_on_how_it_is_divided(friction_of, spin_up, rates):
     method = friction_of(replace(BODY, sliders=SLIDERS))
-    drive = Drive(NO_FORCE, 0.3, 150.0, (spin_up, *rates))
+    excitation = Excitation(NO_FORCE, 0.3, 150.0, (spin_up, *rates))
     start = [2e-4, 1e-4, -1e-4, 2e-4, 0.05, 0.01, -0.02, 0.04]
-    once, often = (run(method, start, 0.1, steps, drive)[-1] for steps in (3, 211))
+    once, often = (run(method, start, 0.1, steps, excitation)[-1] for steps in (3, 211))
     np.testing.assert_allclose(once[0], often[0], atol=1e-11 * np.abs(once[0]).max())
     np.testing.assert_allclose(once[1], often[1], atol=1e-9)
 

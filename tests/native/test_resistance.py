@@ -69,7 +69,7 @@ def by_scipy(track, angle, rate, signal, speed, seconds):
 
 
 def test_constant_resistance_stops_a_weight_where_the_closed_form_says(track_of):
-    """No drive, no drag: v' = -(mu/kappa)(w + v)^2, so 1/(w + v) grows linearly until v = 0."""
+    """No forcing, no drag: v' = -(mu/kappa)(w + v)^2, so 1/(w + v) grows linearly until v = 0."""
     mu, kappa, w, v0 = 0.05, 1.4, 3.0, 0.4
     track = track_of(Weights(1, 0.1, 1.0, 0.0, kappa), rolling_resistance=mu)
     c = mu / kappa
@@ -110,7 +110,7 @@ def test_a_weight_in_the_dead_zone_does_not_creep_at_all(track_of):
 
 
 def test_resting_weights_break_away_at_the_edge_of_the_dead_zone(track_of):
-    """A drive that grows linearly: the time of breaking away is a root of a linear equation."""
+    """A forcing that grows linearly: the time of breaking away is a root of a linear equation."""
     w, mu = 3.0, 0.02
     track = track_of(Weights(1, 0.1, 1.0, 0.0, 1.0), rolling_resistance=mu)
     when = mu * w**2  # at x = pi/2 the signal a = t drives by t and does not load
@@ -168,12 +168,12 @@ class Group(ctypes.Structure):
         return cls(1.0, -1 / 1.4, grip, damping_rate, n, spin_share, factor, inertia, *arrays)
 
 
-def drive_of(core, group, a, slope, angle, rate, speed, spin_up):
-    """Drive of a sliding group and its slope, with the sides of the race that carry it then."""
+def forcing_of(core, group, a, slope, angle, rate, speed, spin_up):
+    """Forcing of a sliding group and its slope, with the sides of the race that carry it then."""
     sides, found = np.zeros(group.count), np.empty(2)
     now = core.instant([a, slope], 0.0, speed, spin_up)
     count = core("find_sides", byref(group), byref(now), angle, rate, sides)
-    core("find_sliding_drive", byref(group), byref(now), angle, rate, sides, count, found)
+    core("find_sliding_forcing", byref(group), byref(now), angle, rate, sides, count, found)
     return found
 
 
@@ -184,7 +184,7 @@ def test_a_sliding_group_feels_the_mean_of_its_weights_also_when_loads_change_si
     offsets = [x - tilt for x in offsets]
     for a in (0.5 + 0.3j, 1.9 - 0.8j):  # below and above the centrifugal acceleration
         group = Group.of(grip, 0.2, masses, offsets, 0.6)
-        found, _ = drive_of(core, group, a, 0j, angle, rate, w, 0.1)
+        found, _ = forcing_of(core, group, a, 0j, angle, rate, w, 0.1)
         total = 0.0
         for m, x in zip(masses, offsets, strict=True):
             z = a * cmath.exp(-1j * (angle + x))
@@ -192,16 +192,16 @@ def test_a_sliding_group_feels_the_mean_of_its_weights_also_when_loads_change_si
         assert found == pytest.approx(total / sum(masses), rel=1e-13)
 
 
-def test_slope_of_the_sliding_drive_is_its_derivative(core):
+def test_slope_of_the_sliding_forcing_is_its_derivative(core):
     group, h = Group.of(-0.04, 0.3, [1.0, 1.0], [-0.2, 0.2], 0.6), 1e-4
     for a0, da in ((0.5 + 0.3j, 0.2 - 0.1j), (9.0 + 1.0j, -1.0 + 2.0j)):
         x, v, w, spin = 0.7, -0.4, 2.0, 0.3
-        g0, slope = drive_of(core, group, a0, da, x, v, w, spin)
+        g0, slope = forcing_of(core, group, a0, da, x, v, w, spin)
         bend = g0 - 0.3 * v
         ends = []
         for s in (-h, h):
             later = x + s * v + s * s * bend / 2, v + s * bend, w + s * spin, spin
-            ends.append(drive_of(core, group, a0 + s * da, da, *later)[0])
+            ends.append(forcing_of(core, group, a0 + s * da, da, *later)[0])
         assert slope == pytest.approx((ends[1] - ends[0]) / (2 * h), rel=1e-6)
 
 
@@ -281,7 +281,7 @@ def test_an_offset_track_leaves_its_centre_on_the_axis_of_rotation(track_of):
 
 
 def test_very_large_drag_needs_no_smaller_steps(track_of):
-    """Drag 1e6: the weight creeps with (g - sign c n)/d while the drive exceeds the resistance."""
+    """Drag 1e6: the weight creeps with (g - sign c n)/d while forcing exceeds resistance."""
     track = track_of(Weights(1, 0.1, 1.0, 1.4e5, 1.4), rolling_resistance=0.02)
     pull = (1.0 + 0j, 0j, 0j, 0j)
     found = run(track, [1.0], [0.0], lambda t: pull, 3.0, 10.0, 50)

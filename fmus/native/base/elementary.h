@@ -6,6 +6,7 @@
 #define AUTOBALANCER_ELEMENTARY_H
 
 #include <math.h> /* sqrt, fabs and copysign, which are instructions */
+#include <stdbool.h>
 
 #include "base/complex_number.h"
 
@@ -13,7 +14,7 @@
 #define TAU 6.28318530717958647692 /* 2 pi */
 
 /* True when x is neither infinite nor NaN. */
-static inline int is_finite(double x)
+static inline bool is_finite(double x)
 {
     return x - x == 0.0;
 }

@@ -36,7 +36,7 @@ void add_multiple(int parts, int count, const double *factor, const double *from
     }
 }
 
-static int is_zero(int parts, const double *element)
+static bool is_zero(int parts, const double *element)
 {
     return element[0] == 0.0 && (parts == 1 || element[1] == 0.0);
 }

@@ -2,13 +2,15 @@
 #ifndef AUTOBALANCER_SPIN_H
 #define AUTOBALANCER_SPIN_H
 
+#include <stdbool.h>
+
 /* Angle and speed of the rotor, its angular acceleration and the derivatives of that of order 1 to 3. */
 typedef struct {
     double angle, speed, rates[4];
 } Spin;
 
 /* Whether the angular acceleration changes within the step; rates (4,) as of `Spin`. */
-static inline int drifts(const double *rates)
+static inline bool drifts(const double *rates)
 {
     return rates[1] != 0.0 || rates[2] != 0.0 || rates[3] != 0.0;
 }

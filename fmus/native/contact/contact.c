@@ -13,31 +13,31 @@ double group_factor(int count, double alpha)
 }
 
 /* Least of (y - g)^2/2 + f |y|. */
-static double shrunk(double drive, double limit)
+static double shrunk(double forcing, double limit)
 {
-    return larger(drive - limit, 0.0) + smaller(drive + limit, 0.0);
+    return larger(forcing - limit, 0.0) + smaller(forcing + limit, 0.0);
 }
 
-void pool_violators(Pools *pools, const double *drives, const double *limits, const double *masses,
-          int length, double slack)
+void pool_violators(Pools *pools, const double *forcings, const double *limits,
+                    const double *masses, int length, double slack)
 {
     int count = 0, k;
     for (k = 0; k < length; k++) {
         int first = k, size = 1;
-        double drive = drives[k], limit = limits ? limits[k] : 0.0;
-        double mass = masses ? masses[k] : 1.0, value = shrunk(drive, limit) / mass;
+        double forcing = forcings[k], limit = limits ? limits[k] : 0.0;
+        double mass = masses ? masses[k] : 1.0, value = shrunk(forcing, limit) / mass;
         while (count && pools->value[count - 1] >= value - slack) {
             count--;
             first = pools->first[count];
             size += pools->size[count];
-            drive = pools->drive[count] + drive;
+            forcing = pools->forcing[count] + forcing;
             limit = pools->limit[count] + limit;
             mass = pools->mass[count] + mass;
-            value = shrunk(drive, limit) / mass;
+            value = shrunk(forcing, limit) / mass;
         }
         pools->first[count] = first;
         pools->size[count] = size;
-        pools->drive[count] = drive;
+        pools->forcing[count] = forcing;
         pools->limit[count] = limit;
         pools->mass[count] = mass;
         pools->value[count] = value;

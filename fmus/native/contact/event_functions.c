@@ -7,11 +7,12 @@
 #define GAP_ROUNDING 1e-14 /* rad: a gap closes when it is less than 0 by more than this */
 #define DIP 1e-12      /* rad: more than rounding */
 
-/* Rounding of drives; never less than what find_groups leaves together. */
+/* Rounding of forcings; never less than what find_groups leaves together. */
 static double slack_of(const WeightsInOrder *weights, int i, const Instant *now)
 {
-    const Complex drive = complex_scaled(weights->track->lever, now->motion[0]);
-    return PULL * weights->groups.runs.size[i] * (magnitude(drive) + absolute(now->spin.rates[0]));
+    const Complex forcing = complex_scaled(weights->track->lever, now->motion[0]);
+    return PULL * weights->groups.runs.size[i] *
+           (magnitude(forcing) + absolute(now->spin.rates[0]));
 }
 
 /* Least of the sums of `count` values one after the other, and after which of them. */
@@ -30,10 +31,10 @@ static double least_sum(int count, const double *values, int *where)
     return least;
 }
 
-/* Set `drives` to what pulls a group's weights apart: their mass times what they would be accelerated by
-   beyond the group's mean. */
-static void fill_relative_drives(WeightsInOrder *weights, int i, double middle, double angle_rate,
-                                 const Instant *now)
+/* Set `forcings` to what pulls a group's weights apart: their mass times what they would be
+   accelerated by beyond the group's mean. */
+static void fill_relative_forcings(WeightsInOrder *weights, int i, double middle, double angle_rate,
+                                   const Instant *now)
 {
     const Track *track = weights->track;
     const Groups *groups = &weights->groups;
@@ -46,14 +47,15 @@ static void fill_relative_drives(WeightsInOrder *weights, int i, double middle, 
         const int j = (first + k) % weights->count;
         const double angle = -middle - weights->offset[first + k];
         const Complex z = complex_product(now->motion[0], rect(1.0, angle));
-        weights->drives[k] = track->lever * z.im - grip * absolute(centrifugal - z.re) -
-                             (weights->damping_rate[j] - groups->damping_rate[i]) * angle_rate -
-                             (weights->spin_share[j] - groups->spin_share[i]) * now->spin.rates[0];
-        mean += weights->mass[j] * weights->drives[k];
+        weights->forcings[k] =
+            track->lever * z.im - grip * absolute(centrifugal - z.re) -
+            (weights->damping_rate[j] - groups->damping_rate[i]) * angle_rate -
+            (weights->spin_share[j] - groups->spin_share[i]) * now->spin.rates[0];
+        mean += weights->mass[j] * weights->forcings[k];
     }
     mean /= groups->mass[i];
     for (k = 0; k < size; k++) {
-        weights->drives[k] = weights->mass[first + k] * (weights->drives[k] - mean);
+        weights->forcings[k] = weights->mass[first + k] * (weights->forcings[k] - mean);
     }
 }
 
@@ -67,8 +69,9 @@ static double pressure_of(const EventFunctions *functions, int i, double middle,
     if (groups->resting[i]) {
         return 1.0;
     }
-    fill_relative_drives(weights, i, middle, angle_rate, now);
-    return least_sum(groups->runs.size[i] - 1, weights->drives, where) + slack_of(weights, i, now);
+    fill_relative_forcings(weights, i, middle, angle_rate, now);
+    return least_sum(groups->runs.size[i] - 1, weights->forcings, where) +
+           slack_of(weights, i, now);
 }
 
 /* What resistance has left to hold a resting group or a part of it; negative: it moves.
@@ -76,20 +79,20 @@ static double pressure_of(const EventFunctions *functions, int i, double middle,
    A part moves when it can push all that is before it, so the ends of the group decide. */
 static double hold_of(WeightsInOrder *weights, int i, const Instant *now)
 {
-    const double *drives = weights->drives, *limits = weights->limits;
+    const double *forcings = weights->forcings, *limits = weights->limits;
     const int size = weights->groups.runs.size[i];
     const double slack = slack_of(weights, i, now);
-    double least = infinity(), forward = 0.0, backward = 0.0, drive = 0.0, limit = 0.0;
+    double least = infinity(), forward = 0.0, backward = 0.0, forcing = 0.0, limit = 0.0;
     int k;
-    fill_drives(weights, weights->groups.runs.first[i], size, now);
+    fill_forcings(weights, weights->groups.runs.first[i], size, now);
     for (k = 0; k < size; k++) {
         limit += limits[k];
-        drive += drives[k];
-        forward += limits[k] + drives[k];
-        backward += limits[size - 1 - k] - drives[size - 1 - k];
+        forcing += forcings[k];
+        forward += limits[k] + forcings[k];
+        backward += limits[size - 1 - k] - forcings[size - 1 - k];
         least = smaller(smaller(least, forward), backward);
     }
-    return (weights->track->full ? limit - absolute(drive) : least) + slack;
+    return (weights->track->full ? limit - absolute(forcing) : least) + slack;
 }
 
 static void find_state(const EventFunctions *functions, int i, const Instant *later, double time,
@@ -199,7 +202,7 @@ static int breaks_away(EventFunction *event, const Instant *later)
     return 1;
 }
 
-int may_happen(const EventFunctions *functions, int kind)
+bool may_happen(const EventFunctions *functions, int kind)
 {
     const WeightsInOrder *weights = functions->weights;
     const int groups = weights->groups.runs.count;

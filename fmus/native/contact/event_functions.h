@@ -6,6 +6,8 @@
 #ifndef AUTOBALANCER_EVENT_FUNCTIONS_H
 #define AUTOBALANCER_EVENT_FUNCTIONS_H
 
+#include <stdbool.h>
+
 #include "weights/centre.h"
 #include "contact/ring.h"
 
@@ -32,7 +34,7 @@ typedef struct {
 double event_value(const EventFunction *event, double time);
 
 /* Whether a kind of event is possible at all. */
-int may_happen(const EventFunctions *functions, int kind);
+bool may_happen(const EventFunctions *functions, int kind);
 
 /* Find that of group i, if it has changed sign, or may have done so twice, within `length`; 1 when
    there is one.  The groups' end_middle and end_rate are those at the instant `later`. */

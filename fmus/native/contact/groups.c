@@ -4,7 +4,7 @@
 
 #define INSTANT 1e-90 /* s: nothing moves, and cubes of shorter times are not told from 0 */
 
-void fill_drives(WeightsInOrder *weights, int first, int size, const Instant *now)
+void fill_forcings(WeightsInOrder *weights, int first, int size, const Instant *now)
 {
     const Track *track = weights->track;
     int j;
@@ -23,7 +23,7 @@ void fill_drives(WeightsInOrder *weights, int first, int size, const Instant *no
                 f = 0.0;
             }
         }
-        weights->drives[j] = weights->mass[k] * g;
+        weights->forcings[j] = weights->mass[k] * g;
         weights->limits[j] = weights->mass[k] * f;
     }
 }
@@ -79,15 +79,15 @@ static void append_groups(WeightsInOrder *weights, int first, int size, const In
     const Track *track = weights->track;
     Pools *pools = &weights->pools;
     int length = size, j;
-    fill_drives(weights, first, size, now);
+    fill_forcings(weights, first, size, now);
     if (track->full) { /* a closed ring cannot open */
         for (j = 1; j < size; j++) {
-            weights->drives[0] += weights->drives[j];
+            weights->forcings[0] += weights->forcings[j];
             weights->limits[0] += weights->limits[j];
         }
         length = 1;
     }
-    pool_violators(pools, weights->drives, weights->limits, weights->mass + first, length, slack);
+    pool_violators(pools, weights->forcings, weights->limits, weights->mass + first, length, slack);
     for (j = 0; j < pools->count; j++) {
         const int begin = pools->first[j];
         if (begin) {
@@ -171,7 +171,7 @@ void find_group_acceleration(WeightsInOrder *weights, int i, double middle, doub
                              const Instant *now, double *accelerations)
 {
     const double damping_rate = weights->groups.damping_rate[i];
-    double drive[2];
+    double forcing[2];
     if (weights->groups.resting[i]) {
         accelerations[0] = accelerations[1] = 0.0;
         return;
@@ -179,13 +179,13 @@ void find_group_acceleration(WeightsInOrder *weights, int i, double middle, doub
     if (weights->groups.sign[i] != 0.0) {
         const SlidingGroup group = sliding_group(weights, i);
         const int side_count = find_sides(&group, now, middle, angle_rate, weights->sides);
-        find_sliding_drive(&group, now, middle, angle_rate, weights->sides, side_count, drive);
+        find_sliding_forcing(&group, now, middle, angle_rate, weights->sides, side_count, forcing);
     } else {
         const Driven by = driven_by(now, weights->groups.spin_share[i]);
-        find_drive(&by, rect(group_lever(weights, i), -middle), angle_rate, drive);
+        find_forcing(&by, rect(group_lever(weights, i), -middle), angle_rate, forcing);
     }
-    accelerations[0] = drive[0] - damping_rate * angle_rate;
-    accelerations[1] = drive[1] - damping_rate * accelerations[0];
+    accelerations[0] = forcing[0] - damping_rate * angle_rate;
+    accelerations[1] = forcing[1] - damping_rate * accelerations[0];
 }
 
 /* How many times theta'' of group i counts in `weights_unhindered`. */

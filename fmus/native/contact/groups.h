@@ -1,14 +1,15 @@
 /* Which weights move together, how, and with what force.
 
-   n weights that touch share one rate.  The mean of their drives (angles 2 alpha apart about the
+   n weights that touch share one rate.  The mean of their forcings (angles 2 alpha apart about the
    middle t) is that of one weight at t times sin(n alpha)/(n sin alpha), so a group moves like one
-   weight with a smaller gain.  Which contacts last follows from Gauss's principle of least constraint:
-   the accelerations y of a chain are
+   weight with a smaller gain.  Which contacts last follows from Gauss's principle of least
+   constraint: the accelerations y of a chain are
 
        min sum m_k ((y_k - g_k)^2/2 + f_k |y_k|),     y_1 <= y_2 <= ... <= y_n,
 
-   with masses m_k, free accelerations g_k and, for weights at rest, limits f_k of rolling resistance.  It has one
-   solution, pooling of adjacent violators finds it exactly, and a contact between two pools opens. */
+   with masses m_k, free accelerations g_k and, for weights at rest, limits f_k of rolling
+   resistance.  It has one solution, pooling of adjacent violators finds it exactly, and a contact
+   between two pools opens. */
 #ifndef AUTOBALANCER_GROUPS_H
 #define AUTOBALANCER_GROUPS_H
 
@@ -16,10 +17,10 @@
 #include "contact/resistance.h"
 #include "contact/ring.h"
 
-#define PULL 1e-12 /* of the largest drive: tension that is rounding */
+#define PULL 1e-12 /* of the largest forcing: tension that is rounding */
 
-/* Set `drives` and `limits`: m g of a run of weights, m f of those at rest. */
-void fill_drives(WeightsInOrder *weights, int first, int size, const Instant *now);
+/* Set `forcings` and `limits`: m g of a run of weights, m f of those at rest. */
+void fill_forcings(WeightsInOrder *weights, int first, int size, const Instant *now);
 
 /* Set `groups`: who moves together now; contacts that are pulled open are dropped. */
 void find_groups(WeightsInOrder *weights, const Instant *now);

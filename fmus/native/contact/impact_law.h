@@ -16,6 +16,7 @@
 #ifndef AUTOBALANCER_IMPACT_LAW_H
 #define AUTOBALANCER_IMPACT_LAW_H
 
+#include <stdbool.h>
 #include <stddef.h>
 
 #include "base/complex_number.h"
@@ -33,8 +34,8 @@ typedef struct {
 /* Two weights that touch, along increasing angle. */
 typedef struct {
     int behind, ahead;
-    int lasting;        /* whether they cannot part */
-    int pushing;        /* whether L > 0 */
+    bool lasting;       /* whether they cannot part */
+    bool pushing;       /* whether L > 0 */
     double restitution; /* e */
     double right;       /* (1 + e) G v- */
 } ImpactPair;

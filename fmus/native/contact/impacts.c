@@ -64,20 +64,20 @@ static const double *accelerations_of(WeightsInOrder *weights, const Instant *no
     find_chains(weights);
     for (i = 0; i < chains->count; i++) {
         const int first = chains->first[i], size = chains->size[i];
-        fill_drives(weights, first, size, now);
-        pool_violators(&weights->pools, weights->drives, weights->limits, weights->mass + first,
+        fill_forcings(weights, first, size, now);
+        pool_violators(&weights->pools, weights->forcings, weights->limits, weights->mass + first,
                        size, 0.0);
-        expand_pools(&weights->pools, weights->drives);
+        expand_pools(&weights->pools, weights->forcings);
         for (j = 0; j < size; j++) {
-            weights->sides[(first + j) % weights->count] = weights->drives[j];
+            weights->sides[(first + j) % weights->count] = weights->forcings[j];
         }
     }
     return weights->sides;
 }
 
 /* Whether a pair that opens would come back after less than is followed. */
-static int bounces_low(const WeightsInOrder *weights, int k, const double *accelerations,
-                       double opening)
+static bool bounces_low(const WeightsInOrder *weights, int k, const double *accelerations,
+                        double opening)
 {
     const double closing = accelerations[k] - accelerations[(k + 1) % weights->count];
     return opening > 0.0 && opening * opening <= 2.0 * closing * LOWEST_BOUNCE;
@@ -104,7 +104,7 @@ int impact_apply(Impact *impact, int first, WeightsInOrder *weights, const Insta
         k = impact->pairs[pair].behind - first;
         if (k >= 0 && k < n && !weights->joined[k] &&
             bounces_low(weights, k, accelerations, impact_opening(impact, pair))) {
-            impact->pairs[pair].lasting = 1;
+            impact->pairs[pair].lasting = true;
             low++;
         }
     }

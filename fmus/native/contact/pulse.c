@@ -24,15 +24,15 @@ Complex hat_half(double turn)
 Complex pulse_ahead(Complex pulse, double turn, double step, Complex *owed)
 {
     Complex half, left, given;
-    double whole;
+    double both_halves;
     if (owed->re == 0.0 && owed->im == 0.0 && pulse.re == 0.0 && pulse.im == 0.0) {
         return pulse;
     }
     half = hat_half(turn);
     left = complex_product(complex_scaled(step, pulse), complex_conjugate(half));
     left = complex_product(complex_difference(*owed, left), rect(1.0, -turn));
-    whole = 2.0 * step * half.re;
-    given = complex_of(left.re / whole, left.im / whole);
+    both_halves = 2.0 * step * half.re;
+    given = complex_of(left.re / both_halves, left.im / both_halves);
     if (magnitude(left) < 1e-14 * magnitude(*owed)) { /* equal steps leave rounding only */
         left = given = complex_of(0.0, 0.0);
     }

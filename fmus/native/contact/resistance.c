@@ -19,8 +19,8 @@ int find_sides(const SlidingGroup *group, const Instant *now, double angle, doub
     return group->count;
 }
 
-void find_sliding_drive(const SlidingGroup *group, const Instant *now, double angle,
-                        double angle_rate, const double *sides, int side_count, double *drive)
+void find_sliding_forcing(const SlidingGroup *group, const Instant *now, double angle,
+                          double angle_rate, const double *sides, int side_count, double *forcing)
 {
     const double spin_up = now->spin.rates[0], turning = now->spin.speed + angle_rate;
     const double centrifugal = group->radius * turning * turning;
@@ -49,8 +49,8 @@ void find_sliding_drive(const SlidingGroup *group, const Instant *now, double an
     g = share * (g - load * centrifugal) - group->spin_share * spin_up;
     angle_acceleration = g - group->damping_rate * angle_rate;
     dg -= 2.0 * load * group->radius * turning * (spin_up + angle_acceleration);
-    drive[0] = g;
-    drive[1] = share * dg;
+    forcing[0] = g;
+    forcing[1] = share * dg;
 }
 
 int sliding_substep(const SlidingGroup *group, double *angle, double *angle_rate,
@@ -62,7 +62,7 @@ int sliding_substep(const SlidingGroup *group, double *angle, double *angle_rate
     double free_rate, free_angle, new_rate, new_angle, change = 0.0;
     int side_count = find_sides(group, now, *angle, *angle_rate, sides);
     int iteration;
-    find_sliding_drive(group, now, *angle, *angle_rate, sides, side_count, begin);
+    find_sliding_forcing(group, now, *angle, *angle_rate, sides, side_count, begin);
     free_rate = response[0] * *angle_rate + s[0] * begin[0] + s[1] * begin[1];
     free_angle = *angle + response[5] * *angle_rate + t[0] * begin[0] + t[1] * begin[1];
     new_rate = free_rate;
@@ -71,7 +71,7 @@ int sliding_substep(const SlidingGroup *group, double *angle, double *angle_rate
     side_count = find_sides(group, later, free_angle, free_rate, sides);
     for (iteration = 0; iteration < MAX_ITERATIONS; iteration++) {
         const double last_angle = new_angle, last_rate = new_rate, last_change = change;
-        find_sliding_drive(group, later, new_angle, new_rate, sides, side_count, reached);
+        find_sliding_forcing(group, later, new_angle, new_rate, sides, side_count, reached);
         hermite(begin[0], begin[1], reached[0], reached[1], step, &second, &third);
         new_rate = free_rate + s[2] * second + s[3] * third;
         new_angle = free_angle + t[2] * second + t[3] * third;

@@ -25,7 +25,7 @@ typedef struct {
     double damping_rate; /* d [1/s] */
     int count;
     double spin_share; /* s of Track */
-    double factor;     /* of the mean drive, as of Groups */
+    double factor;     /* of the mean forcing, as of Groups */
     double inertia;    /* sum of */
     const double *mass, *offset; /* (count,) of each, and its angle from the middle [rad] */
 } SlidingGroup;
@@ -36,8 +36,8 @@ int find_sides(const SlidingGroup *group, const Instant *now, double angle, doub
                double *sides);
 
 /* Mean of g - grip |n| over the group, and its time derivative along the motion. */
-void find_sliding_drive(const SlidingGroup *group, const Instant *now, double angle,
-                        double angle_rate, const double *sides, int side_count, double *drive);
+void find_sliding_forcing(const SlidingGroup *group, const Instant *now, double angle,
+                          double angle_rate, const double *sides, int side_count, double *forcing);
 
 /* Angle and rate after `step`, in place; as weights_substep.  sides: (count,) scratch. */
 int sliding_substep(const SlidingGroup *group, double *angle, double *angle_rate,

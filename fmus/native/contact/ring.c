@@ -47,7 +47,7 @@ static void lay_out_scratch(int n, double *scratch, WeightsInOrder *w)
     w->groups.sign = next_doubles(&d, n);
     w->groups.end_middle = next_doubles(&d, n);
     w->groups.end_rate = next_doubles(&d, n);
-    w->pools.drive = next_doubles(&d, n);
+    w->pools.forcing = next_doubles(&d, n);
     w->pools.limit = next_doubles(&d, n);
     w->pools.value = next_doubles(&d, n);
     w->pools.mass = next_doubles(&d, n);
@@ -60,7 +60,7 @@ static void lay_out_scratch(int n, double *scratch, WeightsInOrder *w)
     w->damping_rate = next_doubles(&d, n);
     w->spin_share = next_doubles(&d, n);
     w->spacing = next_doubles(&d, n);
-    w->drives = next_doubles(&d, n);
+    w->forcings = next_doubles(&d, n);
     w->limits = next_doubles(&d, n);
     w->sides = next_doubles(&d, n);
     w->impact = d;
@@ -183,7 +183,7 @@ void find_chains(WeightsInOrder *weights)
     chains->count = count;
 }
 
-static int is_aligned(const WeightsInOrder *weights, int first, int size)
+static bool is_aligned(const WeightsInOrder *weights, int first, int size)
 {
     const int n = weights->count;
     const double *rate = weights->angle_rate;

@@ -25,7 +25,7 @@ typedef struct {
     int *resting;                  /* (N,) held by resistance */
     double *end_middle, *end_rate; /* (N,) after the stretch of time that is looked at */
     double *mass;          /* (N,) of its weights */
-    double *factor;        /* (N,) mean drive in units of that of its mass at the middle */
+    double *factor;        /* (N,) mean forcing in units of that of its mass at the middle */
     double *damping_rate, *spin_share; /* (N,) means */
 } Groups;
 
@@ -46,7 +46,7 @@ typedef struct {
     Runs chains;                 /* found last */
     Groups groups;               /* found last */
     Pools pools;
-    double *drives, *limits, *sides; /* (N,) scratch */
+    double *forcings, *limits, *sides; /* (N,) scratch */
     double *impact; /* of impact_law.h, for N weights */
     Quadrature quadrature;
     Failure *failure; /* first thing that went wrong; its code is FINE while nothing has */

@@ -16,7 +16,7 @@ double largest_radius(int count, double track)
     return count > 1 ? track * sine(PI / count) : track;
 }
 
-int fits(int count, double radius, double track)
+bool fits(int count, double radius, double track)
 {
     return radius <= largest_radius(count, track) * (1.0 + TRACK_SLACK);
 }

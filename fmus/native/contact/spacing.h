@@ -2,6 +2,8 @@
 #ifndef AUTOBALANCER_SPACING_H
 #define AUTOBALANCER_SPACING_H
 
+#include <stdbool.h>
+
 /* alpha, half the angle between neighbours that touch [rad]; NaN when they cannot share a track. */
 double half_angle(double radius, double track);
 
@@ -9,6 +11,6 @@ double half_angle(double radius, double track);
 double largest_radius(int count, double track);
 
 /* Whether `count` weights have room on a track. */
-int fits(int count, double radius, double track);
+bool fits(int count, double radius, double track);
 
 #endif

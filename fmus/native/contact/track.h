@@ -2,6 +2,8 @@
 #ifndef AUTOBALANCER_TRACK_H
 #define AUTOBALANCER_TRACK_H
 
+#include <stdbool.h>
+
 #include "base/complex_number.h"
 #include "base/failure.h"
 #include "weights/weights.h"
@@ -26,9 +28,9 @@ typedef struct {
     double damping_rate; /* d = b/(kappa m) [1/s] */
     double moment;       /* m R [kg m] */
     double spin_share;   /* s: part of w' by which a free weight falls behind */
-    int solid;           /* there are weights that can meet */
-    int full;            /* they fill the track: each touches both neighbours for ever */
-    int eventful;        /* weights can collide or stick */
+    bool solid;          /* there are weights that can meet */
+    bool full;           /* they fill the track: each touches both neighbours for ever */
+    bool eventful;       /* weights can collide or stick */
 } Track;
 
 /* Check the parameters and set what follows from them; 0, or what is not allowed. */

@@ -96,7 +96,7 @@ static int rise(double ratio, double slack, double shortened)
 }
 
 /* Whether nothing moves in the rotor at the end of a step. */
-static int rests(const Composite *c, double longest, double largest_motion)
+static bool rests(const Composite *c, double longest, double largest_motion)
 {
     const Course *course = c->course;
     const double still = LOCAL_SHARE * course->adaptive.allowed, force = still * course->loop.reached;
@@ -126,7 +126,7 @@ static double length_of(int rung, double longest)
 static int refuse_step(Unit *unit, double step, double error, double residual)
 {
     Composite *c = unit->own;
-    c->loop_failed = 1;
+    c->loop_failed = true;
     return unit_fail(unit, "tolerance %6 cannot be met at t = %6 s: the error of steps of %3 s is "
                      "still %3, loop residual %3", c->course->adaptive.allowed,
                      unit_host_time(unit, c->course->clock.time), step, error, residual);

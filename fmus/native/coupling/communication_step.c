@@ -3,14 +3,14 @@
 #include "coupling/composite.h"
 
 /* Whether the communication step that ends so is still to be gone on with. */
-static int unfinished(const Composite *c, double ends, double step)
+static bool unfinished(const Composite *c, double ends, double step)
 {
     const Course *course = c->course;
     if (course->division.crossing > 0.0 || course->event.steps_left > 0.0) {
         return 1;
     }
     if (course->adaptive.allowed == 0.0) {
-        return course->division.whole > 0.0;
+        return course->division.length > 0.0;
     }
     return course->division.no_past > 0.0 && ends - course->clock.time > TIME_ROUNDING * step;
 }
@@ -21,7 +21,7 @@ int composite_run_step(Unit *unit, double step)
     Course *course = c->course;
     const double begin = course->clock.time;
     double ends = begin + step;
-    c->loop_failed = 0;
+    c->loop_failed = false;
     if (course->clock.time >= composite_next_jump(c) && composite_pass_jump(unit)) {
         return 1;
     }

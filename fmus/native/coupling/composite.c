@@ -143,8 +143,8 @@ static int composite_parameters(Unit *unit)
         }
     }
     c->made_with = 0;
-    c->pieces.is_made = 0;
-    return (unit->exchanges && composite_eventful(unit)) || composite_follow_changes(unit);
+    c->pieces.is_made = false;
+    return (unit->for_model_exchange && composite_eventful(unit)) || composite_follow_changes(unit);
 }
 
 static int composite_begin(Unit *unit)
@@ -160,8 +160,8 @@ static void take_inputs(Unit *unit)
     Course *course = c->course;
     if (!c->motor && !(unit->real[c->rise] > 0.0)) {
         course->drive.set_at = unit->time;
-        course->drive.speed = unit->real[c->drive];
-        course->drive.acceleration = unit->real[c->drive + 1];
+        course->drive.speed = unit->real[c->speed_input];
+        course->drive.acceleration = unit->real[c->speed_input + 1];
     }
     if (!c->motor) {
         course->drive.fastest = larger(course->drive.fastest, absolute(course->drive.speed));
@@ -224,7 +224,7 @@ static int await_change(Unit *unit)
 {
     const Composite *c = unit->own;
     DriveSignal *drive = &c->course->drive;
-    const size_t behind = (size_t)drive->changed;
+    const size_t behind = (size_t)drive->changes_behind;
     const double *change = unit->real + c->changes + CHANGE_VALUES * behind;
     const double before = drive->next_change;
     drive->next_change = NONE_AHEAD;
@@ -247,8 +247,8 @@ static int begin_drive(Unit *unit)
     DriveSignal *drive = &c->course->drive;
     double time = *corner++, speed;
     size_t k;
-    drive->speed = drive->first_speed = unit->real[c->drive];
-    drive->acceleration = drive->first_acceleration = unit->real[c->drive + 1];
+    drive->speed = drive->first_speed = unit->real[c->speed_input];
+    drive->acceleration = drive->first_acceleration = unit->real[c->speed_input + 1];
     drive->steepest = absolute(drive->acceleration);
     drive->next_corner = NONE_AHEAD;
     if (await_change(unit)) {
@@ -339,17 +339,17 @@ static int begin_anew(Unit *unit, double time)
         for (k = 0; k < c->planes; k++) {
             c->accelerations[k].now = c->ends[k];
         }
-        for (k = 0; k < c->exchanges; k++) {
+        for (k = 0; k < c->force_count; k++) {
             c->forces[k].now = c->answers[k];
         }
         if (c->motor) {
-            c->forces[c->exchanges].now = shaft_stand(c);
+            c->forces[c->force_count].now = shaft_stand(c);
         }
         course->clock.within = 0.0;
     }
     course->clock.time = time;
-    course->division.crossing = course->division.whole = course->event.steps_left = 0.0;
-    course->clock.changed = 1.0;
+    course->division.crossing = course->division.length = course->event.steps_left = 0.0;
+    course->clock.jumped = 1.0;
     composite_drop_past(c);
     return 0;
 }
@@ -358,7 +358,7 @@ static int begin_anew(Unit *unit, double time)
 static int composite_tune(Unit *unit)
 {
     Composite *c = unit->own;
-    if (c->course->clock.started > 0.0 && !unit->exchanges) {
+    if (c->course->clock.started > 0.0 && !unit->for_model_exchange) {
         if (begin_anew(unit, unit->time)) {
             return 1;
         }
@@ -372,17 +372,19 @@ static int meet_inputs(Unit *unit)
 {
     const Composite *c = unit->own;
     const Course *course = c->course;
-    const double *drive = unit->real + c->drive;
+    const double *speed = unit->real + c->speed_input;
     const double extrapolated_speed = composite_speed(c, unit->time);
     const int rises = unit->real[c->rise] > 0.0;
-    const int same = rises || (drive[1] == course->drive.acceleration &&
-                               absolute(drive[0] - extrapolated_speed) <= SAME_SPEED * course->drive.fastest);
+    const int same =
+        rises || (speed[1] == course->drive.acceleration &&
+                  absolute(speed[0] - extrapolated_speed) <= SAME_SPEED * course->drive.fastest);
     const int jumps = !same || outside_jumps(unit);
-    if (rises && (drive[0] != course->drive.first_speed || drive[1] != course->drive.first_acceleration)) {
+    if (rises &&
+        (speed[0] != course->drive.first_speed || speed[1] != course->drive.first_acceleration)) {
         return unit_fail(unit, "speed, acceleration: the rotor speeds up by itself, as rise_time "
                          "is above 0 s");
     }
-    if (jumps || unit->exchanges || (!rises && drive[1] != 0.0)) {
+    if (jumps || unit->for_model_exchange || (!rises && speed[1] != 0.0)) {
         take_inputs(unit);
     }
     return jumps && begin_anew(unit, unit->time);
@@ -438,7 +440,7 @@ static int composite_outputs(Unit *unit)
         }
         memcpy(c->at_begin, c->states, c->state_count * sizeof(double));
     }
-    return unit->exchanges && agree(unit);
+    return unit->for_model_exchange && agree(unit);
 }
 
 /* With a tolerance nothing is left to be estimated. */
@@ -494,7 +496,7 @@ int composite_go_on(Unit *unit)
     Composite *c = unit->own;
     Course *course = c->course;
     const size_t size = c->state_count * sizeof(double);
-    const int crosses = course->clock.changed > 0.0 || course->division.crossing > 0.0;
+    const int crosses = course->clock.jumped > 0.0 || course->division.crossing > 0.0;
     const int strikes = course->event.steps_left > 0.0 && !crosses;
     const int adapts = course->adaptive.allowed > 0.0 && !crosses && !strikes;
     double step;
@@ -553,9 +555,11 @@ static int show_time(Unit *unit, double time, int end)
     }
     course->clock.within = end ? 0.0 : 1.0;
     course->clock.shown = time;
-    rotor->whole = end ? 0.0 : course->adaptive.constant_signals > 0.0 ? time - from : course->clock.length;
+    rotor->enclosing_step = end                                       ? 0.0
+                            : course->adaptive.constant_signals > 0.0 ? time - from
+                                                                      : course->clock.length;
     wrong = composite_move(unit, end ? course->clock.length : time - from);
-    rotor->whole = 0.0;
+    rotor->enclosing_step = 0.0;
     return wrong;
 }
 
@@ -592,7 +596,7 @@ int composite_pass_jump(Unit *unit)
         pass_corner(unit);
     }
     while (drive->next_change == time) {
-        drive->changed += 1.0;
+        drive->changes_behind += 1.0;
         if (await_change(unit)) {
             return 1;
         }
@@ -611,7 +615,7 @@ static int reach_time(Unit *unit, double end)
         if (!(course->clock.time < end - point)) {
             return show_time(unit, end, course->clock.time <= end + point);
         }
-        if (unit->own_steps && course->clock.time > begin) {
+        if (unit->one_step_per_call && course->clock.time > begin) {
             unit->made = course->clock.time - begin;
             return show_time(unit, course->clock.time, 1);
         }
@@ -652,7 +656,7 @@ int composite_go_to(Unit *unit, double end)
         if (wrong) {
             return 1;
         }
-        if (unit->own_steps) {
+        if (unit->one_step_per_call) {
             if (unit->made < jump - unit->time) { /* of the way there one step, and not its last */
                 return 0;
             }
@@ -661,7 +665,7 @@ int composite_go_to(Unit *unit, double end)
         if (composite_pass_jump(unit)) {
             return 1;
         }
-        if (jump == end || unit->own_steps) {
+        if (jump == end || unit->one_step_per_call) {
             return 0;
         }
     }
@@ -745,7 +749,7 @@ static void composite_observe_torques(Unit *unit)
     }
 }
 
-static int composite_is_torque(const Unit *unit, size_t reference)
+static bool composite_is_torque(const Unit *unit, size_t reference)
 {
     const Composite *c = unit->own;
     int k;

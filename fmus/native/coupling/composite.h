@@ -7,6 +7,8 @@
 #ifndef AUTOBALANCER_COMPOSITE_H
 #define AUTOBALANCER_COMPOSITE_H
 
+#include <stdbool.h>
+
 #include "base/cubic.h"
 #include "coupling/one_piece.h"
 #include "fmi/unit.h"
@@ -40,8 +42,8 @@ typedef struct {
 typedef struct {
     Unit *unit;
     int plane;       /* of the rotor, from 0 */
-    int exchange;    /* number of its force, from 0; -1: its whole effect is its added mass */
-    int drive;       /* value reference of `speed`, -1 for one that is not told */
+    int force_number; /* number of its force, from 0; -1: its whole effect is its added mass */
+    int speed_input;  /* value reference of `speed`, -1 for one that is not told */
     int brief;       /* value reference of `shortest_stopped_step`, -1 for one that never stops */
     int place;       /* value reference of `x`, -1 for one that is not told its plane's place */
     int torque;      /* value reference of `torque` as output, -1 for one that has none */
@@ -54,7 +56,7 @@ typedef struct {
     double started;             /* whether forces and accelerations agree yet */
     double begin, time, length; /* ends of the last step, and its length [s] */
     double within, shown;       /* whether the units stand within it, not at its end; and where [s] */
-    double changed;             /* whether an input has jumped since the last step */
+    double jumped;              /* whether an input has jumped since the last step */
 } Clock;
 
 /* Of composite.c: how the rotor turns. */
@@ -66,7 +68,8 @@ typedef struct {
     double next_corner, passed; /* of a profile that the rotor follows by itself: the corner ahead [s],
                                    NONE_AHEAD, and how many are behind */
     double steepest;                   /* acceleration of the profile [rad/s^2] */
-    double next_change, changed; /* of the unbalance: as next_corner, and how many changes are behind */
+    double next_change,
+        changes_behind; /* of the unbalance: as next_corner, and how many changes are behind */
 } DriveSignal;
 
 /* Of motor_shaft.c: the motor. */
@@ -80,7 +83,7 @@ typedef struct {
 typedef struct {
     double crossing;                   /* whether a negligible step over a jump of an input is next, */
     double negligible;                 /* and its length [s] */
-    double whole, halvings, piece;     /* communication step, its division, pieces taken */
+    double length, halvings, piece;    /* communication step, its division, pieces taken */
     double ends;                       /* when the communication step is over [s] */
     double first_step;                 /* whether it is the one at the start */
     double no_past;                    /* no step has been taken since the start or a jump */
@@ -168,10 +171,10 @@ struct Composite {
     Part *parts;
     int part_count, parts_without_motor;
     Part *motor;             /* NULL where the speed is prescribed */
-    int exchanges, planes; /* numbers of forces, and of planes of the rotor that exchange force */
+    int force_count, planes; /* numbers of forces, and of planes of the rotor that exchange force */
     int unknowns;          /* what a step assumes: the forces, and a motor's acceleration as one */
-    int *members;          /* (exchanges,) parts that exchange force */
-    int *member_planes;    /* (exchanges,) their planes among those that exchange */
+    int *members;          /* (force_count,) parts that exchange force */
+    int *member_planes;    /* (force_count,) their planes among those that exchange */
     int *rotor_planes;     /* (planes,) which they are of the rotor's */
     Scheme scheme;
     int corrections; /* as given */
@@ -179,11 +182,11 @@ struct Composite {
     size_t tolerance, steps_per_rev, top_speed, limit, rise;
     size_t corner_count;                        /* of time and speed behind the last, */
     size_t changes, change_count;               /* of changes of the unbalance, */
-    size_t drive, outer;                        /* of speed (no motor) and forces from outside, */
+    size_t speed_input, outer;                  /* of speed (no motor) and forces from outside, */
     size_t results;                             /* and of the coupling's outputs */
     Pacing pacing;
     size_t made_with;                           /* changes of the unbalance that the rotor is made with */
-    int loop_failed;                            /* whether the last failure was that of the loop */
+    bool loop_failed;                           /* whether the last failure was that of the loop */
     /* in the unit's memory */
     Course *course;
     double *extent;       /* (2 n, 2) least and largest x, y of n stations in this revolution [m] */
@@ -210,7 +213,7 @@ struct Composite {
 
 /* -- composition.c ----------------------------------------------------------------------- */
 
-int composite_named(const char *token);
+bool composite_named(const char *token);
 /* Parts, layout and start values of a composite; 1 with the reason. */
 int composite_build(Unit *unit, const char *token);
 
@@ -250,7 +253,7 @@ int composite_follow_changes(Unit *unit);
 size_t outside_count(const Composite *c);
 /* Take them over as the host says them now; whether they are another course than that taken over before. */
 void outside_take(const Unit *unit);
-int outside_jumps(const Unit *unit);
+bool outside_jumps(const Unit *unit);
 /* Derivative of that on a plane, of order 0 to 3, along the fixed axes, so long after it was told. */
 Pair outside_derivative(const Composite *c, const double *forces, int plane, int order, double time);
 /* Force on a plane over a step, in axes that turn with it; 0 where there is none. */
@@ -288,7 +291,7 @@ int composite_advance(Unit *unit, Part *part, double step);
 /* Length of a step of so many in the fastest revolution [s], and of a communication step. */
 double step_of_revolution(const Unit *unit, double steps);
 double communication_length(const Unit *unit);
-/* A step that is taken whole [s]: longer ones end at events. */
+/* A step that is taken in one piece [s]: longer ones end at events. */
 double brief_length(const Unit *unit);
 
 /* -- system.c ------------------------------------ */
@@ -300,7 +303,7 @@ int composite_balancer_pass(Unit *unit, const Complex *accelerations, double ste
 /* Step the balancers that exchange none, once the others have finished. */
 int composite_follow(Unit *unit, double step);
 /* Whether an output of a part may be read. */
-int composite_asked(const Unit *unit, const Part *part);
+bool composite_asked(const Unit *unit, const Part *part);
 /* Step all units of which that is so from the begin of the last step under the signals they have; for
    a time in it. */
 int composite_move(Unit *unit, double step);
@@ -346,7 +349,7 @@ Knot knot_end(const Complex *signal, double step);
 void signal_predicted(const Signal *signal, Complex *ahead);
 
 /* Whether the last step is too short to predict this one: the curvature that it has left is rounding. */
-int signal_is_far(const Signal *signal, double step);
+bool signal_is_far(const Signal *signal, double step);
 void signal_move(Signal *signal, const Knot *end, double step);
 
 /* -- loop.c ---------------------------------------- */

@@ -21,7 +21,7 @@ static const Count CORNERS = {"corners", 0, 10000}, CHANGES = {"changes", 0, 100
 
 static const char STOP[] = "stop_at_contact"; /* flag of a unit */
 
-int composite_named(const char *token)
+bool composite_named(const char *token)
 {
     return token && text_after(token, "Composite;");
 }
@@ -47,7 +47,7 @@ static int reference(const Unit *part, const char *name)
     return found < part->layout.real_count ? (int)found : -1;
 }
 
-static int has_letter(const char *word, char letter)
+static bool has_letter(const char *word, char letter)
 {
     while (*word && *word != letter) {
         word++;
@@ -67,7 +67,7 @@ static const char *make_part(Unit *unit, Part *part, const char *name, const cha
     part->unit = made;
     made->log = forward;
     made->host = unit;
-    made->may_end_early = 1;
+    made->may_end_early = true;
     made->allocated = unit->allocated;
     wrong = unit_build(made, name, text, &text);
     unit->allocated = made->allocated; /* what it needs goes with the composite */
@@ -85,7 +85,8 @@ static const char *read_part(Unit *unit, Part *part, const char *at)
     char name[NAME_SIZE], connections[4], words[REASON_SIZE];
     Text why = text_in(words, sizeof words);
     const int first = part == c->parts;
-    int is_motor, is_mounted, plane = 0;
+    bool is_motor, is_mounted;
+    int plane = 0;
     at = token_word(at, ',', name, sizeof name);
     at = at ? token_count(&PLANE, at, ',', &plane, &why) : NULL;
     at = at ? token_word(at, ',', connections, sizeof connections) : NULL;
@@ -109,11 +110,11 @@ static const char *read_part(Unit *unit, Part *part, const char *at)
     c->motor = is_motor ? part : NULL;
     c->parts_without_motor += !is_motor;
     part->plane = plane - 1;
-    part->drive = is_motor ? -1 : reference(part->unit, "speed");
+    part->speed_input = is_motor ? -1 : reference(part->unit, "speed");
     part->brief = reference(part->unit, "shortest_stopped_step");
     part->place = is_mounted && has_letter(connections, 'v') ? reference(part->unit, "x") : -1;
     part->torque = is_motor ? -1 : reference(part->unit, "torque");
-    part->exchange = is_mounted && has_letter(connections, 's') ? c->exchanges++ : -1;
+    part->force_number = is_mounted && has_letter(connections, 's') ? c->force_count++ : -1;
     c->state_count += part->unit->memory_count;
     return at;
 }
@@ -139,9 +140,9 @@ static int read_count(const Count *count, const char *at, size_t *number, Text *
     return wrong;
 }
 
-/* Read an entry; where the next begins, or NULL with the reason.  `own`: start values of the coupling's
-   variables. */
-static const char *read_entry(Unit *unit, const char *at, const char **own)
+/* Read an entry; where the next begins, or NULL with the reason.  `starts`: start values of the
+   coupling's variables. */
+static const char *read_entry(Unit *unit, const char *at, const char **starts)
 {
     Composite *c = unit->own;
     char words[REASON_SIZE];
@@ -161,8 +162,8 @@ static const char *read_entry(Unit *unit, const char *at, const char **own)
     } else if ((value = text_after(at, "changes="))) {
         wrong = read_count(&CHANGES, value, &c->change_count, &why);
     } else {
-        *own = text_after(at, "own=");
-        wrong = !*own;
+        *starts = text_after(at, "own=");
+        wrong = !*starts;
     }
     if (wrong) {
         refuse_composition(unit, why.length ? words : "it has an entry this library does not know");
@@ -174,7 +175,7 @@ static const char *read_entry(Unit *unit, const char *at, const char **own)
    the mean of its acceleration over a step, not what it is at a time in it. */
 static void stop_at_contacts(Composite *c)
 {
-    const int stops = c->exchanges && !c->motor;
+    const int stops = c->force_count && !c->motor;
     int part, k;
     for (part = 0; part < c->part_count; part++) {
         Unit *unit = c->parts[part].unit;
@@ -207,7 +208,7 @@ static size_t copy_variables(Unit *unit, size_t at, const Unit *part, const Layo
 }
 
 /* Parameters of all parts and the coupling's, its inputs, outputs of all parts and its own. */
-static void lay_out_variables(Unit *unit, const Layout *own, const double *starts)
+static void lay_out_variables(Unit *unit, const Layout *coupling, const double *starts)
 {
     Composite *c = unit->own;
     Layout *layout = &unit->layout;
@@ -224,11 +225,12 @@ static void lay_out_variables(Unit *unit, const Layout *own, const double *start
     c->limit = at + 3;
     c->rise = c->motor ? 0 : at + 4;
     c->changes = at + 5 + 2 * c->corner_count;
-    at = copy_variables(unit, at, NULL, own, starts, 0, own->parameters.count);
-    layout->parameters.count = layout->inputs.first = c->drive = at;
+    at = copy_variables(unit, at, NULL, coupling, starts, 0, coupling->parameters.count);
+    layout->parameters.count = layout->inputs.first = c->speed_input = at;
     c->outer = at + (c->motor ? 0 : 2);
-    at = copy_variables(unit, at, NULL, own, starts, own->inputs.first, own->inputs.count);
-    layout->inputs.count = own->inputs.count;
+    at = copy_variables(unit, at, NULL, coupling, starts, coupling->inputs.first,
+                        coupling->inputs.count);
+    layout->inputs.count = coupling->inputs.count;
     layout->computed.first = layout->observed.first = at;
     for (k = 0; k < c->part_count; k++) {
         const Unit *part = c->parts[k].unit;
@@ -238,11 +240,12 @@ static void lay_out_variables(Unit *unit, const Layout *own, const double *start
                   part->layout.real_count - first);
     }
     c->results = at;
-    at = copy_variables(unit, at, NULL, own, starts, own->observed.first, own->observed.count);
+    at = copy_variables(unit, at, NULL, coupling, starts, coupling->observed.first,
+                        coupling->observed.count);
     layout->observed.count = at - layout->observed.first;
     layout->real_count = at;
-    layout->table = own->table;
-    layout->sizes = own->sizes;
+    layout->table = coupling->table;
+    layout->sizes = coupling->sizes;
 }
 
 /* Which parts and planes exchange force. */
@@ -251,9 +254,9 @@ static int connect(Unit *unit)
     Composite *c = unit->own;
     const int planes = c->parts->unit->layout.sizes.planes;
     int plane, k;
-    c->unknowns = c->exchanges + (c->motor != NULL);
-    c->members = unit_allocate(unit, (size_t)c->exchanges, sizeof(int));
-    c->member_planes = unit_allocate(unit, (size_t)c->exchanges, sizeof(int));
+    c->unknowns = c->force_count + (c->motor != NULL);
+    c->members = unit_allocate(unit, (size_t)c->force_count, sizeof(int));
+    c->member_planes = unit_allocate(unit, (size_t)c->force_count, sizeof(int));
     c->rotor_planes = unit_allocate(unit, (size_t)planes, sizeof(int));
     if (!c->members || !c->member_planes || !c->rotor_planes) {
         return refuse_composition(unit, "there is not enough memory");
@@ -262,9 +265,9 @@ static int connect(Unit *unit)
         int found = 0;
         for (k = 1; k < c->parts_without_motor; k++) {
             const Part *part = c->parts + k;
-            if (part->exchange >= 0 && part->plane == plane) {
-                c->members[part->exchange] = k;
-                c->member_planes[part->exchange] = c->planes;
+            if (part->force_number >= 0 && part->plane == plane) {
+                c->members[part->force_number] = k;
+                c->member_planes[part->force_number] = c->planes;
                 found = 1;
             }
         }
@@ -276,12 +279,12 @@ static int connect(Unit *unit)
 }
 
 /* Layout and start values of the whole; 1 with the reason. */
-static int describe(Unit *unit, const char *own_starts)
+static int describe(Unit *unit, const char *coupling_starts)
 {
     const Composite *c = unit->own;
     const Table *table = table_of("Composite", c->motor ? "motor" : "", "");
     Sizes sizes = {1, 1, 1, 1, 0, 2, 0, 0};
-    Layout own;
+    Layout coupling;
     Variable *reals;
     double *starts;
     size_t count, total;
@@ -304,18 +307,18 @@ static int describe(Unit *unit, const char *own_starts)
     if (!reals || !starts || !unit->layout.reals || !unit->starts) {
         return refuse_composition(unit, "there is not enough memory");
     }
-    own = layout_in(reals, table, &sizes);
-    layout_starts(&own, starts);
-    if (token_starts(own_starts, starts, own.computed.first)) {
+    coupling = layout_in(reals, table, &sizes);
+    layout_starts(&coupling, starts);
+    if (token_starts(coupling_starts, starts, coupling.computed.first)) {
         return refuse_composition(unit, "it has start values of variables that are not its own");
     }
-    lay_out_variables(unit, &own, starts);
+    lay_out_variables(unit, &coupling, starts);
     return 0;
 }
 
 int composite_build(Unit *unit, const char *token)
 {
-    const char *at, *own = NULL;
+    const char *at, *coupling_starts = NULL;
     Text identity = text_in(unit->token, sizeof unit->token);
     Composite *c;
     size_t count = 0;
@@ -328,19 +331,19 @@ int composite_build(Unit *unit, const char *token)
         return refuse_composition(unit, "it has no parts, or too many for the memory");
     }
     for (at = token_next(token); at && *at;) {
-        at = read_entry(unit, at, &own);
+        at = read_entry(unit, at, &coupling_starts);
     }
     if (!at) {
         return 1;
     }
-    if (!own || !c->part_count) {
+    if (!coupling_starts || !c->part_count) {
         return refuse_composition(unit, "it ends too early");
     }
     if (c->motor && (c->corner_count || c->change_count)) {
         return refuse_composition(unit, "with a motor it has neither corners nor changes");
     }
     stop_at_contacts(c);
-    if (connect(unit) || describe(unit, own)) {
+    if (connect(unit) || describe(unit, coupling_starts)) {
         return 1;
     }
     token_identity(token, &identity);

@@ -16,7 +16,7 @@ static void declare_clock(Fields *fields)
     fields_within(fields, "clock.length", &clock->length, 1, 0.0, DBL_MAX);
     fields_flag(fields, "clock.within", &clock->within);
     fields_number(fields, "clock.shown", &clock->shown, 1);
-    fields_flag(fields, "clock.changed", &clock->changed);
+    fields_flag(fields, "clock.jumped", &clock->jumped);
 }
 
 static void declare_drive(Fields *fields, const Composite *c)
@@ -28,7 +28,8 @@ static void declare_drive(Fields *fields, const Composite *c)
     fields_number(fields, "drive.pushed_at, .next_corner", &drive->pushed_at, 2);
     fields_whole(fields, "drive.passed", &drive->passed, 1, 0.0, (double)c->corner_count + 1.0);
     fields_number(fields, "drive.steepest, .next_change", &drive->steepest, 2);
-    fields_whole(fields, "drive.changed", &drive->changed, 1, 0.0, (double)c->change_count);
+    fields_whole(fields, "drive.changes_behind", &drive->changes_behind, 1, 0.0,
+                 (double)c->change_count);
 }
 
 static void declare_shaft(Fields *fields)
@@ -41,7 +42,7 @@ static void declare_division(Fields *fields)
 {
     const Division *division = fields_here(fields);
     fields_flag(fields, "division.crossing", &division->crossing);
-    fields_within(fields, "division.negligible, .whole", &division->negligible, 2, 0.0, DBL_MAX);
+    fields_within(fields, "division.negligible, .length", &division->negligible, 2, 0.0, DBL_MAX);
     fields_whole(fields, "division.halvings, .piece", &division->halvings, 2, 0.0, MOST_HALVINGS + 1.0);
     fields_number(fields, "division.ends", &division->ends, 1);
     fields_flag(fields, "division.first_step", &division->first_step);
@@ -77,18 +78,19 @@ static void declare_adaptation(Fields *fields)
 
 static void declare_one_piece(Fields *fields, const Composite *c)
 {
-    const OnePiece *own = fields_here(fields);
+    const OnePiece *one_piece = fields_here(fields);
     const double last_line = c->motor ? ((const Motor *)c->motor->unit->own)->count - 2.0 : 0.0;
-    fields_flag(fields, "one_piece.active", &own->active);
-    fields_whole(fields, "one_piece.order", &own->order, 1, 0.0, MOST_ORDER);
-    fields_flag(fields, "one_piece.stands", &own->stands);
-    fields_within(fields, "one_piece.largest", &own->largest, 1, 0.0, DBL_MAX);
-    fields_number(fields, "one_piece.speed, .acceleration, .pushed", &own->speed, 3);
-    fields_whole(fields, "one_piece.changed", &own->changed, 1, 0.0, (double)c->change_count);
-    fields_whole(fields, "one_piece.line", &own->line, 1, -1.0, last_line);
-    fields_flag(fields, "one_piece.placed", &own->placed);
-    fields_whole(fields, "one_piece.looks, .looked", &own->looks, 2, 0.0, MOST_LOOKS);
-    fields_whole(fields, "one_piece.leaves", &own->leaves, 1, -1.0, 1.0);
+    fields_flag(fields, "one_piece.active", &one_piece->active);
+    fields_whole(fields, "one_piece.order", &one_piece->order, 1, 0.0, MOST_ORDER);
+    fields_flag(fields, "one_piece.stands", &one_piece->stands);
+    fields_within(fields, "one_piece.largest", &one_piece->largest, 1, 0.0, DBL_MAX);
+    fields_number(fields, "one_piece.speed, .acceleration, .pushed", &one_piece->speed, 3);
+    fields_whole(fields, "one_piece.changes_behind", &one_piece->changes_behind, 1, 0.0,
+                 (double)c->change_count);
+    fields_whole(fields, "one_piece.line", &one_piece->line, 1, -1.0, last_line);
+    fields_flag(fields, "one_piece.placed", &one_piece->placed);
+    fields_whole(fields, "one_piece.looks, .looked", &one_piece->looks, 2, 0.0, MOST_LOOKS);
+    fields_whole(fields, "one_piece.leaves", &one_piece->leaves, 1, -1.0, 1.0);
 }
 
 static void declare_course(Fields *fields, const Composite *c)
@@ -129,7 +131,7 @@ static void declare_values(Fields *fields, const Part *part)
     const Layout *layout = &part->unit->layout;
     const double *real = fields_here(fields), *given = fields->real + part->first;
     const size_t set = part->brief < 0 ? layout->parameters.count : (size_t)part->brief;
-    const int is_rotor = part->unit->equations == &ROTOR_EQUATIONS;
+    const bool is_rotor = part->unit->equations == &ROTOR_EQUATIONS;
     fields->owner = part->unit->name;
     if (is_rotor) {
         fields_number(fields, "parameter", real, layout->parameters.count);

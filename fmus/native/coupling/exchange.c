@@ -12,8 +12,8 @@ Status exchange_begin(Unit *unit)
         return unit_refuse(unit, "instantiation failed",
                            "the unit is for co-simulation, not for model exchange");
     }
-    unit->exchanges = 1;
-    ((Composite *)unit->own)->parts->unit->exchanges = 1;
+    unit->for_model_exchange = true;
+    ((Composite *)unit->own)->parts->unit->for_model_exchange = true;
     return STATUS_OK;
 }
 
@@ -22,15 +22,16 @@ Status exchange_begin(Unit *unit)
 static size_t part_states(Unit *unit, const Part *of, ExchangeCall call, double *values, int *wrong)
 {
     Unit *part = of->unit;
-    const Equations *own = part->equations;
-    const size_t plain = own->states ? own->states(&part->layout) : 0, turns = plain && own->turns;
+    const Equations *equations = part->equations;
+    const size_t plain = equations->states ? equations->states(&part->layout) : 0,
+                 turns = plain && equations->turns;
     double *memory = part->memory + (turns ? ANGLE_SIZE : 0);
     size_t k;
     if (!values || !plain) {
         return turns + plain;
     }
     if (call == GET_DERIVATIVES) {
-        *wrong = own->derivatives(part, values) && composite_part_failed(unit, of);
+        *wrong = equations->derivatives(part, values) && composite_part_failed(unit, of);
     } else if (call == SET_STATES) {
         if (turns) {
             angle_start(part->memory, *values);
@@ -39,7 +40,8 @@ static size_t part_states(Unit *unit, const Part *of, ExchangeCall call, double 
     } else {
         *values = call == GET_STATES ? angle_total(part->memory) : 1.0;
         for (k = 0; k < plain; k++) {
-            values[turns + k] = call == GET_STATES ? memory[k] : own->nominals[2 * k >= plain];
+            values[turns + k] =
+                call == GET_STATES ? memory[k] : equations->nominals[2 * k >= plain];
         }
     }
     return turns + plain;
@@ -84,7 +86,7 @@ static int find_derivatives(Unit *unit, double *rates)
         wrong = unit_refresh(unit, OBSERVED);
     }
     if (!wrong && ((const Composite *)unit->own)->course->one_piece.active > 0.0) {
-        wrong = unit->exchanges ? composite_meet_host(unit) : one_piece_place(unit);
+        wrong = unit->for_model_exchange ? composite_meet_host(unit) : one_piece_place(unit);
         return wrong || one_piece_rates(unit, rates) || refuse_infinite(unit, rates, exchange_count(unit));
     }
     wrong = wrong || unit_refresh(unit, OBSERVED) || composite_eventful(unit);
@@ -103,7 +105,7 @@ Status exchange_derivative(Unit *unit, size_t state, double *value)
 }
 
 /* Whether the host has come to a time since the start, or to what is that time among its own numbers. */
-static int is_due(const Unit *unit, double time)
+static bool is_due(const Unit *unit, double time)
 {
     return time <= unit->time * (1.0 + TIME_ROUNDING) || unit_host_time(unit, time) <= unit->point;
 }
@@ -171,7 +173,7 @@ Status exchange_call(Unit *unit, const char *function, ExchangeCall call, double
 {
     const size_t expected = call <= SET_STATES ? exchange_count(unit) : call <= PASS_EVENTS;
     size_t k;
-    if (!unit->exchanges) {
+    if (!unit->for_model_exchange) {
         return unit_refuse(unit, function, "the instance is for co-simulation");
     }
     if (count != expected) {

@@ -154,7 +154,7 @@ int iterated_judge(Unit *unit)
                        "corrections");
         return 0;
     }
-    ((Composite *)unit->own)->loop_failed = 1;
+    ((Composite *)unit->own)->loop_failed = true;
     for (k = 0; k < c->unknowns; k++) {
         text_put(&forces, k ? ", " : "");
         composite_name_signal(c, k, &forces);

@@ -201,7 +201,7 @@ static int rotor_answer(Unit *unit, const double *u, double step)
         knot_from_start(ends, c->sent + SIGNAL_ORDERS * k);
     }
     if (c->motor) {
-        shaft_tell(unit, c->sent + SIGNAL_ORDERS * c->exchanges, 0.0);
+        shaft_tell(unit, c->sent + SIGNAL_ORDERS * c->force_count, 0.0);
     }
     composite_set_forces(unit, c->sent, 0.0);
     if (rotor->unit->equations->outputs(rotor->unit)) {
@@ -222,7 +222,7 @@ static int respond_at_start(Unit *unit, const double *u, double step, double *an
     for (k = 0; k < c->planes; k++) {
         c->accelerations[k].now = c->ends[k];
     }
-    for (k = 0; k < c->exchanges; k++) {
+    for (k = 0; k < c->force_count; k++) {
         Part *part = c->parts + c->members[k];
         double *input = part->unit->real + part->unit->layout.inputs.first;
         memset(input, 0, SIGNAL_ORDERS * sizeof(Complex));
@@ -232,7 +232,7 @@ static int respond_at_start(Unit *unit, const double *u, double step, double *an
         }
     }
     composite_read_forces(c, c->answers);
-    if (c->motor && shaft_answer(unit, c->answers + c->exchanges)) {
+    if (c->motor && shaft_answer(unit, c->answers + c->force_count)) {
         return 1;
     }
     loop_pack(c->answers, c->unknowns, step, answer);

@@ -19,22 +19,23 @@ struct Impacts {
 int impacts_allocate(Unit *unit)
 {
     Composite *c = unit->own;
-    struct Impacts *own = unit_allocate(unit, 1, sizeof *own);
+    struct Impacts *impacts = unit_allocate(unit, 1, sizeof *impacts);
     const size_t n = (size_t)composite_rotor(c)->stations, p = (size_t)composite_rotor(c)->planes;
     int k;
-    c->impacts = own;
-    if (!own) {
+    c->impacts = impacts;
+    if (!impacts) {
         return 1;
     }
     for (k = 1; k < c->parts_without_motor; k++) {
-        own->count += part_balls(c->parts + k) ? c->parts[k].unit->layout.sizes.weights : 0;
+        impacts->count += part_balls(c->parts + k) ? c->parts[k].unit->layout.sizes.weights : 0;
     }
-    own->mass = unit_allocate(unit, n * n, sizeof(double));
-    own->give = unit_allocate(unit, n * p, sizeof(double));
-    own->mobility = unit_allocate(unit, p * p, sizeof(double));
-    own->memory = unit_allocate(unit, impact_doubles(own->count) + 1, sizeof(double));
-    own->tracks = unit_allocate(unit, (size_t)c->part_count, sizeof *own->tracks);
-    return !own->mass || !own->give || !own->mobility || !own->memory || !own->tracks;
+    impacts->mass = unit_allocate(unit, n * n, sizeof(double));
+    impacts->give = unit_allocate(unit, n * p, sizeof(double));
+    impacts->mobility = unit_allocate(unit, p * p, sizeof(double));
+    impacts->memory = unit_allocate(unit, impact_doubles(impacts->count) + 1, sizeof(double));
+    impacts->tracks = unit_allocate(unit, (size_t)c->part_count, sizeof *impacts->tracks);
+    return !impacts->mass || !impacts->give || !impacts->mobility || !impacts->memory ||
+           !impacts->tracks;
 }
 
 int impacts_prepare(Unit *unit)
@@ -42,20 +43,20 @@ int impacts_prepare(Unit *unit)
     Composite *c = unit->own;
     const LinearRotor *rotor = &composite_rotor(c)->rotor;
     const int n = rotor->stations, p = rotor->plane_count;
-    struct Impacts *own = c->impacts;
+    struct Impacts *impacts = c->impacts;
     int k;
     composite_added_masses(c, c->masses);
-    linear_rotor_with_added_mass(rotor, c->masses, own->mass);
-    matrix_transposed(1, p, n, rotor->planes, own->give);
-    if (matrix_solve(1, n, p, own->mass, own->give)) {
+    linear_rotor_with_added_mass(rotor, c->masses, impacts->mass);
+    matrix_transposed(1, p, n, rotor->planes, impacts->give);
+    if (matrix_solve(1, n, p, impacts->mass, impacts->give)) {
         return unit_fail(unit, "the rotor's mass matrix is singular");
     }
-    matrix_product(1, p, n, p, rotor->planes, own->give, own->mobility);
+    matrix_product(1, p, n, p, rotor->planes, impacts->give, impacts->mobility);
     /* where steps do not end at impacts, a track knows the mobility of its own plane alone */
     for (k = 1; k < c->parts_without_motor; k++) {
         Balls *balls = part_balls(c->parts + k);
         if (balls) {
-            balls->track.mobility = own->mobility[c->parts[k].plane * (p + 1)];
+            balls->track.mobility = impacts->mobility[c->parts[k].plane * (p + 1)];
         }
     }
     return 0;
@@ -85,8 +86,8 @@ static Instant drive_of(const Composite *c, const Part *part)
     now.spin = spin_of(0.0, composite_speed(c, course->clock.time), spin_up);
     now.motion[0] = now.motion[1] = complex_of(0.0, 0.0);
     shift_signal(now.motion, 1, balls->track.offset, now.spin.speed, spin_up);
-    if (part->exchange >= 0) {
-        const Knot *plane = &c->accelerations[c->member_planes[part->exchange]].now;
+    if (part->force_number >= 0) {
+        const Knot *plane = &c->accelerations[c->member_planes[part->force_number]].now;
         now.motion[0] = complex_sum(now.motion[0], plane->value);
     }
     return now;
@@ -149,7 +150,7 @@ static int write_tracks(Unit *unit)
     return 0;
 }
 
-static int can_meet(const Composite *c)
+static bool can_meet(const Composite *c)
 {
     int k, found = 0;
     for (k = 1; k < c->parts_without_motor && !found; k++) {

@@ -9,7 +9,7 @@
 enum { RATE, RATE_SLOPE, SPEED_REACHED };
 
 /* Whether weights can touch or stick, which take no change of w' within a step. */
-static int can_meet_or_stick(const Part *part)
+static bool can_meet_or_stick(const Part *part)
 {
     const double *real = part->unit->real;
     return part_balls(part) && (real[WEIGHT_RADIUS] > 0.0 || real[ROLLING] > 0.0);
@@ -79,15 +79,15 @@ void shaft_tell(Unit *unit, const Complex *spin, double step)
         rates[0] + step * (rates[1] / 2.0 + step * (rates[2] / 6.0 + step * rates[3] / 24.0));
     int k;
     for (k = 0; k < c->parts_without_motor; k++) {
-        double *drive = c->parts[k].unit->real + c->parts[k].drive;
-        if (c->parts[k].drive < 0) {
+        double *speed = c->parts[k].unit->real + c->parts[k].speed_input;
+        if (c->parts[k].speed_input < 0) {
             continue;
         }
-        drive[0] = c->course->drive.speed;
-        memcpy(drive + SPIN_UP, rates, sizeof rates);
+        speed[0] = c->course->drive.speed;
+        memcpy(speed + SPIN_UP, rates, sizeof rates);
         if (can_meet_or_stick(c->parts + k)) {
-            memset(drive + SPIN_UP, 0, sizeof rates);
-            drive[SPIN_UP] = mean; /* of order 1, as contacts are */
+            memset(speed + SPIN_UP, 0, sizeof rates);
+            speed[SPIN_UP] = mean; /* of order 1, as contacts are */
         }
     }
 }

@@ -71,7 +71,7 @@ int one_piece_make(Unit *unit)
         const double rate = scaled_by_power(1.0, binary_exponent(c->course->drive.fastest));
         make(c, rate, &pieces->step);
         make(c, rate, &pieces->instant);
-        pieces->is_made = 1;
+        pieces->is_made = true;
         pieces->key[0] = not_a_number();
     }
     return 0;
@@ -81,7 +81,7 @@ int one_piece_make(Unit *unit)
 
 /* Square root of the largest modulus of an eigenvalue of mass^-1 matrix, or that itself where it is no
    stiffness [1/s]; below 0 where the mass is singular. */
-static double rate_of(const Composite *c, const double *matrix, int is_stiffness)
+static double rate_of(const Composite *c, const double *matrix, bool is_stiffness)
 {
     const LinearRotor *rotor = &composite_rotor(c)->rotor;
     const int n = rotor->stations;
@@ -115,7 +115,7 @@ static double fastest_of(const Composite *c)
     return fastest;
 }
 
-static int is_eventful(const Composite *c)
+static bool is_eventful(const Composite *c)
 {
     int k, found = composite_rotor(c)->slider_count > 0;
     for (k = 1; k < c->parts_without_motor; k++) {
@@ -125,13 +125,13 @@ static int is_eventful(const Composite *c)
     return found;
 }
 
-int one_piece_covers(Unit *unit)
+bool one_piece_covers(Unit *unit)
 {
     const Composite *c = unit->own;
     if (is_eventful(c)) {
         return 0;
     }
-    return unit->exchanges ||
+    return unit->for_model_exchange ||
            (c->unknowns && unit->real[c->tolerance] > 0.0 &&
             fastest_of(c) <= MOST_FASTEST_RATE * c->course->drive.fastest);
 }
@@ -149,11 +149,11 @@ static double gain_of(const Composite *c)
     matrix_per_axis(1, 2, n, n, rotor->rotor.mass, mass);
     fill_doubles(square, 0.0, taken);
     for (part = 1; part < c->parts_without_motor; part++) {
-        const Unit *own = c->parts[part].unit;
+        const Unit *inner = c->parts[part].unit;
         const double *row = rotor->rotor.planes + c->parts[part].plane * n;
-        const double carried = own->real[layout_index(&own->layout, "added_mass", 1)];
+        const double carried = inner->real[layout_index(&inner->layout, "added_mass", 1)];
         const Balls *balls = part_balls(c->parts + part);
-        const Liquid liquid = {own->real[0], own->real[1], own->real[2], own->real[3]};
+        const Liquid liquid = {inner->real[0], inner->real[1], inner->real[2], inner->real[3]};
         const double sent = (balls ? weights_added_mass(&balls->track.weights) : liquid_added_mass(&liquid)) - carried;
         for (i = 0; i < size; i++) {
             for (j = 0; j < size; j++) {
@@ -162,7 +162,7 @@ static double gain_of(const Composite *c)
                 taken[i * size + j] -= both * same * sent;
                 for (w = 0; balls && w < balls->count; w++) {
                     const Weights one = weights_single(&balls->track.weights, w);
-                    const Complex unit = rect(1.0, own->memory[w] + c->parts->unit->memory[REST]);
+                    const Complex unit = rect(1.0, inner->memory[w] + c->parts->unit->memory[REST]);
                     const double a = i % 2 ? unit.re : -unit.im, b = j % 2 ? unit.re : -unit.im;
                     taken[i * size + j] += both * (one.mass / one.kappa) * a * b;
                 }
@@ -196,18 +196,18 @@ static double first_displacement(const Composite *c)
 int one_piece_begin(Unit *unit)
 {
     Composite *c = unit->own;
-    OnePiece *own = &c->course->one_piece;
+    OnePiece *one_piece = &c->course->one_piece;
     const double *place = c->parts->unit->memory + MOTION;
     const int n = composite_rotor(c)->stations;
     if (one_piece_make(unit)) {
         return 1;
     }
     c->course->loop.gain = gain_of(c);
-    own->active = own->stands = own->placed = 1.0;
-    own->line = -1.0;
-    own->largest = larger(first_displacement(c), largest_of(2 * n, place));
-    if (!(own->largest > 0.0)) {
-        own->largest = 1.0; /* nothing moves it */
+    one_piece->active = one_piece->stands = one_piece->placed = 1.0;
+    one_piece->line = -1.0;
+    one_piece->largest = larger(first_displacement(c), largest_of(2 * n, place));
+    if (!(one_piece->largest > 0.0)) {
+        one_piece->largest = 1.0; /* nothing moves it */
     }
     return 0;
 }

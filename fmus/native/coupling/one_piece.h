@@ -6,6 +6,8 @@
 #ifndef AUTOBALANCER_ONE_PIECE_H
 #define AUTOBALANCER_ONE_PIECE_H
 
+#include <stdbool.h>
+
 #include "machine/machine.h"
 
 enum { SPEED_OF_MOTOR = 2 }; /* of the outputs that its unit computes: behind it all are of its state alone */
@@ -18,7 +20,7 @@ typedef struct {
     double largest;    /* displacement so far [m] */
     double speed, acceleration; /* of the rotor at the start of the step */
     double pushed;     /* how long after forces from outside were told the step begins [s] */
-    double changed;    /* changes of the unbalance by then */
+    double changes_behind; /* changes of the unbalance by then */
     double line;       /* of the motor's torque */
     double placed;     /* whether the parts stand where the clock says they are shown */
     double looks, looked; /* times at which the step is looked at, and how many are behind */
@@ -36,7 +38,7 @@ typedef struct {
 /* What goes with the unit. */
 typedef struct {
     Machine step, instant; /* series of the step, and of the present state alone */
-    int is_made;           /* whether both are those of the parameters */
+    bool is_made;          /* whether both are those of the parameters */
     int followers;         /* parts that follow their plane's place */
     double share;          /* of the tolerance, as a run has it; 0: all of it */
     double *begun_forces;  /* in the unit's memory: from outside, at the start of the step (planes, 2) [N] */
@@ -54,7 +56,7 @@ typedef struct Composite Composite;
 
 int one_piece_allocate(Unit *unit);
 /* Whether the machine has no events and either is for model exchange, or keeps a tolerance and is not stiff. */
-int one_piece_covers(Unit *unit);
+bool one_piece_covers(Unit *unit);
 /* Make the machine of the parameters where it is not; 1 with the reason. */
 int one_piece_make(Unit *unit);
 /* From the state in the parts' memories on; 1 with the reason. */

@@ -62,10 +62,10 @@ static void tell_spin(const Composite *c)
                                          c->motor ? 2.0 * m->speed[2] * square * m->rate : 0.0, 0.0, 0.0};
     int k;
     for (k = 0; k < c->parts_without_motor; k++) {
-        double *drive = c->parts[k].unit->real + c->parts[k].drive;
-        if (c->parts[k].drive >= 0) {
-            drive[0] = m->speed[0] * m->rate;
-            memcpy(drive + SPIN_UP, rates, sizeof rates);
+        double *speed = c->parts[k].unit->real + c->parts[k].speed_input;
+        if (c->parts[k].speed_input >= 0) {
+            speed[0] = m->speed[0] * m->rate;
+            memcpy(speed + SPIN_UP, rates, sizeof rates);
         }
     }
 }
@@ -74,17 +74,17 @@ static void tell_spin(const Composite *c)
 static int show_balancer(Unit *unit, const Part *part)
 {
     const Composite *c = unit->own;
-    Unit *own = part->unit;
+    Unit *inner = part->unit;
     composite_place(c, part);
-    if (part->exchange >= 0) {
+    if (part->force_number >= 0) {
         const Knot knot = plane_signal(c, part->plane);
-        double *input = own->real + own->layout.inputs.first;
+        double *input = inner->real + inner->layout.inputs.first;
         memset(input, 0, SIGNAL_ORDERS * sizeof(Complex));
         memcpy(input, &knot, sizeof knot);
     }
-    own->time = unit->time;
-    own->start = unit->start;
-    return own->equations->outputs(own) && composite_part_failed(unit, part);
+    inner->time = unit->time;
+    inner->start = unit->start;
+    return inner->equations->outputs(inner) && composite_part_failed(unit, part);
 }
 
 int one_piece_signals(Unit *unit)
@@ -102,7 +102,7 @@ int one_piece_signals(Unit *unit)
         }
     }
     composite_read_forces(c, c->answers);
-    for (k = 0; k < c->exchanges; k++) {
+    for (k = 0; k < c->force_count; k++) {
         knot_from_start(c->answers + k, c->sent + SIGNAL_ORDERS * k);
     }
     composite_set_forces(unit, c->sent, 0.0);
@@ -160,16 +160,16 @@ static int find_place(const Composite *c, size_t reference, int *column, int *nu
 }
 
 /* Whether an output follows from the state in its part's memory alone. */
-static int is_of_state(const Composite *c, size_t reference)
+static bool is_of_state(const Composite *c, size_t reference)
 {
     const Part *part = part_of(c, reference);
-    const Unit *own = part ? part->unit : NULL;
-    const size_t output = part ? reference - part->observed + own->layout.computed.first : 0;
+    const Unit *inner = part ? part->unit : NULL;
+    const size_t output = part ? reference - part->observed + inner->layout.computed.first : 0;
     if (part && part == c->motor) {
         return reference - part->observed >= SPEED_OF_MOTOR;
     }
     return part && observed_number(part, reference) >= 0 &&
-           !(own->equations->is_torque && own->equations->is_torque(own, output));
+           !(inner->equations->is_torque && inner->equations->is_torque(inner, output));
 }
 
 /* What the outputs that are asked for follow from. */
@@ -193,7 +193,7 @@ OutputKind one_piece_outputs(Unit *unit)
 {
     Pieces *pieces = &((Composite *)unit->own)->pieces;
     const size_t size = unit->asked_count * sizeof *unit->asked;
-    if (!unit->asked || unit->exchanges || unit->asked_count > pieces->most_planned) {
+    if (!unit->asked || unit->for_model_exchange || unit->asked_count > pieces->most_planned) {
         return OUTPUTS_OF_SIGNALS;
     }
     if (pieces->planned != unit->asked_count || memcmp(pieces->planned_outputs, unit->asked, size)) {

@@ -88,31 +88,33 @@ static int expand(Unit *unit)
 {
     Composite *c = unit->own;
     Pieces *pieces = &c->pieces;
-    const OnePiece *own = &c->course->one_piece;
+    const OnePiece *one_piece = &c->course->one_piece;
     const size_t forces = outside_count(c);
     double *key = pieces->wanted, angle;
     if (!pieces->is_made && one_piece_make(unit)) {
         return 1;
     }
-    *key++ = own->speed;
-    *key++ = own->acceleration;
-    *key++ = own->changed;
-    *key++ = own->line;
-    *key++ = own->order;
-    *key++ = own->pushed;
+    *key++ = one_piece->speed;
+    *key++ = one_piece->acceleration;
+    *key++ = one_piece->changes_behind;
+    *key++ = one_piece->line;
+    *key++ = one_piece->order;
+    *key++ = one_piece->pushed;
     memcpy(key, pieces->begun_forces, forces * sizeof(double));
     memcpy(key + forces, c->at_begin, c->state_count * sizeof(double));
     if (!memcmp(pieces->wanted, pieces->key, pieces->key_count * sizeof(double))) {
         return 0;
     }
-    if (own->changed != (double)c->made_with && one_piece_make(unit)) { /* the state is a restored one */
+    if (one_piece->changes_behind != (double)c->made_with &&
+        one_piece_make(unit)) { /* the state is a restored one */
         return 1;
     }
     memcpy(pieces->key, pieces->wanted, pieces->key_count * sizeof(double));
-    one_piece_push(c, &pieces->step, pieces->begun_forces, own->pushed);
-    angle = one_piece_load(c, &pieces->step, c->at_begin, own->speed, own->acceleration);
+    one_piece_push(c, &pieces->step, pieces->begun_forces, one_piece->pushed);
+    angle =
+        one_piece_load(c, &pieces->step, c->at_begin, one_piece->speed, one_piece->acceleration);
     if (c->motor) {
-        one_piece_set_line(&pieces->step, (int)own->line);
+        one_piece_set_line(&pieces->step, (int)one_piece->line);
     }
     machine_expand(&pieces->step, angle, order_of(c));
     c->course->total.passes += 1.0;
@@ -168,15 +170,15 @@ int one_piece_place(Unit *unit)
 {
     const Composite *c = unit->own;
     const Clock *clock = &c->course->clock;
-    OnePiece *own = &c->course->one_piece;
-    if (own->placed > 0.0) {
+    OnePiece *one_piece = &c->course->one_piece;
+    if (one_piece->placed > 0.0) {
         return 0;
     }
     if (expand(unit)) {
         return 1;
     }
     stand_at(unit, time_within(c, clock->shown));
-    own->placed = 1.0;
+    one_piece->placed = 1.0;
     return 0;
 }
 
@@ -198,19 +200,19 @@ int one_piece_places(Unit *unit, Pair *places)
 
 int one_piece_begin_anew(Unit *unit)
 {
-    OnePiece *own = &((Composite *)unit->own)->course->one_piece;
-    if (own->stands == 0.0 && one_piece_place(unit)) {
+    OnePiece *one_piece = &((Composite *)unit->own)->course->one_piece;
+    if (one_piece->stands == 0.0 && one_piece_place(unit)) {
         return 1;
     }
-    own->stands = 1.0;
-    own->line = -1.0;
+    one_piece->stands = 1.0;
+    one_piece->line = -1.0;
     return 0;
 }
 
 /* -- what is watched as the motion goes on --------------------------------------------------------- */
 
 /* Whether nobody reads what the looks would find. */
-static int is_unwatched(const Unit *unit)
+static bool is_unwatched(const Unit *unit)
 {
     const Composite *c = unit->own;
     size_t k;
@@ -248,21 +250,24 @@ static int look_on(Unit *unit, double time)
 {
     Composite *c = unit->own;
     const Clock *clock = &c->course->clock;
-    OnePiece *own = &c->course->one_piece;
+    OnePiece *one_piece = &c->course->one_piece;
     const Machine *m = &c->pieces.step;
-    const double apart = clock->length / own->looks;
+    const double apart = clock->length / one_piece->looks;
     double *place = c->pieces.looked_at, turned;
     int i, order;
-    if (own->looked >= own->looks || !(clock->begin + (own->looked + 1.0) * apart <= time)) {
+    if (one_piece->looked >= one_piece->looks ||
+        !(clock->begin + (one_piece->looked + 1.0) * apart <= time)) {
         return 0;
     }
     if (expand(unit)) {
         return 1;
     }
     order = order_of(c);
-    turned = machine_turned(m, order, own->looked * apart * m->rate);
-    while (own->looked < own->looks && clock->begin + (own->looked + 1.0) * apart <= time) {
-        const double now = ++own->looked * apart * m->rate, angle = machine_turned(m, order, now);
+    turned = machine_turned(m, order, one_piece->looked * apart * m->rate);
+    while (one_piece->looked < one_piece->looks &&
+           clock->begin + (one_piece->looked + 1.0) * apart <= time) {
+        const double now = ++one_piece->looked * apart * m->rate,
+                     angle = machine_turned(m, order, now);
         for (i = 0; i < m->stations; i++) {
             const Pair displacement = machine_at(m->motion + i, m->width, order, now);
             place[2 * i] = pair_x(displacement);
@@ -270,7 +275,8 @@ static int look_on(Unit *unit, double time)
         }
         verdict_look(c, place, angle - turned);
         turned = angle;
-        if (c->pieces.followers && place_followers(unit, place, clock->begin + own->looked * apart)) {
+        if (c->pieces.followers &&
+            place_followers(unit, place, clock->begin + one_piece->looked * apart)) {
             return 1;
         }
     }
@@ -304,16 +310,17 @@ static void ends_of_line(const Machine *m, int line, double *ends)
 static int finish(Unit *unit)
 {
     const Composite *c = unit->own;
-    OnePiece *own = &c->course->one_piece;
+    OnePiece *one_piece = &c->course->one_piece;
     if (look_on(unit, infinity()) || expand(unit)) {
         return 1;
     }
     stand_at(unit, c->course->clock.length * c->pieces.step.rate);
-    if (c->motor && own->leaves != 0.0) { /* the speed is that of the corner, without rounding */
+    if (c->motor &&
+        one_piece->leaves != 0.0) { /* the speed is that of the corner, without rounding */
         const Motor *motor = c->motor->unit->own;
-        const int corner = (int)larger(0.0, own->line + (own->leaves > 0.0));
+        const int corner = (int)larger(0.0, one_piece->line + (one_piece->leaves > 0.0));
         c->motor->unit->memory[ANGLE_SIZE] = motor->points[2 * corner];
-        own->line = smaller(own->line + own->leaves, motor->count - 2.0);
+        one_piece->line = smaller(one_piece->line + one_piece->leaves, motor->count - 2.0);
     }
     return 0;
 }
@@ -323,22 +330,24 @@ static void begin_step(Unit *unit)
 {
     const Composite *c = unit->own;
     Course *course = c->course;
-    OnePiece *own = &course->one_piece;
+    OnePiece *one_piece = &course->one_piece;
     const size_t forces = outside_count(c);
     const double *place = c->parts->unit->memory + MOTION;
     memcpy(c->at_begin, c->states, c->state_count * sizeof(double));
     memcpy(c->pieces.begun_forces, c->outer_forces, forces * sizeof(double));
     course->clock.begin = course->clock.shown = course->clock.time;
-    own->order = machine_order(step_tolerance(unit));
-    own->stands = course->clock.within = own->leaves = own->looked = 0.0;
-    own->placed = 1.0;
-    own->changed = course->drive.changed;
-    own->pushed = course->clock.time - course->drive.pushed_at;
-    own->speed = c->motor ? c->motor->unit->memory[ANGLE_SIZE] : composite_speed(c, course->clock.time);
-    own->acceleration = c->motor ? 0.0 : course->drive.acceleration;
-    own->largest = larger(own->largest, largest_of(2 * composite_rotor(c)->stations, place));
-    if (c->motor && own->line < 0.0) {
-        own->line = motor_line(c->motor->unit->own, own->speed);
+    one_piece->order = machine_order(step_tolerance(unit));
+    one_piece->stands = course->clock.within = one_piece->leaves = one_piece->looked = 0.0;
+    one_piece->placed = 1.0;
+    one_piece->changes_behind = course->drive.changes_behind;
+    one_piece->pushed = course->clock.time - course->drive.pushed_at;
+    one_piece->speed =
+        c->motor ? c->motor->unit->memory[ANGLE_SIZE] : composite_speed(c, course->clock.time);
+    one_piece->acceleration = c->motor ? 0.0 : course->drive.acceleration;
+    one_piece->largest =
+        larger(one_piece->largest, largest_of(2 * composite_rotor(c)->stations, place));
+    if (c->motor && one_piece->line < 0.0) {
+        one_piece->line = motor_line(c->motor->unit->own, one_piece->speed);
     }
 }
 
@@ -348,25 +357,25 @@ static int choose_length(Unit *unit, double *length)
     enum { MOST_LINES = 4 };
     const Composite *c = unit->own;
     const Machine *m = &c->pieces.step;
-    OnePiece *own = &c->course->one_piece;
+    OnePiece *one_piece = &c->course->one_piece;
     int k, leaves = 0;
     for (k = 0; k < MOST_LINES; k++) {
         double ends[2];
         if (expand(unit)) {
             return 1;
         }
-        *length = machine_length(m, order_of(c), step_tolerance(unit), own->largest);
+        *length = machine_length(m, order_of(c), step_tolerance(unit), one_piece->largest);
         if (!c->motor) {
             break;
         }
-        ends_of_line(m, (int)own->line, ends);
+        ends_of_line(m, (int)one_piece->line, ends);
         leaves = machine_leaves_line(m, order_of(c), ends, length);
         if (!leaves || *length > SHORTEST_LENGTH) {
             break;
         }
-        own->line += leaves; /* the speed is at the corner and goes on beyond it */
+        one_piece->line += leaves; /* the speed is at the corner and goes on beyond it */
     }
-    own->leaves = leaves;
+    one_piece->leaves = leaves;
     return 0;
 }
 
@@ -374,9 +383,9 @@ int one_piece_step(Unit *unit)
 {
     const Composite *c = unit->own;
     Course *course = c->course;
-    OnePiece *own = &course->one_piece;
+    OnePiece *one_piece = &course->one_piece;
     double length, end, turned;
-    if (own->stands == 0.0 && finish(unit)) {
+    if (one_piece->stands == 0.0 && finish(unit)) {
         return 1;
     }
     begin_step(unit);
@@ -391,9 +400,10 @@ int one_piece_step(Unit *unit)
     course->clock.time = end;
     course->clock.length = end - course->clock.begin; /* rounded as the time is */
     turned = machine_turned(&c->pieces.step, order_of(c), length);
-    own->looks = larger(FEWEST_LOOKS_OF_STEP, nearest(absolute(turned) / TAU * FEWEST_LOOKS + 0.5));
+    one_piece->looks =
+        larger(FEWEST_LOOKS_OF_STEP, nearest(absolute(turned) / TAU * FEWEST_LOOKS + 0.5));
     if (is_unwatched(unit)) {
-        own->looked = own->looks;
+        one_piece->looked = one_piece->looks;
     }
     course->total.steps += 1.0;
     course->total.error = step_tolerance(unit);

@@ -27,7 +27,7 @@ void outside_take(const Unit *unit)
 }
 
 /* Whether a component goes on `time` after it was told as the host says now; `stride` between its orders. */
-static int goes_on(const double *before, const double *now, size_t stride, double time)
+static bool goes_on(const double *before, const double *now, size_t stride, double time)
 {
     const double f0 = before[0], f1 = before[stride], f2 = before[2 * stride], f3 = before[3 * stride], t = time;
     if (f1 == 0.0 && f2 == 0.0 && f3 == 0.0) {
@@ -46,7 +46,7 @@ static int goes_on(const double *before, const double *now, size_t stride, doubl
     return 1;
 }
 
-int outside_jumps(const Unit *unit)
+bool outside_jumps(const Unit *unit)
 {
     const Composite *c = unit->own;
     const size_t count = components(c);
@@ -106,8 +106,9 @@ static int pushes(const Composite *c, int plane)
 int outside_signal(const Composite *c, int plane, double step, Complex *signal)
 {
     const Unit *rotor = c->parts->unit;
-    const double *drive = rotor->real + c->parts->drive, since = c->course->clock.time - c->course->drive.pushed_at;
-    const Spin start = spin_of(rotor->memory[REST], drive[0], drive + SPIN_UP);
+    const double *speed = rotor->real + c->parts->speed_input,
+                 since = c->course->clock.time - c->course->drive.pushed_at;
+    const Spin start = spin_of(rotor->memory[REST], speed[0], speed + SPIN_UP);
     const Spin end = spin_after(&start, step);
     Knot ends[2];
     if (!pushes(c, plane)) {

@@ -27,9 +27,9 @@ int composite_part_failed(Unit *unit, const Part *part)
 
 void composite_name_signal(const Composite *c, int k, Text *text)
 {
-    const Part *part = k < c->exchanges ? c->parts + c->members[k] : c->motor;
+    const Part *part = k < c->force_count ? c->parts + c->members[k] : c->motor;
     if (k < c->unknowns) {
-        text_format(text, "%s%s", part->unit->name, k < c->exchanges ? ".F" : ".acceleration");
+        text_format(text, "%s%s", part->unit->name, k < c->force_count ? ".F" : ".acceleration");
     } else {
         text_format(text, "rotor.plane[%u].a", (unsigned long)c->rotor_planes[k - c->unknowns] + 1);
     }

@@ -79,7 +79,7 @@ static double slowest_rate(Composite *c)
     const Rotor *own = unit->own;
     const TaylorStep *taylor = &own->taylor;
     const int n = 4 * own->stations;
-    const double speed = rotor_drive(unit)[0];
+    const double speed = rotor_inputs(unit)[0];
     double *inverse = c->decay + n * n, radius;
     int i, k, wrong;
     swap_masses(c);
@@ -169,7 +169,7 @@ void resolution_begin(Unit *unit)
                                        slowest(c, &loaded, loaded.stiffness_y)));
     course->resolution.reach = rotor_reach(c, (weights + unbalance) * top * top, course->resolution.pace);
     course->resolution.most = LARGEST_FORCE_FACTOR * composite_largest_force(c);
-    for (k = 0; k < c->exchanges; k++) {
+    for (k = 0; k < c->force_count; k++) {
         c->forces[k].largest = larger(least, magnitude(c->forces[k].now.value));
     }
     least /= course->resolution.mass;
@@ -177,7 +177,7 @@ void resolution_begin(Unit *unit)
         c->accelerations[k].largest = larger(least, magnitude(c->accelerations[k].now.value));
         memset(c->swung + k, 0, sizeof *c->swung);
     }
-    for (k = 0; k < c->exchanges; k++) {
+    for (k = 0; k < c->force_count; k++) {
         Swung *plane = c->swung + c->member_planes[k];
         const Balls *balls = part_balls(c->parts + c->members[k]);
         plane->turned = larger(plane->turned, balls ? turn_of(&balls->track.weights, top) : 0.0);
@@ -223,10 +223,10 @@ static int runs_away(Unit *unit)
     Composite *c = unit->own;
     Course *course = c->course;
     int grows = 0, beyond = 0, k;
-    for (k = 0; k < c->exchanges; k++) {
+    for (k = 0; k < c->force_count; k++) {
         beyond |= c->forces[k].largest > course->resolution.most;
     }
-    for (k = 0; k < c->exchanges && beyond; k++) {
+    for (k = 0; k < c->force_count && beyond; k++) {
         const Signal *force = c->forces + k;
         grows |= magnitude(force->now.value) >
                  larger(course->resolution.most, RUNAWAY_GROWTH * magnitude(force->last[0]));
@@ -293,13 +293,13 @@ int resolution_check(Unit *unit, double step)
     if (step != course->resolution.judged_step) {
         change_step(c, step);
     }
-    for (k = 0; k < c->exchanges + c->planes; k++) {
+    for (k = 0; k < c->force_count + c->planes; k++) {
         const Signal *signal =
-            k < c->exchanges ? c->forces + k : c->accelerations + (k - c->exchanges);
-        signal_error += k < c->exchanges ? signal->prediction_error : 0.0;
+            k < c->force_count ? c->forces + k : c->accelerations + (k - c->force_count);
+        signal_error += k < c->force_count ? signal->prediction_error : 0.0;
         if (signal->prediction_error > MISS_PER_ERROR * UNRESOLVED_ERROR * signal->largest) {
             lost = signal;
-            lost_number = k < c->exchanges ? k : c->unknowns + k - c->exchanges;
+            lost_number = k < c->force_count ? k : c->unknowns + k - c->force_count;
         }
     }
     /* a first step has no past to be judged by: the second one's miss is its miss too */

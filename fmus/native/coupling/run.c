@@ -50,7 +50,7 @@ void autobalancer_run_free(Run *shown)
     free(run);
 }
 
-static int is_one_piece(const Unit *unit)
+static bool is_one_piece(const Unit *unit)
 {
     return ((const Composite *)unit->own)->course->one_piece.active > 0.0;
 }
@@ -89,7 +89,7 @@ int autobalancer_run_start(Run *shown, const Steps *steps)
     c = unit->own;
     run->warnings = text_in(run->buffer, sizeof run->buffer);
     memset(&c->pacing, 0, sizeof c->pacing);
-    c->loop_failed = 0;
+    c->loop_failed = false;
     c->pieces.share = steps->share;
     unit_reset(unit);
     if (unit_setup(unit, 0.0, infinity()) ||
@@ -190,7 +190,7 @@ static double go_on(Unit *unit, Stretch *stretch)
     return given > 0.0 ? stretch->begin + (double)stretch->done * given : c->course->clock.time;
 }
 
-static int is_over(const Unit *unit, const Stretch *stretch)
+static bool is_over(const Unit *unit, const Stretch *stretch)
 {
     const double time = time_of(unit);
     if (stretch->step > 0.0) {

@@ -36,7 +36,7 @@ void signal_predicted(const Signal *signal, Complex *ahead)
     ahead[3] = last[3];
 }
 
-int signal_is_far(const Signal *signal, double step)
+bool signal_is_far(const Signal *signal, double step)
 {
     return step > MOST_EXTRAPOLATION * signal->last_step && signal->last_step > 0.0;
 }

@@ -37,7 +37,7 @@ static void divide(const Composite *c, Course *course)
 {
     course->division.piece = course->division.halvings = 0.0;
     if (course->division.no_past > 0.0 && c->unknowns) {
-        course->division.halvings = halvings(c, course->division.whole);
+        course->division.halvings = halvings(c, course->division.length);
     }
 }
 
@@ -46,39 +46,39 @@ double startup_length(Unit *unit)
     const Composite *c = unit->own;
     Course *course = c->course;
     int parts;
-    if (course->clock.changed > 0.0) {
+    if (course->clock.jumped > 0.0) {
         const double step = communication(unit);
-        course->clock.changed = 0.0;
+        course->clock.jumped = 0.0;
         course->division.crossing = 1.0;
         course->division.negligible = smaller(KINK_STEP * step, brief_length(unit));
-        course->division.whole = step - course->division.negligible;
+        course->division.length = step - course->division.negligible;
         course->division.ends = course->clock.time + step;
     }
     if (course->division.crossing > 0.0) {
         return course->division.negligible;
     }
-    if (course->division.whole == 0.0) {
-        course->division.whole = communication(unit);
-        course->division.ends = course->clock.time + course->division.whole;
+    if (course->division.length == 0.0) {
+        course->division.length = communication(unit);
+        course->division.ends = course->clock.time + course->division.length;
         course->division.first_step = course->division.no_past;
         divide(c, course);
     }
     parts = (int)course->division.halvings -
             (course->division.piece > 0.0 ? (int)course->division.piece - 1 : 0);
-    return scaled_by_power(course->division.whole, -parts);
+    return scaled_by_power(course->division.length, -parts);
 }
 
 int startup_taken(Unit *unit, int struck)
 {
     Composite *c = unit->own;
     Course *course = c->course;
-    const double whole = course->division.whole;
+    const double length = course->division.length;
     if (course->event.steps_left > 0.0) {
         return 0;
     }
     if (struck && course->adaptive.allowed == 0.0) { /* what is left of the communication step */
         const double left = course->division.ends - course->clock.time;
-        course->division.whole = left > TIME_ROUNDING * communication_length(unit) ? left : 0.0;
+        course->division.length = left > TIME_ROUNDING * communication_length(unit) ? left : 0.0;
         course->division.first_step = 1.0;
         divide(c, course);
     }
@@ -95,7 +95,7 @@ int startup_taken(Unit *unit, int struck)
     if (course->division.piece <= course->division.halvings) {
         return 0;
     }
-    course->division.whole = 0.0;
+    course->division.length = 0.0;
     return course->division.first_step > 0.0 && course->division.halvings > 0.0 &&
-           iterated_after_start(unit, whole);
+           iterated_after_start(unit, length);
 }

@@ -22,8 +22,8 @@ int iterated_step(Unit *unit, double step)
     Composite *c = unit->own;
     Course *course = c->course;
     /* a first step, or one behind brief steps, has no past to be predicted from and would cost an order */
-    const int is_far = c->unknowns && signal_is_far(c->forces, step);
-    const int is_first = is_far || course->division.no_past > 0.0;
+    const bool is_far = c->unknowns && signal_is_far(c->forces, step);
+    const bool is_first = is_far || course->division.no_past > 0.0;
     const int all = course->loop.corrections < 0.0 || (is_first && course->loop.corrections > 0.0);
     const int passes = all ? MAX_PASSES : (int)course->loop.corrections + 1;
     int met = 0;

@@ -27,7 +27,7 @@ void composite_set_forces(Unit *unit, const Complex *forces, double step)
     const size_t count = rotor->equations->signals(&rotor->layout, &first);
     int k;
     memset(rotor->real + first, 0, SIGNAL_ORDERS * count * sizeof(double));
-    for (k = 0; k < c->exchanges; k++) {
+    for (k = 0; k < c->force_count; k++) {
         add_signal(c, first, c->parts[c->members[k]].plane, forces + SIGNAL_ORDERS * k);
     }
     for (k = 0; k < planes; k++) {
@@ -61,7 +61,7 @@ void composite_read_accelerations(const Composite *c, Knot *ends)
 void composite_read_forces(const Composite *c, Knot *answers)
 {
     int k;
-    for (k = 0; k < c->exchanges; k++) {
+    for (k = 0; k < c->force_count; k++) {
         answers[k] = knot_of(c->parts[c->members[k]].unit, 0, 1);
     }
 }
@@ -69,7 +69,7 @@ void composite_read_forces(const Composite *c, Knot *answers)
 /* -- steps ----------------------------------------------------------------------------------- */
 
 /* Whether a part met an event in the step and went no further. */
-static int ended_early(Composite *c, const Part *part, double step)
+static bool ended_early(Composite *c, const Part *part, double step)
 {
     if (part->unit->made < step) {
         c->course->loop.ahead = part->unit->made;
@@ -83,7 +83,7 @@ int composite_rotor_pass(Unit *unit, const Complex *forces, double step)
     Composite *c = unit->own;
     c->course->total.passes += 1.0;
     if (c->motor) {
-        shaft_tell(unit, forces + SIGNAL_ORDERS * c->exchanges, step);
+        shaft_tell(unit, forces + SIGNAL_ORDERS * c->force_count, step);
     }
     composite_set_forces(unit, forces, step);
     if (composite_advance(unit, c->parts, step) || ended_early(c, c->parts, step)) {
@@ -108,7 +108,7 @@ int composite_balancer_pass(Unit *unit, const Complex *accelerations, double ste
 {
     Composite *c = unit->own;
     int k;
-    for (k = 0; k < c->exchanges; k++) {
+    for (k = 0; k < c->force_count; k++) {
         Part *part = c->parts + c->members[k];
         copy_doubles(2 * SIGNAL_ORDERS, &accelerations[SIGNAL_ORDERS * c->member_planes[k]].re,
                      part->unit->real + part->unit->layout.inputs.first);
@@ -118,8 +118,8 @@ int composite_balancer_pass(Unit *unit, const Complex *accelerations, double ste
         }
     }
     composite_read_forces(c, c->answers);
-    return c->motor && (shaft_pass(unit, step, c->answers + c->exchanges) ||
-                        ended_early(c, c->motor, step));
+    return c->motor &&
+           (shaft_pass(unit, step, c->answers + c->force_count) || ended_early(c, c->motor, step));
 }
 
 int composite_follow(Unit *unit, double step)
@@ -128,7 +128,7 @@ int composite_follow(Unit *unit, double step)
     int k;
     for (k = 1; k < c->parts_without_motor; k++) {
         Part *part = c->parts + k;
-        if (part->exchange < 0) {
+        if (part->force_number < 0) {
             composite_place(c, part);
             if (composite_advance(unit, part, step)) {
                 return 1;
@@ -138,7 +138,7 @@ int composite_follow(Unit *unit, double step)
     return 0;
 }
 
-int composite_asked(const Unit *unit, const Part *part)
+bool composite_asked(const Unit *unit, const Part *part)
 {
     const Layout *layout = &part->unit->layout;
     const size_t count = layout->real_count - layout->computed.first;
@@ -181,10 +181,10 @@ void composite_drive(Unit *unit, double time)
     int k;
     for (k = 0; k < c->part_count && !c->motor; k++) { /* which has a shaft of its own */
         const Part *part = c->parts + k;
-        if (part->drive >= 0) {
-            double *drive = part->unit->real + part->drive;
-            drive[0] = composite_speed(c, time);
-            drive[1] = c->course->drive.acceleration;
+        if (part->speed_input >= 0) {
+            double *speed = part->unit->real + part->speed_input;
+            speed[0] = composite_speed(c, time);
+            speed[1] = c->course->drive.acceleration;
         }
     }
 }

@@ -36,14 +36,14 @@ int composite_follow_changes(Unit *unit)
 {
     Composite *c = unit->own;
     Unit *rotor = c->parts->unit;
-    const size_t changed = (size_t)c->course->drive.changed;
+    const size_t behind = (size_t)c->course->drive.changes_behind;
     const double *change = unit->real + c->changes;
     size_t k;
-    if (c->made_with == changed) {
+    if (c->made_with == behind) {
         return 0;
     }
     composite_give_parameters(unit, c->parts);
-    for (k = 0; k < changed; k++, change += CHANGE_VALUES) {
+    for (k = 0; k < behind; k++, change += CHANGE_VALUES) {
         if (composite_refuse_number(unit, change[CHANGE_NUMBER])) {
             return 1;
         }
@@ -52,8 +52,8 @@ int composite_follow_changes(Unit *unit)
     if (rotor->equations->parameters(rotor)) {
         return composite_part_failed(unit, c->parts);
     }
-    c->made_with = changed;
-    c->pieces.is_made = 0;
+    c->made_with = behind;
+    c->pieces.is_made = false;
     return 0;
 }
 
@@ -62,7 +62,7 @@ int composite_untunable(Unit *unit, size_t reference)
     const Composite *c = unit->own;
     const double *change = unit->real + c->changes;
     size_t k;
-    for (k = 0; k < (size_t)c->course->drive.changed; k++, change += CHANGE_VALUES) {
+    for (k = 0; k < (size_t)c->course->drive.changes_behind; k++, change += CHANGE_VALUES) {
         if (reference - c->parts->first - changed_amount(c, change) < 2) {
             layout_name(&unit->layout, reference, unit_reason(unit));
             text_format(&unit->reason, ": unbalance_change[%u] has set it at t = %v s; set it before, or leave "

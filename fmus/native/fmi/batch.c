@@ -18,34 +18,33 @@ static void keep_reason(void *host, const char *name, Status status, const char 
 /* Numbers that a point leaves. */
 static size_t width(const Batch *batch)
 {
-    return batch->asked + (batch->own_steps != 0);
+    return batch->asked + (batch->at_own_steps != 0);
 }
 
 /* The run of one set of values; how many of its points were reached. */
 static size_t run_one(Unit *unit, const Batch *batch, const double *values, double end, double *signals)
 {
-    const int own = batch->own_steps != 0;
+    const int at_own_steps = batch->at_own_steps != 0;
     const double sliver = TIME_ROUNDING * end;
     int level;
     size_t k;
     unit_reset(unit);
-    unit->own_steps = own;
-    if (unit_set_reals(unit, batch->references, batch->changed, values) ||
-        unit_setup(unit, 0.0, infinity()) ||
-        unit_exit_initialisation(unit) ||
-        unit_get_reals(unit, batch->outputs, batch->asked, signals + own)) {
+    unit->one_step_per_call = at_own_steps;
+    if (unit_set_reals(unit, batch->references, batch->set_count, values) ||
+        unit_setup(unit, 0.0, infinity()) || unit_exit_initialisation(unit) ||
+        unit_get_reals(unit, batch->outputs, batch->asked, signals + at_own_steps)) {
         return 0;
     }
-    signals[0] = own ? unit->time : signals[0];
+    signals[0] = at_own_steps ? unit->time : signals[0];
     level = unit_level(unit, batch->outputs, batch->asked);
-    for (k = 1; k <= batch->points && !(own && unit->time > end - sliver); k++) {
-        const double time = own ? end : end * ((double)k / (double)batch->points);
+    for (k = 1; k <= batch->points && !(at_own_steps && unit->time > end - sliver); k++) {
+        const double time = at_own_steps ? end : end * ((double)k / (double)batch->points);
         signals += width(batch);
         if (unit_step(unit, unit->point, time - unit->time) ||
-            unit_read(unit, level, batch->outputs, batch->asked, signals + own)) {
+            unit_read(unit, level, batch->outputs, batch->asked, signals + at_own_steps)) {
             return k;
         }
-        signals[0] = own ? unit->time : signals[0];
+        signals[0] = at_own_steps ? unit->time : signals[0];
     }
     return k;
 }
@@ -70,7 +69,7 @@ size_t autobalancer_runs(const char *token, const Batch *batch, size_t runs, con
         if (!unit && k) {
             memcpy(reason, reasons, BATCH_REASON); /* the token was refused */
         }
-        reached = unit ? run_one(unit, batch, values + k * batch->changed, ends[k], found) : 0;
+        reached = unit ? run_one(unit, batch, values + k * batch->set_count, ends[k], found) : 0;
         for (i = reached * width(batch); i < rows * width(batch); i++) {
             found[i] = not_a_number();
         }

@@ -12,17 +12,17 @@ enum { BATCH_REASON = 512 }; /* characters of a reason, the 0 at the end include
 
 /* What all runs have in common. */
 typedef struct {
-    size_t changed;              /* variables that are set before a run, */
+    size_t set_count;            /* variables that are set before a run, */
     const unsigned *references;  /* and which they are */
     size_t asked;                /* outputs that are read, */
     const unsigned *outputs;     /* and which they are */
     size_t points;               /* times at which outputs are read, besides the start */
-    int own_steps;               /* these are the ends of a composite's own steps, as many at most */
+    int at_own_steps; /* these are the ends of a composite's own steps, as many at most */
 } Batch;
 
-/* Run so often, to ends [s] (runs,), with values (runs, changed).  signals: (runs, points + 1, asked),
-   at times that divide each run evenly, or with own_steps (runs, points + 1, 1 + asked), the time
-   first; NaN behind the end, and from where a run has failed.  reasons: (runs,
+/* Run so often, to ends [s] (runs,), with values (runs, set_count).  signals: (runs, points + 1,
+   asked), at times that divide each run evenly, or with at_own_steps (runs, points + 1, 1 + asked),
+   the time first; NaN behind the end, and from where a run has failed.  reasons: (runs,
    BATCH_REASON), empty for runs that have not.  Returns the number of runs that have failed. */
 EXPORT size_t autobalancer_runs(const char *token, const Batch *batch, size_t runs,
                                 const double *values, const double *ends, double *signals,

@@ -15,7 +15,7 @@ static Range outputs_of(const Layout *layout)
     return outputs;
 }
 
-static int within(size_t reference, Range range)
+static bool within(size_t reference, Range range)
 {
     return reference - range.first < range.count;
 }
@@ -170,7 +170,7 @@ static int add_parameter_beside(Unit *unit, size_t parameter, double reach)
    not move. */
 static int add_change(Unit *unit, size_t input, double seed)
 {
-    const int is_parameter = within(input, unit->layout.parameters);
+    const bool is_parameter = within(input, unit->layout.parameters);
     const double reach = reach_of(unit, input);
     const size_t count = outputs_of(&unit->layout).count;
     size_t k;
@@ -199,7 +199,7 @@ static int find_change(Unit *unit, const unsigned *knowns, size_t count, const d
     memset(unit->change, 0, outputs_of(&unit->layout).count * sizeof(double));
     unit->stale = COMPUTED;
     wrong = unit_refresh(unit, FRESH);
-    unit->frozen = 1;
+    unit->frozen = true;
     for (k = 0; k < count && !wrong; k++) {
         memcpy(unit->real, unit->kept, unit_values_size(unit));
         if (seed[k] != 0.0) {
@@ -209,7 +209,7 @@ static int find_change(Unit *unit, const unsigned *knowns, size_t count, const d
     }
     memcpy(unit->real, unit->kept, unit_values_size(unit));
     unit->stale = stale;
-    unit->frozen = 0;
+    unit->frozen = false;
     return wrong;
 }
 

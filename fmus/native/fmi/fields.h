@@ -1,19 +1,19 @@
 /* What the doubles of a state may be: its table of fields.
 
-   Each file that keeps something in a state declares it in one function, in the order in which it lies
-   there: name, place, kind and limits.
+   Each file that keeps something in a state declares it in one function, in the order in which it
+   lies there: name, place, kind and limits.
 
        static void declare_drive(Fields *fields, const Composite *c)
        {
-           const Drive *drive = fields_here(fields);
+           const DriveSignal *drive = fields_here(fields);
            fields_number(fields, "drive.speed", &drive->speed, 1);
            fields_whole(fields, "drive.passed", &drive->passed, 1, 0.0, c->corner_count);
        }
 
-   A state that was read from bytes is compared with all of this before anything is taken over.  So every
-   count, index, flag and bound of a loop must be declared as whole, with the limits that the memory has.
-   A place that does not follow the one before, or a table that ends too early, is an error of the table:
-   every state is refused then. */
+   A state that was read from bytes is compared with all of this before anything is taken over.  So
+   every count, index, flag and bound of a loop must be declared as whole, with the limits that the
+   memory has. A place that does not follow the one before, or a table that ends too early, is an
+   error of the table: every state is refused then. */
 #ifndef AUTOBALANCER_FIELDS_H
 #define AUTOBALANCER_FIELDS_H
 

@@ -49,7 +49,7 @@ EXPORT fmi2Component fmi2Instantiate(fmi2String instance, fmi2Type type, fmi2Str
     Unit *unit = front_instantiate(instance, guid, resources, fmi2_log, host, sizeof *host,
                                    type == fmi2ModelExchange);
     if (unit) {
-        unit->may_end_early = 1;
+        unit->may_end_early = true;
     }
     return unit;
 }

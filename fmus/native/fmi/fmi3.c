@@ -24,9 +24,10 @@ static void fmi3_log(void *host, const char *instance, Status status, const char
 }
 
 static Unit *instantiate3(fmi3String name, fmi3String token, fmi3String resources,
-                          const Host3 *host, int exchanges)
+                          const Host3 *host, bool for_model_exchange)
 {
-    Unit *unit = front_instantiate(name, token, resources, fmi3_log, host, sizeof *host, exchanges);
+    Unit *unit =
+        front_instantiate(name, token, resources, fmi3_log, host, sizeof *host, for_model_exchange);
     if (unit) {
         unit->first_boolean = unit->layout.real_count;
     }

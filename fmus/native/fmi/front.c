@@ -45,7 +45,7 @@ static Unit *instantiate(const char *name, const char *token, const char *resour
 }
 
 Unit *front_instantiate(const char *name, const char *token, const char *resources, Log log,
-                        const void *host, size_t size, int exchanges)
+                        const void *host, size_t size, bool for_model_exchange)
 {
     Unit *unit = instantiate(name, token, resources, log, (void *)host);
     void *kept = unit ? unit_allocate(unit, 1, size) : NULL;
@@ -53,7 +53,7 @@ Unit *front_instantiate(const char *name, const char *token, const char *resourc
         memcpy(kept, host, size);
         unit->host = kept;
     }
-    if (unit && (!kept || (exchanges && exchange_begin(unit)))) {
+    if (unit && (!kept || (for_model_exchange && exchange_begin(unit)))) {
         unit_free(unit);
         return NULL;
     }

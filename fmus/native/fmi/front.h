@@ -3,6 +3,8 @@
 #ifndef AUTOBALANCER_UNIT_FRONT_H
 #define AUTOBALANCER_UNIT_FRONT_H
 
+#include <stdbool.h>
+
 #include "coupling/exchange.h"
 #include "fmi/export.h"
 #include "fmi/state.h"
@@ -17,10 +19,11 @@ enum {
 /* The file that says what a unit or a composite starts from, and what the latter is made of. */
 #define COMPOSITION "composition.txt"
 
-/* As unit_instantiate; what a short token is the identity of is read from the folder of the FMU's resources.
-   The unit gets a copy of `host`, of that size; `exchanges`: for model exchange. */
+/* As unit_instantiate; what a short token is the identity of is read from the folder of the FMU's
+   resources. The unit gets a copy of `host`, of that size; `for_model_exchange`: for model
+   exchange. */
 Unit *front_instantiate(const char *name, const char *token, const char *resources, Log log,
-                        const void *host, size_t size, int exchanges);
+                        const void *host, size_t size, bool for_model_exchange);
 /* Log category of a message, as the model description names it. */
 const char *front_category(Status status);
 /* STATUS_OK when there is an instance and the call may be made now, */

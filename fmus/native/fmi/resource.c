@@ -25,7 +25,7 @@ static const char *path_in(const char *uri)
    is A. */
 static int find(const char *folder, const char *name, int decodes, char *path)
 {
-    const int is_uri = !strncmp(folder, "file:", strlen("file:"));
+    const bool is_uri = !strncmp(folder, "file:", strlen("file:"));
     size_t length = 0;
     for (folder = is_uri ? path_in(folder) : folder; *folder; folder++) {
         const int escaped = decodes && is_uri && *folder == '%' && text_digit(folder[1]) < 16 && text_digit(folder[2]) < 16;

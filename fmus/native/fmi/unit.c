@@ -44,7 +44,7 @@ void unit_reset(Unit *unit)
     memset(unit->memory, 0, unit->memory_count * sizeof(double));
     unit->time = unit->time_left = unit->start = unit->point = 0.0;
     unit->stop = infinity();
-    unit->asks_tolerance = 0;
+    unit->asks_tolerance = false;
     unit->phase = INSTANTIATED;
     unit->stale = BEGINNING;
     unit->warned = 0;
@@ -152,7 +152,7 @@ int unit_advance(Unit *unit, double step)
 Status unit_step(Unit *unit, double time, double step)
 {
     int failed;
-    if (unit->exchanges) {
+    if (unit->for_model_exchange) {
         return unit_refuse(unit, "step", "the instance is for model exchange");
     }
     if (!(step > 0.0 && is_finite(step))) {
@@ -220,7 +220,7 @@ int unit_refresh(Unit *unit, int level)
     return 0;
 }
 
-int unit_ends_with(const Unit *unit, size_t reference)
+bool unit_ends_with(const Unit *unit, size_t reference)
 {
     return reference + 2 >= unit->layout.real_count;
 }

@@ -6,6 +6,7 @@
 #ifndef AUTOBALANCER_UNIT_H
 #define AUTOBALANCER_UNIT_H
 
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
@@ -56,7 +57,7 @@ typedef struct {
     void (*observe)(Unit *unit);
     /* and these; NULL where there are none; whether an observed output is one. */
     void (*observe_torques)(Unit *unit);
-    int (*is_torque)(const Unit *unit, size_t reference);
+    bool (*is_torque)(const Unit *unit, size_t reference);
     /* Signals come as value and derivatives: their number, and their first value reference; NULL:
        there are none. */
     size_t (*signals)(const Layout *layout, size_t *first);
@@ -105,15 +106,17 @@ struct Unit {
     double start, point, stop; /* of the host: its start, the communication point reached, and the end of the
                                   experiment, infinite when not defined [s] */
     double tolerance; /* that the host asks for, where it does; relative */
-    int asks_tolerance;
+    bool asks_tolerance;
     double made;               /* length of the last step, less than asked where it ended early [s] */
     size_t first_boolean; /* value reference, as the version of FMI has it */
-    int own_steps; /* whether a composite's step ends with the first of its own */
-    int may_end_early; /* whether the host takes a step that ends early, */
-    int leaves_impacts; /* and lets weights collide itself: a composite, which knows the whole machine */
-    int exchanges;  /* whether the instance is for model exchange: the host sets state and time */
+    bool one_step_per_call;  /* whether a composite's step ends with the first of its own */
+    bool may_end_early;      /* whether the host takes a step that ends early, */
+    bool leaves_impacts;     /* and lets weights collide itself: a composite, which knows the whole
+                                machine */
+    bool for_model_exchange; /* whether the instance is for model exchange: the host sets state and
+                                time */
     int phase, stale;
-    int frozen; /* whether outputs keep to what they found to stick, for derivatives */
+    bool frozen; /* whether outputs keep to what they found to stick, for derivatives */
     int warned; /* warnings given, a bit each */
     void *own;
     void *allocated; /* list of all memory */
@@ -184,7 +187,7 @@ Status unit_directional(Unit *unit, const unsigned *unknowns, size_t unknown_cou
 /* -- for the equations ----------------------------------------------------------------------- */
 
 /* Whether an output is the torque or its slope, where a unit ends with them. */
-int unit_ends_with(const Unit *unit, size_t reference);
+bool unit_ends_with(const Unit *unit, size_t reference);
 /* Bring the outputs up to date so far that `stale` is at most `level`; 0, or 1 with the reason. */
 int unit_refresh(Unit *unit, int level);
 /* Move the equations by a step [s]; 1 with the reason, and as it was, where they fail. */

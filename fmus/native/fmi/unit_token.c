@@ -86,7 +86,7 @@ static int read_size(const char *key, const char *value, Sizes *sizes, Text *rea
 }
 
 /* Whether the unit of a table exists in these sizes. */
-static int exists(const Table *table, const Sizes *sizes)
+static bool exists(const Table *table, const Sizes *sizes)
 {
     const int n = sizes->stations;
     return !(text_equal(table->kind, "planar") && n != 1) &&
@@ -143,7 +143,7 @@ int token_read(const char *token, const Table **table, Sizes *sizes, Text *reaso
 
 /* -- start values ----------------------------------------------------------------------------- */
 
-int token_abbreviated(const char *token)
+bool token_abbreviated(const char *token)
 {
     size_t name = 0, digits = 1;
     for (; token && token[name] && token[name] != '/'; name++) {

@@ -13,6 +13,8 @@
 #ifndef AUTOBALANCER_UNIT_TOKEN_H
 #define AUTOBALANCER_UNIT_TOKEN_H
 
+#include <stdbool.h>
+
 #include "fmi/variables.h"
 
 enum { TOKEN_SIZE = 192, MOST_REALS = 1000000 };
@@ -33,7 +35,7 @@ int token_read(const char *token, const Table **table, Sizes *sizes, Text *reaso
    long. */
 const char *token_word(const char *at, char end, char *word, size_t size);
 /* Whether a token is the identity alone, and the identity that belongs to a text. */
-int token_abbreviated(const char *token);
+bool token_abbreviated(const char *token);
 void token_identity(const char *text, Text *identity);
 /* Where the next entry of a text begins; its end where there is none. */
 const char *token_next(const char *at);

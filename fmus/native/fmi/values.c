@@ -27,7 +27,7 @@ static int unknown(Unit *unit, const unsigned *references, size_t count, size_t 
 }
 
 /* Whether it is a parameter that may be set between steps. */
-static int is_tunable(const Unit *unit, size_t reference)
+static bool is_tunable(const Unit *unit, size_t reference)
 {
     return unit->layout.reals[reference].declared->flags & TUNABLE;
 }
@@ -145,7 +145,7 @@ Status unit_set_reals(Unit *unit, const unsigned *references, size_t count, cons
         return unit_report(unit, STATUS_ERROR, "setting failed");
     }
     for (k = 0; k < count; k++) {
-        const int is_parameter = references[k] < unit->layout.inputs.first;
+        const bool is_parameter = references[k] < unit->layout.inputs.first;
         if (is_parameter && unit->phase != RUNNING) {
             unit->stale = BEGINNING;
         } else if (unit->stale < COMPUTED) {

@@ -176,7 +176,7 @@ void layout_shown(const Layout *layout, size_t reference, double value, Text *te
     text_format(text, text_equal(unit, "1") ? " = %v" : " = %v %s", value, unit);
 }
 
-int layout_allows(const Layout *layout, size_t reference, double value)
+bool layout_allows(const Layout *layout, size_t reference, double value)
 {
     const Declared *declared = layout->reals[reference].declared;
     return is_finite(value) &&

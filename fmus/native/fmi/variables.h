@@ -5,6 +5,7 @@
 #ifndef AUTOBALANCER_VARIABLES_H
 #define AUTOBALANCER_VARIABLES_H
 
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
@@ -93,7 +94,7 @@ void layout_name(const Layout *layout, size_t reference, Text *text);
 /* Name, value and unit in words. */
 void layout_shown(const Layout *layout, size_t reference, double value, Text *text);
 /* Whether a variable may have a value, and the words for one that it may not. */
-int layout_allows(const Layout *layout, size_t reference, double value);
+bool layout_allows(const Layout *layout, size_t reference, double value);
 void layout_refuse(const Layout *layout, size_t reference, double value, Text *text);
 
 /* FNV-1a of some bytes. */

@@ -7,7 +7,7 @@ int slider_place(const Slider *slider)
     return 2 * slider->station + slider->axis;
 }
 
-int slider_is_rigid(const Slider *slider)
+bool slider_is_rigid(const Slider *slider)
 {
     return slider->stiffness == 0.0 && slider->limit > 0.0;
 }

@@ -2,6 +2,8 @@
 #ifndef AUTOBALANCER_FRICTION_H
 #define AUTOBALANCER_FRICTION_H
 
+#include <stdbool.h>
+
 /* Dry friction at a station along one axis (0 is x, 1 is y). */
 typedef struct {
     int station, axis; /* from 0 */
@@ -15,7 +17,7 @@ enum { SLIPS, HOLDS };
 
 /* Where a slider's displacement is among those of the stations. */
 int slider_place(const Slider *slider);
-int slider_is_rigid(const Slider *slider);
+bool slider_is_rigid(const Slider *slider);
 
 /* Sliders with slack springs; rigid ones slip with the rotor where it moves.
 

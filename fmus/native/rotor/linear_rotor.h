@@ -7,6 +7,7 @@
 #ifndef AUTOBALANCER_LINEAR_ROTOR_H
 #define AUTOBALANCER_LINEAR_ROTOR_H
 
+#include <stdbool.h>
 #include <stddef.h>
 
 #include "base/failure.h"
@@ -28,7 +29,7 @@ typedef struct {
     double *unbalance;                 /* (n,) complex [kg m] */
     double *deflection;                /* (d, n) */
     double gravity[2]; /* acceleration of what falls, x and y [m/s^2] */
-    int sliders;                       /* whether its supports have dry friction, each axis its own */
+    bool sliders;      /* whether its supports have dry friction, each axis its own */
 } LinearRotor;
 
 /* Doubles that the matrices of a rotor take, and a rotor of zeros in such an array. */

@@ -148,7 +148,7 @@ static void set_turning(int parts, int size, int first, int count, double speed,
 }
 
 /* Matrix Z (columns, columns) of the autonomous system (q, v, f_0.., e)' = Z (q, v, f_0.., e). */
-static int set_generator(const LinearRotor *rotor, double speed, int turning_force, double *z,
+static int set_generator(const LinearRotor *rotor, double speed, bool turning_force, double *z,
                          double *scratch, Failure *failure)
 {
     const int axes = linear_rotor_isotropic(rotor) ? 1 : 2, parts = 3 - axes;
@@ -181,7 +181,7 @@ static int set_generator(const LinearRotor *rotor, double speed, int turning_for
     return FINE;
 }
 
-int step_matrix(const LinearRotor *rotor, double speed, double step, int turning_force,
+int step_matrix(const LinearRotor *rotor, double speed, double step, bool turning_force,
                 double *matrix, double *scratch, Failure *failure)
 {
     const int axes = linear_rotor_isotropic(rotor) ? 1 : 2, parts = 3 - axes;

@@ -2,6 +2,7 @@
 #ifndef AUTOBALANCER_PROPAGATOR_H
 #define AUTOBALANCER_PROPAGATOR_H
 
+#include <stdbool.h>
 #include <stddef.h>
 
 #include "base/failure.h"
@@ -22,7 +23,7 @@ size_t step_matrix_scratch(int stations, int planes, int axes);
 
    a and j are acceleration and jerk of the p planes in fixed axes; axes and parts are those of
    linear_rotor.h.  With `turning_force` 0 the f_k are derivatives in fixed axes.  With step = 0 it evaluates a and j at the start. */
-int step_matrix(const LinearRotor *rotor, double speed, double step, int turning_force,
+int step_matrix(const LinearRotor *rotor, double speed, double step, bool turning_force,
                 double *matrix, double *scratch, Failure *failure);
 
 #endif

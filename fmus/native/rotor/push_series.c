@@ -75,10 +75,10 @@ static void add_turned(const double *turn, int terms, int m, int stride, Complex
     }
 }
 
-void fill_pushes(const Drive *drive, const SpinSeries *spin, double t, double h, int terms,
-                 double *pushes, int stride, double *turn)
+void fill_pushes(const Excitation *excitation, const SpinSeries *spin, double t, double h,
+                 int terms, double *pushes, int stride, double *turn)
 {
-    const int p = drive->planes;
+    const int p = excitation->planes;
     int i, k, m;
     fill_turn(spin, h, terms, turn);
     for (k = 0; k <= terms; k++) {
@@ -88,9 +88,9 @@ void fill_pushes(const Drive *drive, const SpinSeries *spin, double t, double h,
     }
     for (i = 0; i < p; i++) {
         Complex force[SIGNAL_ORDERS];
-        shift_force(drive->forces + 2 * i, 2 * p, t, h, force);
+        shift_force(excitation->forces + 2 * i, 2 * p, t, h, force);
         for (m = 0; m < SIGNAL_ORDERS && m <= terms; m++) {
-            if (drive->turning_force) {
+            if (excitation->turning_force) {
                 add_turned(turn, terms, m, stride, force[m], pushes + 2 * i);
             } else {
                 pushes[m * stride + 2 * i] = force[m].re;

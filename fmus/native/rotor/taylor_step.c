@@ -147,9 +147,9 @@ int taylor_step_in(double *memory, const LinearRotor *rotor, const Slider *slide
     return code;
 }
 
-double taylor_stretch(const TaylorStep *method, const Drive *drive, double t)
+double taylor_stretch(const TaylorStep *method, const Excitation *excitation, double t)
 {
-    const Spin now = spin_after(&drive->spin, t);
+    const Spin now = spin_after(&excitation->spin, t);
     const double *norms = method->norms, *rates = now.rates;
     const double w = absolute(now.speed);
     const double rate = square_root(norms[0] + w * norms[1]) + norms[2] + w * norms[3] + w;
@@ -164,7 +164,7 @@ double taylor_stretch(const TaylorStep *method, const Drive *drive, double t)
 }
 
 /* Whether a slider is held by a constraint: rigid, and it sticks. */
-static int is_fixed(const TaylorStep *method, const double *slider_states, int j)
+static bool is_fixed(const TaylorStep *method, const double *slider_states, int j)
 {
     return slider_is_rigid(method->sliders + j) && slider_states[2 * j + SLIPS] == 0.0;
 }
@@ -257,13 +257,13 @@ static void set_rate(TaylorStep *method, const SpinSeries *spin, int k, const do
 
 /* Taylor coefficients of motion and friction over a stretch h from t on. */
 static int set_series(TaylorStep *method, const double *state, const double *slider_states,
-                      const Drive *drive, double t, double h, int terms, Failure *failure)
+                      const Excitation *excitation, double t, double h, int terms, Failure *failure)
 {
     const int half = method->half, length = method->length;
-    const SpinSeries spin = spin_series(&drive->spin, t, h);
+    const SpinSeries spin = spin_series(&excitation->spin, t, h);
     double *motion = method->series;
     int i, k;
-    fill_pushes(drive, &spin, t, h, terms, motion + 2 * half, length, method->turn);
+    fill_pushes(excitation, &spin, t, h, terms, motion + 2 * half, length, method->turn);
     copy_doubles((size_t)method->dof * length, method->still, method->matrix);
     add_multiple(1, method->dof * length, spin.speed, method->per_speed, method->matrix);
     copy_doubles(2 * (size_t)half, state, motion);
@@ -283,7 +283,7 @@ static int set_series(TaylorStep *method, const double *state, const double *sli
 }
 
 int taylor_resolve(TaylorStep *method, const double *state, double *slider_states,
-                   const Drive *drive, double t, Failure *failure)
+                   const Excitation *excitation, double t, Failure *failure)
 {
     const int m = method->count, half = method->half;
     double *found = method->hold, *free = method->hold + m, *without = method->slider_states;
@@ -303,7 +303,7 @@ int taylor_resolve(TaylorStep *method, const double *state, double *slider_state
     if (!resting) {
         return FINE;
     }
-    code = set_series(method, state, without, drive, t, 1.0, 1, failure);
+    code = set_series(method, state, without, excitation, t, 1.0, 1, failure);
     if (code) {
         return code;
     }
@@ -391,19 +391,20 @@ static double find_first_event(const TaylorStep *method, const double *slider_st
 
 /* The sliders after the event of slider j; `arrived`: by a motion, not at once. */
 static int change_sliders(TaylorStep *method, double *state, double *slider_states,
-                          const Drive *drive, double t, int j, int arrived, Failure *failure)
+                          const Excitation *excitation, double t, int j, int arrived,
+                          Failure *failure)
 {
     const Slider *slider = method->sliders + j;
-    double *own = slider_states + 2 * j;
-    if (own[SLIPS] == 0.0) {
-        own[SLIPS] = -copy_sign(1.0, own[HOLDS]);
-        own[HOLDS] = -own[SLIPS] * slider->limit;
+    double *friction = slider_states + 2 * j;
+    if (friction[SLIPS] == 0.0) {
+        friction[SLIPS] = -copy_sign(1.0, friction[HOLDS]);
+        friction[HOLDS] = -friction[SLIPS] * slider->limit;
         return FINE;
     }
-    own[SLIPS] = 0.0;
+    friction[SLIPS] = 0.0;
     state[method->half + slider_place(slider)] = 0.0;
     return arrived && slider_is_rigid(slider)
-               ? taylor_resolve(method, state, slider_states, drive, t, failure)
+               ? taylor_resolve(method, state, slider_states, excitation, t, failure)
                : FINE;
 }
 
@@ -417,19 +418,20 @@ static double value_at(const double *from, int stride, double s)
     return total;
 }
 
-int taylor_advance(TaylorStep *method, double *state, double *slider_states, const Drive *drive,
-                   double step, int stops, double *reached, Failure *failure)
+int taylor_advance(TaylorStep *method, double *state, double *slider_states,
+                   const Excitation *excitation, double step, int stops, double *reached,
+                   Failure *failure)
 {
     const int m = method->count;
     double time = 0.0;
-    int count, k, code = taylor_resolve(method, state, slider_states, drive, 0.0, failure);
+    int count, k, code = taylor_resolve(method, state, slider_states, excitation, 0.0, failure);
     for (count = 0; count < MOST_STRETCHES && !code; count++) {
         /* no longer than what is left: forces of short steps may have any slope */
-        const double stretch = smaller(taylor_stretch(method, drive, time), step - time);
+        const double stretch = smaller(taylor_stretch(method, excitation, time), step - time);
         const int last = stretch == step - time;
         double fraction;
         int which;
-        code = set_series(method, state, slider_states, drive, time, stretch, TERMS, failure);
+        code = set_series(method, state, slider_states, excitation, time, stretch, TERMS, failure);
         if (code) {
             return code;
         }
@@ -446,8 +448,8 @@ int taylor_advance(TaylorStep *method, double *state, double *slider_states, con
         }
         time += fraction * stretch;
         if (which >= 0) {
-            code = change_sliders(method, state, slider_states, drive, time, which, fraction > 0.0,
-                                  failure);
+            code = change_sliders(method, state, slider_states, excitation, time, which,
+                                  fraction > 0.0, failure);
             if (stops) {
                 *reached = time;
                 return code;
@@ -461,14 +463,14 @@ int taylor_advance(TaylorStep *method, double *state, double *slider_states, con
 }
 
 int taylor_motion(TaylorStep *method, const double *state, const double *slider_states,
-                  const Drive *drive, double t, double *rates, Failure *failure)
+                  const Excitation *excitation, double t, double *rates, Failure *failure)
 {
     static const double factorials[DERIVATIVES] = {1.0, 1.0, 2.0};
     const int half = method->half;
     const double *velocity = method->series + half;
     int i, k;
     const int code =
-        set_series(method, state, slider_states, drive, t, 1.0, DERIVATIVES - 1, failure);
+        set_series(method, state, slider_states, excitation, t, 1.0, DERIVATIVES - 1, failure);
     for (k = 0; k < DERIVATIVES && !code; k++, velocity += method->length, rates += half) {
         for (i = 0; i < half; i++) {
             rates[i] = factorials[k] * velocity[i];
@@ -478,12 +480,12 @@ int taylor_motion(TaylorStep *method, const double *state, const double *slider_
 }
 
 int taylor_plane_motion(TaylorStep *method, const double *state, double *slider_states,
-                        const Drive *drive, double t, double *planes, Failure *failure)
+                        const Excitation *excitation, double t, double *planes, Failure *failure)
 {
     const int p = method->plane_count, n = method->half / 2;
     double *rates = method->faster + method->half;
     int k;
-    const int code = taylor_motion(method, state, slider_states, drive, t, rates, failure);
+    const int code = taylor_motion(method, state, slider_states, excitation, t, rates, failure);
     for (k = 1; k < DERIVATIVES && !code; k++, planes += 2 * p) {
         combine_vectors(method->planes, p, n, rates + k * method->half, planes);
     }

@@ -45,23 +45,24 @@ int taylor_step_in(double *memory, const LinearRotor *rotor, const Slider *slide
                    double *scratch, TaylorStep *made, Failure *failure);
 
 /* Length of a stretch from time t into the step on [s]. */
-double taylor_stretch(const TaylorStep *method, const Drive *drive, double t);
+double taylor_stretch(const TaylorStep *method, const Excitation *excitation, double t);
 
 /* State (q, v) and sliders one `step` [s] later, in place; with `stops` behind the first event at most,
    such that *reached [s] is 0 for one at the start. */
-int taylor_advance(TaylorStep *method, double *state, double *slider_states, const Drive *drive,
-                   double step, int stops, double *reached, Failure *failure);
+int taylor_advance(TaylorStep *method, double *state, double *slider_states,
+                   const Excitation *excitation, double step, int stops, double *reached,
+                   Failure *failure);
 
 /* Whether each rigid slider at rest sticks or slips at time t, in place. */
 int taylor_resolve(TaylorStep *method, const double *state, double *slider_states,
-                   const Drive *drive, double t, Failure *failure);
+                   const Excitation *excitation, double t, Failure *failure);
 
 /* Derivatives of the displacements at time t, of order 1 to 3. */
 int taylor_motion(TaylorStep *method, const double *state, const double *slider_states,
-                  const Drive *drive, double t, double *rates, Failure *failure);
+                  const Excitation *excitation, double t, double *rates, Failure *failure);
 
 /* Acceleration and jerk of the planes in fixed axes at time t, and the friction forces. */
 int taylor_plane_motion(TaylorStep *method, const double *state, double *slider_states,
-                        const Drive *drive, double t, double *planes, Failure *failure);
+                        const Excitation *excitation, double t, double *planes, Failure *failure);
 
 #endif

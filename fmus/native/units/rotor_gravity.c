@@ -5,7 +5,7 @@
 static int find_sag(Unit *unit)
 {
     Rotor *own = unit->own;
-    const double speed = rotor_drive(unit)[0];
+    const double speed = rotor_inputs(unit)[0];
     LinearRotor loaded;
     Failure failure;
     if (rotor_is_of(unit, &own->sag_of, speed)) {
@@ -29,7 +29,7 @@ int rotor_lift(Unit *unit)
     for (k = 0; k < 2 * own->stations; k++) {
         own->operand[k] -= own->sag[k];
     }
-    own->lifted = 1;
+    own->lifted = true;
     return 0;
 }
 

@@ -8,12 +8,12 @@ static const double *added_masses(const Unit *unit)
     return unit->real + unit->layout.inputs.first;
 }
 
-double *rotor_drive(Unit *unit)
+double *rotor_inputs(Unit *unit)
 {
     return unit->real + unit->layout.inputs.first + ((const Rotor *)unit->own)->planes;
 }
 
-int rotor_is_of(const Unit *unit, const MadeFor *of, double speed)
+bool rotor_is_of(const Unit *unit, const MadeFor *of, double speed)
 {
     const size_t size = (size_t)((const Rotor *)unit->own)->planes * sizeof(double);
     return of->made && of->speed == speed && !memcmp(of->added_mass, added_masses(unit), size);
@@ -22,7 +22,7 @@ int rotor_is_of(const Unit *unit, const MadeFor *of, double speed)
 LinearRotor rotor_anew(Unit *unit, MadeFor *of)
 {
     Rotor *own = unit->own;
-    of->made = 0;
+    of->made = false;
     return linear_rotor_with_added_mass(&own->rotor, added_masses(unit), own->loaded_mass);
 }
 
@@ -31,5 +31,5 @@ void rotor_made(const Unit *unit, MadeFor *of, double speed)
     const size_t size = (size_t)((const Rotor *)unit->own)->planes * sizeof(double);
     memcpy(of->added_mass, added_masses(unit), size);
     of->speed = speed;
-    of->made = 1;
+    of->made = true;
 }

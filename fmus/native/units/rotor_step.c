@@ -73,22 +73,22 @@ int rotor_make_taylor(Unit *unit)
 }
 
 /* What moves the rotor from where the inputs were set, `ago` [s]. */
-static Drive drive_since(Unit *unit, double ago)
+static Excitation excitation_since(Unit *unit, double ago)
 {
     const Rotor *own = unit->own;
-    const double *in = rotor_drive(unit);
+    const double *in = rotor_inputs(unit);
     const Spin start = spin_of(0.0, in[0], in + SPIN_UP);
-    Drive drive;
-    drive.forces = in + SPUN;
-    drive.planes = own->planes;
-    drive.turning_force = own->turning;
-    drive.spin = start;
-    drive.spin.angle = unit->memory[REST] - spin_after(&start, ago).angle;
-    return drive;
+    Excitation excitation;
+    excitation.forces = in + SPUN;
+    excitation.planes = own->planes;
+    excitation.turning_force = own->turning;
+    excitation.spin = start;
+    excitation.spin.angle = unit->memory[REST] - spin_after(&start, ago).angle;
+    return excitation;
 }
 
 /* Whether a step of this length ends at an event of a slider. */
-static int stops(const Unit *unit, double length)
+static bool stops(const Unit *unit, double length)
 {
     const Rotor *own = unit->own;
     const double shortest = own->slider_count ? unit->real[rotor_shortest_stopped(unit)] : 0.0;
@@ -100,7 +100,7 @@ static int propagate_series(Unit *unit, double step)
 {
     Rotor *own = unit->own;
     const size_t motion = 4 * (size_t)own->stations;
-    const Drive drive = drive_since(unit, 0.0);
+    const Excitation excitation = excitation_since(unit, 0.0);
     double *state = own->result, *slider_states = own->slider_states;
     Failure failure;
     int code = FINE;
@@ -110,11 +110,12 @@ static int propagate_series(Unit *unit, double step)
     copy_doubles(motion, unit->memory + MOTION, state);
     if (!unit->frozen) {
         copy_doubles(2 * (size_t)own->slider_count, rotor_slider_states(unit), slider_states);
-        code = step != 0.0 ? taylor_advance(&own->taylor, state, slider_states, &drive, step,
-                                            stops(unit, step), &own->reached, &failure)
-                           : taylor_resolve(&own->taylor, state, slider_states, &drive, 0.0, &failure);
+        code = step != 0.0
+                   ? taylor_advance(&own->taylor, state, slider_states, &excitation, step,
+                                    stops(unit, step), &own->reached, &failure)
+                   : taylor_resolve(&own->taylor, state, slider_states, &excitation, 0.0, &failure);
     }
-    if (code || taylor_plane_motion(&own->taylor, state, slider_states, &drive, own->reached,
+    if (code || taylor_plane_motion(&own->taylor, state, slider_states, &excitation, own->reached,
                                     state + motion, &failure)) {
         return unit_failed(unit, &failure);
     }
@@ -127,21 +128,21 @@ static int find_motion(Unit *unit, Spin *spin)
 {
     Rotor *own = unit->own;
     const double *state = unit->memory + MOTION, ago = state[4 * own->stations + 1];
-    const Drive drive = drive_since(unit, ago);
+    const Excitation excitation = excitation_since(unit, ago);
     Failure failure;
     int code = FINE;
-    *spin = spin_after(&drive.spin, ago);
+    *spin = spin_after(&excitation.spin, ago);
     if (rotor_make_taylor(unit)) {
         return 1;
     }
     if (!unit->frozen) {
         copy_doubles(2 * (size_t)own->slider_count, rotor_slider_states(unit), own->slider_states);
-        code = ago == 0.0 ? taylor_resolve(&own->taylor, state, own->slider_states, &drive, 0.0,
-                                           &failure)
+        code = ago == 0.0 ? taylor_resolve(&own->taylor, state, own->slider_states, &excitation,
+                                           0.0, &failure)
                           : FINE;
     }
-    if (code || taylor_motion(&own->taylor, state, own->slider_states, &drive, ago, own->motion,
-                              &failure)) {
+    if (code || taylor_motion(&own->taylor, state, own->slider_states, &excitation, ago,
+                              own->motion, &failure)) {
         return unit_failed(unit, &failure);
     }
     return 0;
@@ -216,10 +217,10 @@ static int set_operand(Unit *unit)
     const Complex turned = turned_by(own->turned, unit->memory[REST]);
     copy_doubles(forces, unit->memory + MOTION, own->operand);
     if (own->turning) {
-        rotor_rotated(rotor_drive(unit) + SPUN, SIGNAL_ORDERS * p, turned.re, turned.im,
+        rotor_rotated(rotor_inputs(unit) + SPUN, SIGNAL_ORDERS * p, turned.re, turned.im,
                       own->operand + forces);
     } else {
-        copy_doubles(turn - forces, rotor_drive(unit) + SPUN, own->operand + forces);
+        copy_doubles(turn - forces, rotor_inputs(unit) + SPUN, own->operand + forces);
     }
     own->operand[turn] = turned.re;
     own->operand[turn + 1] = turned.im;
@@ -231,23 +232,23 @@ static int propagate(Unit *unit, double step)
 {
     Rotor *own = unit->own;
     const double *matrix;
-    if (own->slider_count || unit->exchanges || rotor_drive(unit)[SPIN_UP] != 0.0 ||
-        drifts(rotor_drive(unit) + SPIN_UP)) {
+    if (own->slider_count || unit->for_model_exchange || rotor_inputs(unit)[SPIN_UP] != 0.0 ||
+        drifts(rotor_inputs(unit) + SPIN_UP)) {
         return propagate_series(unit, step);
     }
-    if (own->whole > 0.0) {
-        const Drive drive = drive_since(unit, 0.0);
+    if (own->enclosing_step > 0.0) {
+        const Excitation excitation = excitation_since(unit, 0.0);
         if (rotor_make_taylor(unit)) {
             return 1;
         }
-        if (step <= MOST_STRETCHES_WITHIN * taylor_stretch(&own->taylor, &drive, 0.0)) {
+        if (step <= MOST_STRETCHES_WITHIN * taylor_stretch(&own->taylor, &excitation, 0.0)) {
             return propagate_series(unit, step);
         }
     }
     if (set_operand(unit)) {
         return 1;
     }
-    matrix = rotor_matrix(unit, rotor_drive(unit)[0], step);
+    matrix = rotor_matrix(unit, rotor_inputs(unit)[0], step);
     if (!matrix) {
         return 1;
     }
@@ -258,7 +259,7 @@ static int propagate(Unit *unit, double step)
 int rotor_propagate(Unit *unit, double step)
 {
     Rotor *own = unit->own;
-    own->lifted = 0;
+    own->lifted = false;
     own->reached = step;
     if (propagate(unit, step)) {
         return 1;
@@ -291,6 +292,6 @@ int rotor_outputs_now(Unit *unit, double *out)
     if (rotor_propagate(unit, 0.0)) {
         return 1;
     }
-    rotor_put(own, own->result + 4 * own->stations, unit->memory[REST], rotor_drive(unit)[0], out);
+    rotor_put(own, own->result + 4 * own->stations, unit->memory[REST], rotor_inputs(unit)[0], out);
     return 0;
 }

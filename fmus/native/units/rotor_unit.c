@@ -88,9 +88,9 @@ static int rotor_parameters(Unit *unit)
     own->rows = step_matrix_rows(own->stations, own->planes, own->axes);
     own->columns = step_matrix_columns(own->stations, own->planes, own->axes);
     for (k = 0; k < KEPT_MATRICES; k++) {
-        own->kept[k].of.made = 0;
+        own->kept[k].of.made = false;
     }
-    own->taylor_of.made = own->sag_of.made = 0;
+    own->taylor_of.made = own->sag_of.made = false;
     own->turned[0].angle = own->turned[1].angle = not_a_number();
     if (linear_rotor_heavy(&own->rotor) &&
         linear_rotor_sag(&own->rotor, 0.0, own->sag, own->matrix_scratch, &failure)) {
@@ -114,7 +114,7 @@ static int rotor_step_unit(Unit *unit, double length)
 {
     Rotor *own = unit->own;
     const size_t motion = 4 * (size_t)own->stations;
-    const Spin start = spin_of(0.0, rotor_drive(unit)[0], rotor_drive(unit) + SPIN_UP);
+    const Spin start = spin_of(0.0, rotor_inputs(unit)[0], rotor_inputs(unit) + SPIN_UP);
     double *end_speed = unit->memory + MOTION + motion;
     Spin end;
     if (rotor_propagate(unit, length)) {
@@ -135,7 +135,7 @@ static int rotor_step_unit(Unit *unit, double length)
 static int rotor_outputs(Unit *unit)
 {
     const Rotor *own = unit->own;
-    unit->memory[MOTION + 4 * own->stations] = rotor_drive(unit)[0];
+    unit->memory[MOTION + 4 * own->stations] = rotor_inputs(unit)[0];
     unit->memory[MOTION + 4 * own->stations + 1] = 0.0;
     return rotor_outputs_now(unit, unit->real + unit->layout.computed.first);
 }

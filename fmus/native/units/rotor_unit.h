@@ -2,6 +2,8 @@
 #ifndef AUTOBALANCER_ROTOR_UNIT_H
 #define AUTOBALANCER_ROTOR_UNIT_H
 
+#include <stdbool.h>
+
 #include "base/elementary.h"
 #include "fmi/unit.h"
 #include "rotor/linear_rotor.h"
@@ -21,7 +23,7 @@ enum { MOTION = ANGLE_SIZE };
 
 /* The speed and the added masses (p,) that something was made for; not made: something else. */
 typedef struct {
-    int made;
+    bool made;
     double speed, *added_mass;
 } MadeFor;
 
@@ -52,12 +54,13 @@ typedef struct {
     double *motion; /* (3, 2n) derivatives of the stations' displacements */
     double *sag; /* (2n,) of the stations under gravity */
     MadeFor sag_of;
-    int lifted;
+    bool lifted;
     int slider_count; /* two for each of the unit's: along x and y */
     Slider *sliders;
     double *slider_states; /* as they are after what was propagated last */
     double reached;  /* length of the step as far as it came: it ends behind an event of a slider [s] */
-    double whole;    /* length of the step within which the unit is moved, 0: over all of it [s] */
+    double enclosing_step; /* length of the step within which the unit is moved, 0: over all of it
+                              [s] */
 } Rotor;
 
 /* -- rotor_kinds.c: the parameters of each kind ----------------------------------------- */
@@ -75,9 +78,9 @@ int rotor_of_parameters(Unit *unit);
 enum { SPIN_UP = 1, SPUN = 5 }; /* behind the speed: its acceleration, and what comes after both */
 
 /* Inputs: added masses, then speed, acceleration and its derivatives, then forces. */
-double *rotor_drive(Unit *unit);
+double *rotor_inputs(Unit *unit);
 /* Whether what was made is of this speed and the present added masses. */
-int rotor_is_of(const Unit *unit, const MadeFor *of, double speed);
+bool rotor_is_of(const Unit *unit, const MadeFor *of, double speed);
 /* The rotor with the present added masses, of which something is to be made; what was is no more. */
 LinearRotor rotor_anew(Unit *unit, MadeFor *of);
 /* It is made, of this speed and the present added masses. */

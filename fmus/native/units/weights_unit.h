@@ -2,6 +2,8 @@
 #ifndef AUTOBALANCER_WEIGHTS_UNIT_H
 #define AUTOBALANCER_WEIGHTS_UNIT_H
 
+#include <stdbool.h>
+
 #include "contact/motion.h"
 #include "fmi/unit.h"
 
@@ -17,7 +19,7 @@ enum { FORCE = 0, FORCE_SLOPE = 2, ADDED_MASS = 4 };
 typedef struct {
     int count;
     Track track;
-    int stop_at_contact;  /* whether a step ends behind the first event */
+    bool stop_at_contact; /* whether a step ends behind the first event */
     double carried, sent; /* parts of the added mass: through the port, in the force [kg] */
     Quadrature quadrature;
     Turned *turned; /* (N, 2) by the weights' angles */

@@ -138,12 +138,12 @@ Driven driven_by(const Instant *now, double spin_share)
     return driven;
 }
 
-void find_drive(const Driven *by, Complex direction, double angle_rate, double *drive)
+void find_forcing(const Driven *by, Complex direction, double angle_rate, double *forcing)
 {
     const Complex along = complex_product(by->motion[0], direction);
     const Complex slope = complex_product(by->motion[1], direction);
-    drive[0] = along.im - by->lag[0];
-    drive[1] = slope.im - along.re * angle_rate - by->lag[1];
+    forcing[0] = along.im - by->lag[0];
+    forcing[1] = slope.im - along.re * angle_rate - by->lag[1];
 }
 
 /* rect(lever, -angle) from `direction`, the same `moved` radians before: a small turn is cheap. */
@@ -166,20 +166,20 @@ int weights_substep(double *angle, double *angle_rate, const Driven *start, cons
                     Failure *failure)
 {
     const Complex direction = complex_scaled(lever, complex_conjugate(unit));
-    const double *s = response + 1, *t = s + SIGNAL_ORDERS + 1; /* to the drive's derivatives */
+    const double *s = response + 1, *t = s + SIGNAL_ORDERS + 1; /* to the forcing's derivatives */
     const double from = *angle;
     double begin[2], reached[2], second, third, free_rate, free_angle, new_rate, new_angle;
     double change = 1.0; /* a weight moves less than 0.15 rad in a substep: it contracts fast */
     int iteration;
-    find_drive(start, direction, *angle_rate, begin);
+    find_forcing(start, direction, *angle_rate, begin);
     free_rate = response[0] * *angle_rate + s[0] * begin[0] + s[1] * begin[1];
     free_angle = from + t[-1] * *angle_rate + t[0] * begin[0] + t[1] * begin[1];
     new_angle = free_angle;
     new_rate = free_rate;
     for (iteration = 0; iteration < MAX_ITERATIONS; iteration++) {
         const double last_angle = new_angle, last_rate = new_rate, last_change = change;
-        find_drive(end, direction_at(direction, new_angle - from, lever, new_angle), new_rate,
-                   reached);
+        find_forcing(end, direction_at(direction, new_angle - from, lever, new_angle), new_rate,
+                     reached);
         hermite(begin[0], begin[1], reached[0], reached[1], step, &second, &third);
         new_rate = free_rate + s[2] * second + s[3] * third;
         new_angle = free_angle + t[2] * second + t[3] * third;
@@ -340,16 +340,16 @@ void weights_reaction(const Weights *weights, const double *angles, const double
     int k;
     for (k = 0; k < weights->count; k++) {
         Complex unit = unit_of(turned, angles, k);
-        double drive[2], rates[3];
+        double forcing[2], rates[3];
         if (!k || weights->each) {
             const Weights one = weights_single(weights, k);
             damping_rate = weights_damping_rate(&one);
             by = driven_by(now, weights_spin_share(&one));
         }
-        find_drive(&by, complex_scaled(lever, complex_conjugate(unit)), speeds[k], drive);
+        find_forcing(&by, complex_scaled(lever, complex_conjugate(unit)), speeds[k], forcing);
         rates[0] = speeds[k];
-        rates[1] = drive[0] - damping_rate * rates[0];
-        rates[2] = drive[1] - damping_rate * rates[1];
+        rates[1] = forcing[0] - damping_rate * rates[0];
+        rates[2] = forcing[1] - damping_rate * rates[1];
         if (weights->each) {
             unit = complex_scaled(weights->each[k], unit);
         }
@@ -368,11 +368,11 @@ void weights_unhindered(const Weights *weights, const double *angles, const doub
         const double arm = weights_arm(&one) / weights_arm(weights);
         const double damping_rate = weights_damping_rate(&one);
         const Driven by = driven_by(now, weights_spin_share(&one));
-        double drive[2], bend;
-        find_drive(&by, rect(weights_lever(&one), -angles[k]), speeds[k], drive);
-        bend = drive[0] - damping_rate * speeds[k];
+        double forcing[2], bend;
+        find_forcing(&by, rect(weights_lever(&one), -angles[k]), speeds[k], forcing);
+        bend = forcing[0] - damping_rate * speeds[k];
         turned[0] += arm * bend;
-        turned[1] += arm * (drive[1] - damping_rate * bend);
+        turned[1] += arm * (forcing[1] - damping_rate * bend);
     }
 }
 

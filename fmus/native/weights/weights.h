@@ -27,8 +27,8 @@ typedef struct {
     double lag[2];
 } Driven;
 
-/* Exact response of angle and rate over a step, remembered for one damping rate and step: of the rate, to
-   itself and to the drive's derivatives of order 0 to 3, then of the angle. */
+/* Exact response of angle and rate over a step, remembered for one damping rate and step: of the
+   rate, to itself and to the forcing's derivatives of order 0 to 3, then of the angle. */
 typedef struct {
     double damping_rate, step;
     double response[2 * (SIGNAL_ORDERS + 1)];
@@ -64,10 +64,10 @@ Driven driven_by(const Instant *now, double spin_share);
 
 /* Drive Im(a e^{-i theta}), with a direction lever e^{-i theta}, less the lag; and its slope along the
    motion. */
-void find_drive(const Driven *by, Complex direction, double angle_rate, double *drive);
+void find_forcing(const Driven *by, Complex direction, double angle_rate, double *forcing);
 
-/* Angle and rate of one weight after `step`, in place: drag is integrated exactly, the drive as a cubic
-   with its exact slopes at both ends (order 4).
+/* Angle and rate of one weight after `step`, in place: drag is integrated exactly, the forcing as a
+   cubic with its exact slopes at both ends (order 4).
 
    lever: -1/(kappa R), times a group's factor; unit: e^{i angle}; response: of `quadrature`. */
 int weights_substep(double *angle, double *angle_rate, const Driven *start, const Driven *end,
