@@ -123,93 +123,149 @@ static double length_of(int rung, double longest)
     return scaled_by_power(longest * ROOTS[rung - RUNGS * powers], -powers);
 }
 
-static int refuse_step(Unit *unit, double step, double error, double residual)
+/* A step that has been tried, and what it showed. */
+typedef struct {
+    int rung;         /* of its length */
+    double step;      /* [s] */
+    double shortened; /* factor by which it is shorter than its rung */
+    double residual;  /* of the loop; below 0: a unit could not follow it, or an event came first */
+    double error;     /* estimated */
+    double largest_motion; /* of a plane, so far */
+    int higher, lower;     /* rungs by which the next step may be longer, and must be shorter */
+    bool minute;           /* what so short a step misses of a jump moves nothing */
+    bool still;            /* nothing moves at its end */
+} Trial;
+
+/* Try a step of the present rung, at most `remaining`, without leaving a sliver for the last one.
+ */
+static Trial try_step(Unit *unit, double longest, double remaining)
 {
     Composite *c = unit->own;
-    c->loop_failed = true;
-    return unit_fail(unit, "tolerance %6 cannot be met at t = %6 s: the error of steps of %3 s is "
-                     "still %3, loop residual %3", c->course->adaptive.allowed,
-                     unit_host_time(unit, c->course->clock.time), step, error, residual);
+    Course *course = c->course;
+    Trial trial = {0};
+    double chosen;
+    trial.rung = (int)course->adaptive.rung;
+    chosen = length_of(trial.rung, longest);
+    trial.step = chosen >= remaining        ? remaining
+                 : chosen > 0.5 * remaining ? 0.5 * remaining
+                                            : chosen;
+    trial.shortened = chosen / trial.step;
+    course->adaptive.constant_signals = trial.rung < 0;
+    trial.residual = iterated_attempt(unit, trial.step, MAX_PASSES);
+    course->adaptive.constant_signals = 0.0;
+    return trial;
+}
+
+/* Error of a step whose loop has ended, and the rungs that follow from it. */
+static void judge(const Composite *c, double longest, double allowed, Trial *trial)
+{
+    const bool jumps = composite_rotor(c)->slider_count > 0;
+    double ratio;
+    trial->error = error_of(c, trial->step, &trial->largest_motion);
+    ratio = trial->error > 0.0 ? AIM * allowed / trial->error : infinity();
+    trial->minute = jumps && trial->rung >= MINUTE;
+    trial->higher = rise(ratio, 1.0 + 1e-9, trial->shortened);
+    trial->lower = -rise(ratio, 1.0, trial->shortened);
+    trial->still = !jumps && (trial->rung < 0 || trial->rung < trial->higher) &&
+                   rests(c, longest, trial->largest_motion);
+}
+
+/* Note a step that is good, and choose the rung of the next. */
+static void accept(Course *course, const Trial *trial)
+{
+    Adaptation *adaptive = &course->adaptive;
+    double lowest = trial->still ? smaller(trial->rung, 0.0) : 0.0;
+    adaptive->rested = trial->still ? adaptive->rested + 1.0 : 0.0;
+    if (adaptive->rested == RESTED) {
+        adaptive->rested = 0.0;
+        lowest -= RUNGS;
+    }
+    adaptive->rung = larger(lowest, trial->rung - trial->higher);
+    if (trial->minute) {
+        adaptive->rung = smaller(adaptive->rung, MINUTE);
+    } else {
+        course->total.error = larger(course->total.error, trial->error);
+    }
+    course->loop.residual = trial->residual;
+    adaptive->constant_signals = trial->rung < 0;
+    adaptive->largest_motion = trial->largest_motion;
+}
+
+/* Take a step back that diverges so far that a unit cannot follow; 1 with the reason, the unit's.
+ */
+static int retreat(Unit *unit, const Trial *trial)
+{
+    Composite *c = unit->own;
+    if (trial->rung + 2 * RUNGS > LOWEST) {
+        return 1;
+    }
+    composite_restore(c);
+    c->course->adaptive.rung = trial->rung + 2 * RUNGS;
+    return iterated_after_start(unit, 0.5 * trial->step);
+}
+
+/* Take a step back that errs too much, and choose a lower rung; 1 with the reason. */
+static int reject(Unit *unit, const Trial *trial)
+{
+    Composite *c = unit->own;
+    Course *course = c->course;
+    composite_restore(c);
+    if (trial->residual > SLOWEST * course->loop.tolerance &&
+        iterated_after_start(unit, 0.5 * trial->step)) {
+        return 1;
+    }
+    course->adaptive.rung = trial->rung + (trial->lower > 1 ? trial->lower : 1);
+    if (trial->rung < 0 && !trial->still) {
+        course->adaptive.rung = larger(course->adaptive.rung, 0.0);
+        course->adaptive.rested = 0.0;
+        composite_drop_past(c);
+    }
+    if (course->adaptive.rung > LOWEST) {
+        c->loop_failed = true;
+        return unit_fail(unit,
+                         "tolerance %6 cannot be met at t = %6 s: the error of steps of %3 s is "
+                         "still %3, loop residual %3",
+                         course->adaptive.allowed, unit_host_time(unit, course->clock.time),
+                         trial->step, trial->error, trial->residual);
+    }
+    return 0;
 }
 
 int adaptive_step(Unit *unit, double longest)
 {
     Composite *c = unit->own;
-    const int jumps = composite_rotor(c)->slider_count > 0;
     Course *course = c->course;
     const Pacing *pacing = &c->pacing;
-    const double allowed = (pacing->share > 0.0 ? pacing->share : LOCAL_SHARE) * course->adaptive.allowed;
+    const double share = pacing->share > 0.0 ? pacing->share : LOCAL_SHARE;
+    const double allowed = share * course->adaptive.allowed;
     /* before an event, or a point that must be met */
     double remaining = pacing->step > 0.0 ? pacing->step : infinity();
-    int met = 0;
+    bool event_ahead = false;
     if (course->division.no_past > 0.0) {
         course->adaptive.rung = larger(course->adaptive.rung, 0.0);
     }
     for (;;) {
-        const int rung = (int)course->adaptive.rung;
-        const double own = length_of(rung, longest);
-        /* do not leave a sliver for the last step */
-        const double step = own >= remaining ? remaining : own > 0.5 * remaining ? 0.5 * remaining : own;
-        double residual, error, ratio, largest_motion, shortened = own / step;
-        int lower, higher, minute, still;
-        course->adaptive.constant_signals = rung < 0;
-        residual = iterated_attempt(unit, step, MAX_PASSES);
-        course->adaptive.constant_signals = 0.0;
-        if (residual < 0.0 && contacts_ahead(unit, &remaining)) {
-            /* a unit cannot follow a loop that diverges */
-            if (rung + 2 * RUNGS > LOWEST) {
-                return 1;
-            }
-            composite_restore(c);
-            if (iterated_after_start(unit, 0.5 * step)) {
-                return 1;
-            }
-            course->adaptive.rung = rung + 2 * RUNGS;
-            continue;
-        }
-        if (residual < 0.0) {
-            met = 1;
-            if (remaining == 0.0) {
+        Trial trial = try_step(unit, longest, remaining);
+        if (trial.residual < 0.0) {
+            if (contacts_ahead(unit, &remaining)) {
+                if (retreat(unit, &trial)) {
+                    return 1;
+                }
+            } else if (remaining == 0.0) {
                 return contacts_strike(unit);
+            } else {
+                event_ahead = true;
             }
             continue;
         }
-        error = error_of(c, step, &largest_motion);
-        ratio = error > 0.0 ? AIM * allowed / error : infinity();
-        minute = jumps && rung >= MINUTE; /* what such a step misses of a jump moves nothing */
-        higher = rise(ratio, 1.0 + 1e-9, shortened);
-        still = !jumps && (rung < 0 || rung < higher) && rests(c, longest, largest_motion);
-        if (((error <= allowed && (still || rung >= 0)) || minute) && residual <= course->loop.tolerance) {
-            double lowest = still ? smaller(rung, 0.0) : 0.0;
-            course->adaptive.rested = still ? course->adaptive.rested + 1.0 : 0.0;
-            if (course->adaptive.rested == RESTED) {
-                course->adaptive.rested = 0.0;
-                lowest -= RUNGS;
-            }
-            course->adaptive.rung = larger(lowest, rung - higher);
-            if (minute) {
-                course->adaptive.rung = smaller(course->adaptive.rung, MINUTE);
-            } else {
-                course->total.error = larger(course->total.error, error);
-            }
-            course->loop.residual = residual;
-            course->adaptive.constant_signals = rung < 0;
-            course->adaptive.largest_motion = largest_motion;
-            return iterated_go_on(unit, step, met && step == remaining);
+        judge(c, longest, allowed, &trial);
+        if (((trial.error <= allowed && (trial.still || trial.rung >= 0)) || trial.minute) &&
+            trial.residual <= course->loop.tolerance) {
+            accept(course, &trial);
+            return iterated_go_on(unit, trial.step, event_ahead && trial.step == remaining);
         }
-        composite_restore(c);
-        if (residual > SLOWEST * course->loop.tolerance && iterated_after_start(unit, 0.5 * step)) {
+        if (reject(unit, &trial)) {
             return 1;
-        }
-        lower = -rise(ratio, 1.0, shortened);
-        course->adaptive.rung = rung + (lower > 1 ? lower : 1);
-        if (rung < 0 && !still) {
-            course->adaptive.rung = larger(course->adaptive.rung, 0.0);
-            course->adaptive.rested = 0.0;
-            composite_drop_past(c);
-        }
-        if (course->adaptive.rung > LOWEST) {
-            return refuse_step(unit, step, error, residual);
         }
     }
 }
