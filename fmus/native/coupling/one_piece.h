@@ -65,8 +65,17 @@ int one_piece_begin(Unit *unit);
 int one_piece_step(Unit *unit);
 /* Begin anew where the parts are shown, and something has jumped; 1 with the reason. */
 int one_piece_begin_anew(Unit *unit);
-/* Show the parts at a time in the step; 1 with the reason. */
-int one_piece_show(Unit *unit, double time);
+
+/* -- one_piece_series.c -------------------------------------------------------------------------- */
+
+/* What a step may err. */
+double one_piece_step_tolerance(const Unit *unit);
+/* Order of the step that is shown. */
+int one_piece_order(const Composite *c);
+/* Make the series of the present step where there is none; 1 with the reason. */
+int one_piece_expand(Unit *unit);
+/* Let the parts stand at a time of the step, in the machine's [1]. */
+void one_piece_stand_at(Unit *unit, double time);
 /* Let the parts stand at the time that is shown; 1 with the reason. */
 int one_piece_place(Unit *unit);
 /* Displacements of the stations and angles of the weights, two in a pair, at the time that is shown. */
@@ -77,6 +86,15 @@ double one_piece_load(const Composite *c, Machine *machine, const double *states
 /* The line of the motor's torque, in the machine's time. */
 void one_piece_set_line(Machine *machine, int line);
 void one_piece_push(const Composite *c, Machine *machine, const double *forces, double time);
+
+/* -- one_piece_watch.c --------------------------------------------------------------------------- */
+
+/* Whether nobody reads what the looks would find. */
+bool one_piece_is_unwatched(const Unit *unit);
+/* Look at the motion up to a time in the step; 1 with the reason. */
+int one_piece_look_on(Unit *unit, double time);
+/* Show the parts at a time in the step; 1 with the reason. */
+int one_piece_show(Unit *unit, double time);
 
 /* -- one_piece_show.c ----------------------------------------------------------------------------- */
 

@@ -1,0 +1,90 @@
+/* What is watched as the motion in one piece goes on. */
+#include "base/elementary.h"
+#include "base/matrix.h"
+#include "constants.h"
+#include "coupling/composite.h"
+
+/* Whether nobody reads what the looks would find. */
+bool one_piece_is_unwatched(const Unit *unit)
+{
+    const Composite *c = unit->own;
+    size_t k;
+    for (k = 0; k < unit->asked_count && unit->asked; k++) {
+        if (unit->asked[k] >= c->results) {
+            return 0;
+        }
+    }
+    return unit->asked && !c->pieces.followers;
+}
+
+/* Tell the units that follow their plane's place where it is; 1 with the reason. */
+static int place_followers(Unit *unit, const double *place, double time)
+{
+    const Composite *c = unit->own;
+    const Rotor *rotor = composite_rotor(c);
+    int k;
+    for (k = 1; k < c->parts_without_motor; k++) {
+        const Part *part = c->parts + k;
+        if (part->place >= 0) {
+            combine_vectors(rotor->rotor.planes + part->plane * rotor->stations, 1, rotor->stations, place,
+                            part->unit->real + part->place);
+            part->unit->time = time;
+            part->unit->start = unit->start;
+            if (part->unit->equations->outputs(part->unit)) {
+                return composite_part_failed(unit, part);
+            }
+        }
+    }
+    return 0;
+}
+
+/* Look at the motion up to a time in the step; 1 with the reason. */
+int one_piece_look_on(Unit *unit, double time)
+{
+    Composite *c = unit->own;
+    const Clock *clock = &c->course->clock;
+    OnePiece *one_piece = &c->course->one_piece;
+    const Machine *m = &c->pieces.step;
+    const double apart = clock->length / one_piece->looks;
+    double *place = c->pieces.looked_at, turned;
+    int i, order;
+    if (one_piece->looked >= one_piece->looks ||
+        !(clock->begin + (one_piece->looked + 1.0) * apart <= time)) {
+        return 0;
+    }
+    if (one_piece_expand(unit)) {
+        return 1;
+    }
+    order = one_piece_order(c);
+    turned = machine_turned(m, order, one_piece->looked * apart * m->rate);
+    while (one_piece->looked < one_piece->looks &&
+           clock->begin + (one_piece->looked + 1.0) * apart <= time) {
+        const double now = ++one_piece->looked * apart * m->rate,
+                     angle = machine_turned(m, order, now);
+        for (i = 0; i < m->stations; i++) {
+            const Pair displacement = machine_at(m->motion + i, m->width, order, now);
+            place[2 * i] = pair_x(displacement);
+            place[2 * i + 1] = pair_y(displacement);
+        }
+        verdict_look(c, place, angle - turned);
+        turned = angle;
+        if (c->pieces.followers &&
+            place_followers(unit, place, clock->begin + one_piece->looked * apart)) {
+            return 1;
+        }
+    }
+    return 0;
+}
+
+int one_piece_show(Unit *unit, double time)
+{
+    const Composite *c = unit->own;
+    Course *course = c->course;
+    if (course->one_piece.stands > 0.0) { /* there, but for a rounding */
+        return 0;
+    }
+    course->clock.within = 1.0;
+    course->clock.shown = time;
+    course->one_piece.placed = 0.0;
+    return one_piece_look_on(unit, time);
+}
