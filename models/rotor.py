@@ -2,10 +2,11 @@
 
     M q'' + (C + C_i - w G J) q' + (K - w C_i J) q = u (w^2 - i w') e^{i beta} + S^T F + M g
 
-with gravity g at every station, where J turns x into y and y into -x.  Filimonikhina 2017 (4),
-Dubovik 2006 (5), Polushkin 2016 and Filimonikhin 2011 (1) all describe a rotor of this form,
-without gravity; they differ only in the matrices.  In complex notation z = x + i y the equation of
-an isotropic rotor reads
+with gravity g at every station, where J turns x into y and y into -x.  Every station is a
+displacement: of a point of the shaft, of the axis of a tilting disc, or of another body.
+Filimonikhina 2017 (4), Dubovik 2006 (5), Polushkin 2016 and Filimonikhin 2011 (1) all describe a
+rotor of this form, without gravity; they differ only in the matrices.  In complex notation
+z = x + i y the equation of an isotropic rotor reads
 
     M z'' + (C + C_i - i w G) z' + (K - i w C_i) z = u (w^2 - i w') e^{i beta} + S^T F
 
@@ -16,33 +17,19 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from functools import wraps
+from functools import cached_property, wraps
 from typing import Any, Concatenate, ParamSpec
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from . import rotor_kinds
-from .arrays import numbers
+from . import rotor_kinds, rotor_matrices
+from .arrays import Numbers, numbers
+from .supports import Slider as Slider
+from .supports import Support, summed
 
 Matrix = NDArray[np.float64]
 Parameters = ParamSpec("Parameters")
-
-
-@dataclass(frozen=True)
-class Slider:
-    """Dry friction at a station along one axis: a slider, rigid or behind a spring (Jenkins 1962).
-
-    Attributes:
-        station, axis: from 0; axis 0 is x, 1 is y.
-        limit: force at which it slips [N]; 0: there is none.
-        stiffness: of the spring in series [N/m]; 0: none, the slider is rigid.
-    """
-
-    station: int
-    axis: int
-    limit: float
-    stiffness: float = 0.0
 
 
 def _made_of(
@@ -65,8 +52,8 @@ class LinearRotor:
 
     Attributes:
         mass: (n, n) mass matrix, the same in both axes [kg].
-        damping_x, damping_y: (n, n) damping of supports and air, per axis [N s/m].
-        stiffness_x, stiffness_y: (n, n) stiffness, per axis [N/m].
+        elastic: (n, n) stiffness of the shaft, the same in both axes [N/m].
+        supports: springs and dampers that do not turn with the shaft.
         internal_damping: (n, n) damping of the rotating shaft C_i [N s/m].
         gyroscopic: (n, n) gyroscopic matrix G, multiplied by the speed [kg].
         planes: (p, n) matrix S: displacement of the planes from that of the stations.
@@ -77,10 +64,8 @@ class LinearRotor:
     """
 
     mass: Matrix
-    damping_x: Matrix
-    damping_y: Matrix
-    stiffness_x: Matrix
-    stiffness_y: Matrix
+    elastic: Matrix
+    supports: tuple[Support, ...]
     internal_damping: Matrix
     gyroscopic: Matrix
     planes: Matrix
@@ -115,10 +100,8 @@ class LinearRotor:
 
         return cls(
             mass=cell(mass),
-            damping_x=cell(c_x),
-            damping_y=cell(c_y),
-            stiffness_x=cell(k_x),
-            stiffness_y=cell(k_y),
+            elastic=cell(0.0),
+            supports=(Support.straight(numbers([1.0]), (k_x, k_y), (c_x, c_y)),),
             internal_damping=cell(internal_damping),
             gyroscopic=cell(0.0),
             planes=cell(1.0),
@@ -128,6 +111,7 @@ class LinearRotor:
 
     two_support = classmethod(_made_of(rotor_kinds.two_support))
     flexible = classmethod(_made_of(rotor_kinds.flexible))
+    from_matrices = classmethod(_made_of(rotor_matrices.from_matrices))
 
     @property
     def stations(self) -> int:
@@ -139,10 +123,46 @@ class LinearRotor:
         """Number p of correction planes."""
         return int(self.planes.shape[0])
 
+    @cached_property
+    def springs(self) -> Numbers:
+        """(2, 2, n, n) force along x, y by displacement along x, y of all supports [N/m]."""
+        return summed(self.supports, "stiffness", self.stations)
+
+    @cached_property
+    def dampers(self) -> Numbers:
+        """(2, 2, n, n) force along x, y by velocity along x, y of all supports [N s/m]."""
+        return summed(self.supports, "damping", self.stations)
+
+    @cached_property
+    def stiffness_x(self) -> Matrix:
+        """(n, n) along x of shaft and supports [N/m]."""
+        return self.elastic + self.springs[0, 0]
+
+    @cached_property
+    def stiffness_y(self) -> Matrix:
+        """(n, n) along y of shaft and supports [N/m]."""
+        return self.elastic + self.springs[1, 1]
+
     @property
+    def damping_x(self) -> Matrix:
+        """(n, n) of the supports along x [N s/m]."""
+        return self.dampers[0, 0]
+
+    @property
+    def damping_y(self) -> Matrix:
+        """(n, n) of the supports along y [N s/m]."""
+        return self.dampers[1, 1]
+
+    @cached_property
+    def crossed(self) -> bool:
+        """Whether a support pushes along one axis by a motion along the other one."""
+        blocks = (each[a, 1 - a] for each in (self.springs, self.dampers) for a in (0, 1))
+        return not all(bool(np.all(block == 0)) for block in blocks)
+
+    @cached_property
     def isotropic(self) -> bool:
-        """True when both axes are alike, so that z = x + i y needs no conjugate."""
-        return not self.sliders and bool(
+        """True when both axes are alike and apart, so that z = x + i y needs no conjugate."""
+        return not (self.sliders or self.crossed) and bool(
             np.array_equal(self.stiffness_x, self.stiffness_y)
             and np.array_equal(self.damping_x, self.damping_y)
         )
@@ -211,8 +231,10 @@ class LinearRotor:
         """The same for (x, y), real (2n, 2n) for every rotor."""
         internal = self.internal_damping
         turned, followed = speed * self.gyroscopic, speed * internal
-        damped = [[self.damping_x + internal, turned], [-turned, self.damping_y + internal]]
-        stiff = [[self.stiffness_x, followed], [-followed, self.stiffness_y]]
+        (_, k_xy), (k_yx, _) = self.springs
+        (c_xx, c_xy), (c_yx, c_yy) = self.dampers
+        damped = [[c_xx + internal, c_xy + turned], [c_yx - turned, c_yy + internal]]
+        stiff = [[self.stiffness_x, k_xy + followed], [k_yx - followed, self.stiffness_y]]
         return np.kron(np.eye(2), self.mass), np.block(damped), np.block(stiff)
 
     def free_rates(self, speed: float) -> NDArray:

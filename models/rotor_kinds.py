@@ -22,6 +22,7 @@ from .shaft import (
     shaft_stiffness,
     symmetric_compliance,
 )
+from .supports import Support
 
 Unbalance = tuple[float, float, float]
 
@@ -65,10 +66,8 @@ def two_support(
     u = _unbalances(unbalances)
     return {
         "mass": mass * at_centre.T @ at_centre + inertia * tilt.T @ tilt,
-        "damping_x": np.diag(c[:, 0]),
-        "damping_y": np.diag(c[:, 1]),
-        "stiffness_x": np.diag(k[:, 0]),
-        "stiffness_y": np.diag(k[:, 1]),
+        "elastic": np.zeros((2, 2)),
+        "supports": supported((0, 1), 2, k, c),
         "internal_damping": np.zeros((2, 2)),
         "gyroscopic": polar_inertia * tilt.T @ tilt,
         "planes": line_rows(planes, span),
@@ -128,10 +127,8 @@ def flexible(
         raise ValueError("internal_damping: a shaft with discs at its supports only cannot bend")
     return {
         "mass": np.diag(m),
-        "damping_x": _at(ends, c[:, 0], len(z)),
-        "damping_y": _at(ends, c[:, 1], len(z)),
-        "stiffness_x": shaft + _at(ends, k[:, 0], len(z)),
-        "stiffness_y": shaft + _at(ends, k[:, 1], len(z)),
+        "elastic": shaft,
+        "supports": supported(ends, len(z), k, c),
         # Dubovik's p belongs to the stiffness 1/delta that a disc feels where the shaft is softest
         "internal_damping": internal_damping * softest * shaft,
         "gyroscopic": np.zeros_like(shaft),
@@ -189,7 +186,12 @@ def _unbalances(unbalances: Sequence[Unbalance]) -> list[tuple[float, complex]]:
     ]
 
 
-def _at(ends: tuple[int, int], values: Matrix, size: int) -> Matrix:
-    diagonal = np.zeros(size, values.dtype)
-    diagonal[list(ends)] = values
-    return np.diag(diagonal)
+def supported(
+    stations: Sequence[int], count: int, stiffness: Matrix, damping: Matrix
+) -> tuple[Support, ...]:
+    """Supports at stations (from 0) of `count`, each with stiffness and damping (x, y)."""
+    rows = np.eye(count)
+    return tuple(
+        Support.straight(rows[at], k, c)
+        for at, k, c in zip(stations, stiffness, damping, strict=True)
+    )

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ...models.constants import SAME_PLACE
 from ...models.rotor import LinearRotor
@@ -63,7 +64,43 @@ def flexible(values: Values, sizes: RotorSizes) -> LinearRotor:
     return replace(rotor, planes=rotor.planes[ports])
 
 
-ROTORS = {"planar": planar, "two_support": two_support, "flexible": flexible}
+def matrices(values: Values, sizes: RotorSizes) -> LinearRotor:
+    """Any linear rotor by its matrices."""
+    n = sizes.stations
+
+    def square(name: str) -> NDArray[np.float64]:
+        return rows(name, n)
+
+    def rows(name: str, count: int) -> NDArray[np.float64]:
+        of = range(1, count + 1)
+        return np.array([[values[f"{name}[{j},{k}]"] for k in range(1, n + 1)] for j in of])
+
+    def both(name: str) -> NDArray[np.float64]:
+        return np.block([[square(f"{name}_{to}{by}") for by in "xy"] for to in "xy"])
+
+    numbers = range(1, sizes.unbalances + 1)
+    amounts = [
+        values[f"unbalance[{k}].amount"] * np.exp(1j * values[f"unbalance[{k}].angle"])
+        for k in numbers
+    ]
+    return LinearRotor.from_matrices(
+        mass=square("mass"),
+        stiffness=both("stiffness"),
+        damping=both("damping"),
+        internal_damping=square("internal_damping"),
+        gyroscopic=square("gyroscopic"),
+        planes=rows("plane_row", sizes.planes),
+        unbalance=np.array(amounts) @ rows("unbalance_row", sizes.unbalances),
+        deflection=rows("bending_row", max(1, n - 2)),
+    )
+
+
+ROTORS = {
+    "planar": planar,
+    "two_support": two_support,
+    "flexible": flexible,
+    "matrices": matrices,
+}
 
 
 def _supports(values: Values, what: str) -> list[list[float]]:

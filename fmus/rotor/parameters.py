@@ -9,22 +9,39 @@ from ...models.constants import DEFAULT_UNBALANCE, SPACING, SPAN, STEEL_20_MM
 from ..unit import Sizes, count, one_of
 from ..variables import Variable, not_negative, parameter, positive, tunable
 
+# matrices of a rotor between two stations: unit, start on the diagonal, description
+_FORCE = "Force along {} on a station by the {} along {} of another, of supports{}"
+GIVEN: dict[str, tuple[str, float, str]] = {
+    "mass": ("kg", 1.0, "Mass matrix, the same along both axes"),
+    **{
+        f"damping_{to}{by}": ("N.s/m", 40.0 * (to == by), _FORCE.format(to, "velocity", by, ""))
+        for to in "xy" for by in "xy"
+    },
+    **{
+        f"stiffness_{to}{by}": ("N/m", 8.0e4 * (to == by),
+                                _FORCE.format(to, "displacement", by, " and shaft"))
+        for to in "xy" for by in "xy"
+    },
+    "internal_damping": ("N.s/m", 0.0, "Damping matrix of the turning shaft"),
+    "gyroscopic": ("kg", 0.0, "Gyroscopic matrix, multiplied by the speed"),
+}  # fmt: skip
+
 
 @dataclass(frozen=True)
 class RotorSizes(Sizes):
     """Sizes of a rotor.
 
     Attributes:
-        kind: planar | two_support | flexible.
+        kind: planar | two_support | flexible | matrices.
         stations, planes, unbalances, sliders: numbers of them.
         shaft: how a flexible rotor's is given: "uniform" (bending stiffness) or "compliance" (a
             matrix).
     """
 
-    kind: str = one_of("planar", "two_support", "flexible")
+    kind: str = one_of("planar", "two_support", "flexible", "matrices")
     stations: int = count(1)
     planes: int = count(1)
-    unbalances: int = count(1, of=("two_support", "flexible"))
+    unbalances: int = count(1, of=("two_support", "flexible", "matrices"))
     shaft: str = one_of("uniform", "compliance", of=("flexible",))
     sliders: int = count(0)
 
@@ -119,7 +136,29 @@ def friction(sizes: RotorSizes) -> list[Variable]:
     return [*sliders, *own[: sizes.sliders]]
 
 
-PARAMETERS = {"planar": planar, "two_support": two_support, "flexible": flexible}
+def matrices(sizes: RotorSizes) -> list[Variable]:
+    """Any linear rotor: its matrices between stations, each a displacement."""
+    n = sizes.stations
+    bends = range(1, max(2, n - 1))
+    numbers = range(1, n + 1)
+    return [
+        *(parameter(f"{name}[{j},{k}]", start * (j == k), unit, text)
+          for j in numbers for k in numbers for name, (unit, start, text) in GIVEN.items()),
+        *_rows("plane_row", range(1, sizes.planes + 1), n, "Displacement of the plane"),
+        *(v for k in range(1, sizes.unbalances + 1) for v in _amount(k)),
+        *_rows("unbalance_row", range(1, sizes.unbalances + 1), n,
+               "Displacement where the unbalance is"),
+        *(parameter(f"bending_row[{j},{k}]", 0.0, "1", "Bending of the shaft by a station's motion")
+          for j in bends for k in numbers),
+    ]  # fmt: skip
+
+
+PARAMETERS = {
+    "planar": planar,
+    "two_support": two_support,
+    "flexible": flexible,
+    "matrices": matrices,
+}
 
 
 def _supports(stiffness: float, damping: float) -> list[Variable]:
@@ -147,10 +186,26 @@ def _unbalances(sizes: RotorSizes, place: float, where: str) -> list[Variable]:
         for k in range(1, sizes.unbalances + 1)
         for v in (
             parameter(f"unbalance[{k}].position", place, "m", where),
-            tunable(f"unbalance[{k}].amount", DEFAULT_UNBALANCE * (k == 1), "kg.m",
-                    "Amount of the unbalance", minimum=0.0),
-            tunable(f"unbalance[{k}].angle", 0.0, "rad", "Angle of the unbalance in the rotor"),
+            *_amount(k),
         )
+    ]
+
+
+def _amount(k: int) -> list[Variable]:
+    return [
+        tunable(f"unbalance[{k}].amount", DEFAULT_UNBALANCE * (k == 1), "kg.m",
+                "Amount of the unbalance", minimum=0.0),
+        tunable(f"unbalance[{k}].angle", 0.0, "rad", "Angle of the unbalance in the rotor"),
+    ]  # fmt: skip
+
+
+def _rows(name: str, of: Sequence[int], stations: int, what: str) -> list[Variable]:
+    """Rows of numbers by which something follows the stations; each starts at one station."""
+    return [
+        parameter(f"{name}[{j},{k}]", float((j - 1) % stations == k - 1), "1",
+                  f"{what} by that of a station")
+        for j in of
+        for k in range(1, stations + 1)
     ]  # fmt: skip
 
 

@@ -39,7 +39,7 @@ def variables(sizes: RotorSizes) -> list[Variable]:
     # the mass is the same along both axes: a force acts along its own axis at once, along the
     # other one in the slope only, through gyroscopic or (in the rotor) anisotropic damping
     along = [forces[axis::2] for axis in range(2)]
-    crossed = sizes.kind == "two_support" or sizes.frame == "rotor"
+    crossed = sizes.kind in ("two_support", "matrices") or sizes.frame == "rotor"
     at_once = [(*drive, *own) for own in along]
     in_slope = [
         (*changing, *(forces if crossed else own), *(f"der({name})" for name in own))

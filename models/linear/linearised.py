@@ -7,7 +7,9 @@ In that frame (zeta = z e^{-i beta}, D = d/dt + i w) rotor and weights read
     anisotropy = e^{-2 i beta} (dC conj(D zeta) + dK conj(zeta)),
 
 dC, dK half the difference between the axes: constant coefficients for an isotropic rotor, one pair
-of harmonics of 2 beta for any other (Filimonikhin 2011 (11), Filimonikhina 2017 (9)).
+of harmonics of 2 beta for any other (Filimonikhin 2011 (11), Filimonikhina 2017 (9)).  With cross
+terms K_xy, K_yx of the supports K becomes K - i (K_xy - K_yx)/2 and dK becomes
+dK + i (K_xy + K_yx)/2, and so do C and dC.
 
 Turns of the weights that leave S^T ds unchanged are neutral: the turned weights are at rest again,
 so their multiplier is exactly 1.  They are taken out by coordinates, not recognised afterwards: the
@@ -81,9 +83,13 @@ class Couplings:
 
 @dataclass(frozen=True, eq=False)
 class RotorParts:
-    """Stiffness and damping of a rotor, (n, n) each: means of both axes and half the differences.
+    """Stiffness and damping of a rotor as real numbers and multiples of i, (n, n) each.
 
-    Internal damping and the gyroscopic matrix are as in `LinearRotor`.
+    Attributes:
+        stiffness, damping: of both axes.
+        half_stiffness, half_damping: by the conjugate.
+        internal, gyroscopic: as in `LinearRotor`.
+        turning: the first four again as multiples of i; None where no support has cross terms.
     """
 
     stiffness: Numbers
@@ -92,18 +98,25 @@ class RotorParts:
     half_damping: Numbers
     internal: Numbers
     gyroscopic: Numbers
+    turning: tuple[Numbers, Numbers, Numbers, Numbers] | None = None
 
     @classmethod
     def of(cls, rotor: LinearRotor) -> RotorParts:
-        """Those of a rotor."""
-        return cls(
-            (rotor.stiffness_x + rotor.stiffness_y) / 2.0,
-            (rotor.stiffness_x - rotor.stiffness_y) / 2.0,
-            (rotor.damping_x + rotor.damping_y) / 2.0,
-            (rotor.damping_x - rotor.damping_y) / 2.0,
+        """Those of a rotor; the shaft's stiffness does not cancel, it does not stand in halves."""
+        (k_xx, k_xy), (k_yx, k_yy) = rotor.springs
+        (c_xx, c_xy), (c_yx, c_yy) = rotor.dampers
+        plain = (
+            rotor.elastic + (k_xx + k_yy) / 2,
+            (k_xx - k_yy) / 2,
+            (c_xx + c_yy) / 2,
+            (c_xx - c_yy) / 2,
             rotor.internal_damping,
             rotor.gyroscopic,
         )
+        if not rotor.crossed:
+            return cls(*plain)
+        turning = (k_yx - k_xy) / 2, (k_xy + k_yx) / 2, (c_yx - c_xy) / 2, (c_xy + c_yx) / 2
+        return cls(*plain, turning)
 
 
 def _row_space(matrix: Matrix) -> Matrix:
@@ -198,6 +211,7 @@ def small_motions(
     for part, mirror in enumerate(_MIRRORS, start=3):
         forces[part, :, at.q] = -_kron(mirror, rotor.half_stiffness)
         forces[part, :, at.u] = -_kron(mirror, rotor.half_damping)
+    _add_turning(forces, rotor, at)
     acceleration = solve(mass, forces)
     result = np.zeros((5, at.size, at.size), mass.dtype)
     result[:, at.u], result[:, at.v] = acceleration, -c.drive @ acceleration
@@ -213,10 +227,21 @@ def small_motions(
     return result
 
 
+def _add_turning(forces: Numbers, rotor: RotorParts, at: _Blocks) -> None:
+    """The parts of the supports with cross terms, which turn what they push by i."""
+    if rotor.turning is None:
+        return
+    stiffness, half_stiffness, damping, half_damping = rotor.turning
+    forces[0, :, at.q] -= _kron(_TURN, stiffness)
+    forces[0, :, at.u] -= _kron(_TURN, damping)
+    for part, mirror in enumerate(_MIRRORS, start=3):
+        forces[part, :, at.q] -= _kron(_TURN @ mirror, half_stiffness)
+        forces[part, :, at.u] -= _kron(_TURN @ mirror, half_damping)
+
+
 def _fastest(rotor: LinearRotor, mass: Matrix) -> float:
     """Estimate of the highest natural frequency [rad/s] for the real (2n, 2n) mass matrix."""
-    stiffness = _kron(np.diag([1.0, 0.0]), rotor.stiffness_x)
-    stiffness += _kron(np.diag([0.0, 1.0]), rotor.stiffness_y)
+    _, _, stiffness = rotor.real_coefficients(0.0)
     return float(np.sqrt(np.abs(np.linalg.eigvals(np.linalg.solve(mass, stiffness))).max()))
 
 

@@ -29,7 +29,7 @@ class Unproved(ValueError):
     """Nothing can be proved; the message says why."""
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class RotorBalls(RotorParts):
     """The matrices of a rotor, and where its unbalance is.
 
@@ -114,7 +114,7 @@ def rotor_balls(table: Mapping[str, Any], added: Sequence[tuple[int, Number]]) -
         Unproved: it is not proved that there is such a rotor.
     """
     given = {key: value for key, value in table.items() if key not in _NO_ARGUMENTS}
-    kind, prefix, halves = table["kind"], "", []
+    kind = table["kind"]
     if kind == "planar":
         places = [arb(0)]
         loads = [(places[0], table["unbalance"], table["unbalance_angle"])]
@@ -122,12 +122,7 @@ def rotor_balls(table: Mapping[str, Any], added: Sequence[tuple[int, Number]]) -
         places = table.get("stations", table.get("planes"))
         loads = [(u["position"], u["amount"], u["angle"]) for u in table["unbalances"]]
     if kind == "flexible":
-        prefix, given["elastic"] = "support_", _elastic
-    for key in (f"{prefix}stiffness", f"{prefix}damping"):
-        pairs = np.reshape(balls(given[key]), (-1, 2))
-        # both axes alike: what tells them apart is without the shaft's stiffness
-        given[key] = np.reshape([[(x + y) / 2] * 2 for x, y in pairs], np.shape(given[key]))
-        halves.append([(x - y) / 2 for x, y in pairs])
+        given["elastic"] = _elastic
     try:
         rotor: LinearRotor = getattr(LinearRotor, kind)(**given)
     except ValueError as error:
@@ -135,14 +130,14 @@ def rotor_balls(table: Mapping[str, Any], added: Sequence[tuple[int, Number]]) -
     masses = balls([0] * rotor.plane_count)
     for plane, mass in added:
         masses[plane] += mass
-    ends = [number - 1 for number in table.get("supports", range(1, rotor.stations + 1))]
-    half_stiffness, half_damping = (balls(np.zeros(rotor.mass.shape)) for _ in halves)
-    half_stiffness[ends, ends], half_damping[ends, ends] = halves
+    parts = RotorParts.of(rotor)
     return RotorBalls(
-        rotor.stiffness_x, half_stiffness, rotor.damping_x, half_damping, rotor.internal_damping,
-        rotor.gyroscopic, rotor.with_added_mass(masses).mass, rotor.planes, tuple(places),
-        tuple((place, balls([size * angle.cos(), size * angle.sin()]))
-              for place, size, angle in loads),
+        stiffness=balls(parts.stiffness), half_stiffness=balls(parts.half_stiffness),
+        damping=balls(parts.damping), half_damping=balls(parts.half_damping),
+        internal=balls(parts.internal), gyroscopic=balls(parts.gyroscopic), turning=parts.turning,
+        mass=rotor.with_added_mass(masses).mass, planes=rotor.planes, places=tuple(places),
+        unbalances=tuple((place, balls([size * angle.cos(), size * angle.sin()]))
+                         for place, size, angle in loads),
         rigid=kind == "two_support",
     )  # fmt: skip
 

@@ -71,6 +71,11 @@ class Lagrange:
         push = w * w * u - sheared + 1j * w * (v @ rotor.gyroscopic.T)
         force[..., :n] += push.real - x @ rotor.stiffness_x.T - v_x @ rotor.damping_x.T
         force[..., n : 2 * n] += push.imag - yy @ rotor.stiffness_y.T - v_y @ rotor.damping_y.T
+        if rotor.crossed:
+            (_, k_xy), (k_yx, _) = rotor.springs
+            (_, c_xy), (c_yx, _) = rotor.dampers
+            force[..., :n] -= yy @ k_xy.T + v_y @ c_xy.T
+            force[..., n : 2 * n] -= x @ k_yx.T + v_x @ c_yx.T
         force[..., 2 * n : -1] -= lag
         force[..., -1] += lag.sum(axis=-1) + (z.conj() * sheared).sum(axis=-1).imag
         return inertia, force

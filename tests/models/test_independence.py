@@ -12,8 +12,8 @@ ROOT = Path(autobalancer.models.__file__).parents[1]
 DESCRIPTION = {
     f"models.{name}"
     for name in (
-        *("arrays", "assembly", "constants", "liquid", "motor", "rotor", "rotor_kinds", "shaft"),
-        "weights",
+        *("arrays", "assembly", "constants", "liquid", "motor", "rotor", "rotor_kinds"),
+        *("rotor_matrices", "shaft", "supports", "weights"),
     )
 }
 # the fastest vibration, which limits the steps of an integration, and the error of an eigenvalue

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 from scipy.integrate import quad
+from scipy.linalg import block_diag
 
 from autobalancer.models.assembly import Assembly, Mounted, SpeedProfile
 from autobalancer.models.liquid import Liquid
@@ -49,12 +50,10 @@ def mixed(*, planes: int = 1) -> Assembly:
 
 def two_stations() -> Assembly:
     """Two coupled stations, planes off them, everything a rotor can have."""
-    rotor = LinearRotor(
+    rotor = LinearRotor.from_matrices(
         mass=np.array([[1.2, 0.2], [0.2, 0.9]]),
-        damping_x=np.array([[0.5, 0.1], [0.1, 0.3]]),
-        damping_y=np.array([[0.4, 0.0], [0.0, 0.6]]),
-        stiffness_x=np.array([[9.0, -2.0], [-2.0, 7.0]]),
-        stiffness_y=np.array([[12.0, -2.0], [-2.0, 9.0]]),
+        damping=block_diag([[0.5, 0.1], [0.1, 0.3]], [[0.4, 0.0], [0.0, 0.6]]),
+        stiffness=block_diag([[9.0, -2.0], [-2.0, 7.0]], [[12.0, -2.0], [-2.0, 9.0]]),
         internal_damping=np.array([[0.2, -0.1], [-0.1, 0.4]]),
         gyroscopic=np.array([[0.3, -0.1], [-0.1, 0.2]]),
         planes=np.array([[1.2, -0.2], [0.4, 0.6]]),

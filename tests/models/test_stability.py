@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
+from scipy.linalg import block_diag
 
 from autobalancer.models.assembly import Assembly, Mounted, SpeedProfile
 from autobalancer.models.boundaries import balancing_boundaries, growth_regions
@@ -52,17 +53,14 @@ def two_stations(isotropic):
     k_x = np.array([[3.0, -0.4], [-0.4, 2.0]])
     k_y = k_x if isotropic else np.array([[5.0, -0.3], [-0.3, 7.0]])
     c_x = np.array([[0.2, 0.02], [0.02, 0.3]])
-    rotor = LinearRotor(
+    rotor = LinearRotor.from_matrices(
         mass=np.array([[1.0, 0.2], [0.2, 0.8]]),
-        damping_x=c_x,
-        damping_y=c_x if isotropic else 1.5 * c_x,
-        stiffness_x=k_x,
-        stiffness_y=k_y,
+        damping=block_diag(c_x, c_x if isotropic else 1.5 * c_x),
+        stiffness=block_diag(k_x, k_y),
         internal_damping=np.array([[0.02, 0.0], [0.0, 0.03]]),
         gyroscopic=np.array([[0.3, -0.3], [-0.3, 0.3]]),
         planes=np.array([[0.9, 0.1], [-0.2, 1.2]]),
         unbalance=np.array([0.01 + 0.004j, -0.003 + 0.006j]),
-        deflection=np.eye(2),
     )
     first = Mounted("first", Weights(2, 0.02, 0.7, 0.006, 1.4), 0, (2.0, 4.0))
     second = Mounted("second", Weights(3, 0.01, 0.9, 0.01, 1.0), 1, (0.5, 2.5, 4.5))

@@ -54,7 +54,9 @@ def _struct(name: str, doubles: str = "", **fields: Any) -> type[ctypes.Structur
 
 
 _D = POINTER(c_double)
-_MATRICES = ["mass", "damping_x", "damping_y", "stiffness_x", "stiffness_y", "internal_damping"]
+_MATRICES = ["mass", "damping_x", "damping_y", "stiffness_x", "stiffness_y"]
+_CROSSED = ["damping_xy", "damping_yx", "stiffness_xy", "stiffness_yx"]
+_MATRICES += [*_CROSSED, "internal_damping"]
 _MATRICES += ["gyroscopic", "planes", "unbalance", "deflection"]
 LinearRotor = _struct(
     "LinearRotor",
@@ -64,6 +66,7 @@ LinearRotor = _struct(
     **dict.fromkeys(_MATRICES, _D),
     gravity=c_double * 2,
     sliders=c_bool,
+    crossed=c_bool,
 )
 Spin = _struct("Spin", angle=c_double, speed=c_double, rates=c_double * 4)
 Excitation = _struct(
@@ -165,9 +168,16 @@ class Core:
         made = self("linear_rotor_in", memory, n, p)
         made.memory = memory
         made.gravity[:] = rotor.gravity.real, rotor.gravity.imag
-        for name, _ in LinearRotor._fields_[3:-1]:
+        made.crossed = rotor.crossed
+        crossed = {
+            f"{name}_{'xy'[a]}{'xy'[1 - a]}": each[a, 1 - a]
+            for name, each in (("damping", rotor.dampers), ("stiffness", rotor.springs))
+            for a in (0, 1)
+        }
+        for name in _MATRICES:
             if name != "deflection":
-                values = np.ascontiguousarray(getattr(rotor, name)).view(float).ravel()
+                own = crossed[name] if name in crossed else getattr(rotor, name)
+                values = np.ascontiguousarray(own).view(float).ravel()
                 ctypes.memmove(getattr(made, name), values.ctypes.data, values.nbytes)
         return made
 

@@ -43,15 +43,36 @@ class Draw:
         planes = planes or int(random.integers(1, 4))
         bare = replace(rotor, planes=rotor.planes[random.integers(0, rotor.plane_count, planes)])
         stiffer = _log(random, 1.0, STIFFER)
-        both = {f"stiffness_{axis}": stiffer * getattr(bare, f"stiffness_{axis}") for axis in "xy"}
-        bare = replace(bare, **both)
+        bare = replace(
+            bare,
+            elastic=stiffer * bare.elastic,
+            supports=tuple(replace(s, stiffness=stiffer * s.stiffness) for s in bare.supports),
+        )
         if seed % 2:  # isotropic: a complex system of half the size
-            bare = replace(bare, stiffness_y=bare.stiffness_x, damping_y=bare.damping_x)
+            bare = replace(bare, supports=tuple(_alike(s) for s in bare.supports))
+        elif seed % 4:  # cross terms
+            twist = random.uniform(-1.0, 1.0, (2, 2))[..., None, None]
+            bare = replace(
+                bare,
+                supports=tuple(
+                    replace(s, stiffness=s.stiffness + twist * s.stiffness[0, 0],
+                            damping=s.damping + twist * s.damping[0, 0])
+                    for s in bare.supports
+                ),
+            )  # fmt: skip
         added = random.uniform(0.0, 2.0, planes) * (random.random() < 0.7)
         self.python = bare.with_added_mass(added)
         native, mass = core.rotor_of(bare), np.zeros(bare.stations**2)
         self.native = core("linear_rotor_with_added_mass", byref(native), added, mass)
         self.native.memory = native.memory, mass
+
+
+def _alike(support):
+    """The support with that of x along both axes."""
+    same = np.eye(2)[..., None, None]
+    return replace(
+        support, stiffness=same * support.stiffness[0, 0], damping=same * support.damping[0, 0]
+    )
 
 
 def _scaled_difference(found, expected):

@@ -31,6 +31,7 @@ CASES: list[tuple[str, dict[str, Any]]] = [
         "RotorOnSupports",
         {"kind": "flexible", "stations": 5, "planes": 2, "shaft": "compliance", "frame": "fixed"},
     ),
+    ("RotorOnSupports", {"kind": "matrices", "stations": 2, "planes": 3, "unbalances": 2}),
 ]
 NATIVE: list[tuple[str, dict[str, Any]]] = [  # without a Python unit
     ("Motor", {"points": 4}),
@@ -102,7 +103,7 @@ def motion(packaging, path, layout, seed: int) -> np.ndarray:
     return np.array(seen)
 
 
-@pytest.mark.parametrize("case", [CASES[k] for k in (1, 4, 6, 7)], ids=ids)
+@pytest.mark.parametrize("case", [CASES[k] for k in (1, 4, 6, 7, -1)], ids=ids)
 @pytest.mark.parametrize("seed", [2, 3])
 def test_the_same_motion_to_1e_12_of_a_signals_range(fmus, packaging, case, seed):
     """At changing speed the errors of Python's rotor show.

@@ -185,6 +185,11 @@ static inline Pair pair_turned_back(Pair a)
     return pair_of(pair_y(a), -pair_x(a));
 }
 
+static inline Pair pair_swapped(Pair a)
+{
+    return pair_of(pair_y(a), pair_x(a));
+}
+
 /* a b as complex numbers. */
 static inline Pair pair_product(Pair a, Pair b)
 {

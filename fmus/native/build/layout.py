@@ -18,6 +18,7 @@ from typing import Any
 from ....models import constants as shared
 from ...catalogue import sized_unit
 from ...composite.variables import COMPOSITE
+from ...rotor.parameters import GIVEN
 from ...unit import SizedUnit
 from ...variables import Layout, Variable
 from ...xml.archive import source
@@ -34,6 +35,10 @@ _REPEATS = {
     "point": "SIZE_POINTS",
     "corner": "SIZE_POINTS",
     "compliance": "SIZE_TRIANGLE",
+    **dict.fromkeys(GIVEN, "SIZE_SQUARE"),
+    "plane_row": "SIZE_PLANE_ROWS",
+    "unbalance_row": "SIZE_UNBALANCE_ROWS",
+    "bending_row": "SIZE_BENDING_ROWS",
 }
 _SEVERAL = 3  # of everything, so that a block is seen to repeat
 _PLANAR = {"planes": _SEVERAL, "sliders": _SEVERAL, "stations": 1}
@@ -45,6 +50,7 @@ TABLES: tuple[tuple[str, dict[str, Any]], ...] = (
     ("RotorOnSupports", {**_ROTOR, "kind": "two_support", "stations": 2}),
     ("RotorOnSupports", {**_ROTOR, "kind": "flexible", "shaft": "uniform"}),
     ("RotorOnSupports", {**_ROTOR, "kind": "flexible", "shaft": "compliance"}),
+    ("RotorOnSupports", {**_ROTOR, "kind": "matrices"}),
     ("LiquidBalancer", {}),
     ("BallBalancer", {"weights": _SEVERAL, "unequal": 1}),
     ("Motor", {"points": _SEVERAL}),
@@ -61,6 +67,7 @@ _STARTS_IN_C = (
     "unbalance[#].position",
     "unbalance[#].amount",
     "compliance[#,#]",
+    *(f"{name}[#,#]" for name in (*GIVEN, "plane_row", "unbalance_row")),
     "weight[#].angle0",
     "point[#].speed",
     "point[#].torque",

@@ -11,7 +11,9 @@ static size_t changed_amount(const Composite *c, const double *change)
     const Layout *layout = &c->parts->unit->layout;
     const size_t alone = layout_index(layout, "unbalance", 1);
     const size_t first = alone < layout->real_count ? alone : layout_index(layout, "unbalance[#].amount", 1);
-    return first + 3 * ((size_t)change[CHANGE_NUMBER] - 1); /* position, amount and angle of each */
+    /* amount and angle of each, behind its position where it has one */
+    const size_t stride = rotor_kind(layout) == MATRICES ? 2 : 3;
+    return first + stride * ((size_t)change[CHANGE_NUMBER] - 1);
 }
 
 void composite_give_parameters(Unit *unit, const Part *part)

@@ -20,12 +20,12 @@ const Table *table_of(const char *unit, const char *kind, const char *shaft)
 
 static size_t repeats(int repeat, const Sizes *sizes)
 {
-    const size_t free = (size_t)(sizes->stations - 2);
+    const size_t stations = (size_t)sizes->stations, free = (size_t)(sizes->stations - 2);
     switch (repeat) {
     case SIZE_TWO:
         return 2;
     case SIZE_STATIONS:
-        return (size_t)sizes->stations;
+        return stations;
     case SIZE_PLANES:
         return (size_t)sizes->planes;
     case SIZE_UNBALANCES:
@@ -42,6 +42,14 @@ static size_t repeats(int repeat, const Sizes *sizes)
         return (size_t)sizes->points;
     case SIZE_TRIANGLE:
         return free * (free + 1) / 2;
+    case SIZE_SQUARE:
+        return stations * stations;
+    case SIZE_PLANE_ROWS:
+        return (size_t)sizes->planes * stations;
+    case SIZE_UNBALANCE_ROWS:
+        return (size_t)sizes->unbalances * stations;
+    case SIZE_BENDING_ROWS:
+        return (stations > 2 ? free : 1) * stations;
     default:
         return 1;
     }
@@ -88,7 +96,7 @@ Layout layout_in(Variable *reals, const Table *table, const Sizes *sizes)
     layout.boolean_count = (size_t)table->flag_count;
     for (b = 0; b < table->block_count; b++) {
         const Block *block = table->blocks + b;
-        const int triangle = block->repeat == SIZE_TRIANGLE;
+        const bool triangle = block->repeat == SIZE_TRIANGLE, rows = block->repeat > SIZE_TRIANGLE;
         const size_t times = repeats(block->repeat, sizes);
         int index = 1, second = 1;
         size_t turn;
@@ -100,9 +108,12 @@ Layout layout_in(Variable *reals, const Table *table, const Sizes *sizes)
                 reals[at].owner = NULL;
                 at++;
             }
-            /* the upper triangle of the stations that are no supports, row by row */
-            if (triangle && second < sizes->stations - 2) {
+            /* the upper triangle of the stations that are no supports, or all stations, row by row */
+            if ((triangle && second < sizes->stations - 2) || (rows && second < sizes->stations)) {
                 second++;
+            } else if (rows) {
+                second = 1;
+                index++;
             } else {
                 second = ++index;
             }

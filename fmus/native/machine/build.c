@@ -31,6 +31,8 @@ int machine_allocate(Unit *unit, Machine *machine, int stations, int weights, in
     machine->mass = counted_doubles(unit, square, &missing);
     machine->stiffness = counted_pairs(unit, square, &missing);
     machine->damping = counted_pairs(unit, square, &missing);
+    machine->cross_stiffness = counted_pairs(unit, square, &missing);
+    machine->cross_damping = counted_pairs(unit, square, &missing);
     machine->internal_damping = counted_doubles(unit, square, &missing);
     machine->gyroscopic = counted_doubles(unit, square, &missing);
     machine->unbalance = counted_pairs(unit, n, &missing);
@@ -88,6 +90,11 @@ void machine_take_rotor(Machine *machine, const LinearRotor *rotor, double rate)
         machine->damping[k] = pair_sum(machine->damping[k], pair_both(inner));
         machine->internal_damping[k] = inner;
         machine->gyroscopic[k] = rotor->gyroscopic[k];
+    }
+    machine->crossed = rotor->crossed;
+    for (k = 0; k < square && rotor->crossed; k++) {
+        machine->cross_stiffness[k] = pair_scaled(pair_of(rotor->stiffness_xy[k], rotor->stiffness_yx[k]), t * t);
+        machine->cross_damping[k] = pair_scaled(pair_of(rotor->damping_xy[k], rotor->damping_yx[k]), t);
     }
     machine->turns = any_of(rotor->internal_damping, square) || any_of(rotor->gyroscopic, square);
     for (k = 0; k < n; k++) {

@@ -60,6 +60,8 @@ typedef struct {
     /* of the rotor, in the machine's time; pairs are of x and y */
     double *mass;                          /* (n, n) [kg] */
     Pair *stiffness, *damping;             /* (n, n) */
+    Pair *cross_stiffness, *cross_damping; /* (n, n) force along x by motion along y, along y by that along x */
+    bool crossed;                          /* whether there is any */
     double *internal_damping, *gyroscopic; /* (n, n) */
     Pair *unbalance;                       /* (n,) */
     Pair *push;                            /* (4, n) series of F, of order 0 to 3 */

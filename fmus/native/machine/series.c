@@ -137,6 +137,10 @@ static void push_stations(Machine *m, int k, Pair spun_twice)
             const Pair sprung = pair_times(m->stiffness[i * n + j], q[j]);
             sum = pair_difference(sum, pair_add_times(sprung, m->damping[i * n + j], v[j]));
         }
+        for (j = 0; j < n && m->crossed; j++) {
+            const Pair sprung = pair_times(m->cross_stiffness[i * n + j], pair_swapped(q[j]));
+            sum = pair_difference(sum, pair_add_times(sprung, m->cross_damping[i * n + j], pair_swapped(v[j])));
+        }
         if (m->turns) {
             Pair turning = pair_both(0.0);
             for (j = 0; j < n; j++) {

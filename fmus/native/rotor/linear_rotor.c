@@ -11,7 +11,7 @@ static int deflections_of(int stations)
 size_t linear_rotor_size(int stations, int planes)
 {
     const size_t n = (size_t)stations;
-    return 7 * n * n + (size_t)planes * n + 2 * n + (size_t)deflections_of(stations) * n;
+    return 11 * n * n + (size_t)planes * n + 2 * n + (size_t)deflections_of(stations) * n;
 }
 
 LinearRotor linear_rotor_in(double *memory, int stations, int planes)
@@ -27,13 +27,17 @@ LinearRotor linear_rotor_in(double *memory, int stations, int planes)
     rotor.damping_y = rotor.damping_x + square;
     rotor.stiffness_x = rotor.damping_y + square;
     rotor.stiffness_y = rotor.stiffness_x + square;
-    rotor.internal_damping = rotor.stiffness_y + square;
+    rotor.damping_xy = rotor.stiffness_y + square;
+    rotor.damping_yx = rotor.damping_xy + square;
+    rotor.stiffness_xy = rotor.damping_yx + square;
+    rotor.stiffness_yx = rotor.stiffness_xy + square;
+    rotor.internal_damping = rotor.stiffness_yx + square;
     rotor.gyroscopic = rotor.internal_damping + square;
     rotor.planes = rotor.gyroscopic + square;
     rotor.unbalance = rotor.planes + (size_t)planes * stations;
     rotor.deflection = rotor.unbalance + 2 * (size_t)stations;
     rotor.gravity[0] = rotor.gravity[1] = 0.0;
-    rotor.sliders = 0;
+    rotor.sliders = rotor.crossed = false;
     return rotor;
 }
 
@@ -57,7 +61,7 @@ int linear_rotor_isotropic(const LinearRotor *rotor)
 {
     const int square = rotor->stations * rotor->stations;
     int k;
-    if (rotor->sliders) {
+    if (rotor->sliders || rotor->crossed) {
         return 0;
     }
     for (k = 0; k < square; k++) {
@@ -113,12 +117,12 @@ static void set_coefficients(const LinearRotor *rotor, double speed, double *mas
             } else {
                 const int xx = 4 * i * n + 2 * j, xy = xx + 1, yx = xx + 2 * n, yy = yx + 1;
                 damping[xx] = rotor->damping_x[k] + rotor->internal_damping[k];
-                damping[xy] = turned;
-                damping[yx] = -turned;
+                damping[xy] = rotor->damping_xy[k] + turned;
+                damping[yx] = rotor->damping_yx[k] - turned;
                 damping[yy] = rotor->damping_y[k] + rotor->internal_damping[k];
                 stiffness[xx] = rotor->stiffness_x[k];
-                stiffness[xy] = followed;
-                stiffness[yx] = -followed;
+                stiffness[xy] = rotor->stiffness_xy[k] + followed;
+                stiffness[yx] = rotor->stiffness_yx[k] - followed;
                 stiffness[yy] = rotor->stiffness_y[k];
             }
         }

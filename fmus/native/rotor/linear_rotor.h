@@ -3,7 +3,9 @@
        M q'' + (C + C_i - w G J) q' + (K - w C_i J) q = u (w^2 - i w') e^{i beta} + S^T F
 
    Vectors are pairs x, y.  An isotropic rotor has one axis of complex elements (axes 1, parts 2), any
-   other two axes of real ones (axes 2, parts 1), x and y alternating: the same doubles.  dof = axes n. */
+   other two axes of real ones (axes 2, parts 1), x and y alternating: the same doubles.  dof = axes n.
+
+   Bearings with cross terms push along one axis by motion along the other one. */
 #ifndef AUTOBALANCER_LINEAR_ROTOR_H
 #define AUTOBALANCER_LINEAR_ROTOR_H
 
@@ -23,6 +25,8 @@ typedef struct {
     double *mass;    /* (n, n) [kg] */
     double *damping_x, *damping_y;     /* (n, n) [N s/m] */
     double *stiffness_x, *stiffness_y; /* (n, n) [N/m] */
+    double *damping_xy, *damping_yx;     /* (n, n) force along x by velocity along y, and the other way */
+    double *stiffness_xy, *stiffness_yx; /* (n, n) */
     double *internal_damping;          /* (n, n) [N s/m] */
     double *gyroscopic;                /* (n, n) [kg] */
     double *planes;                    /* (p, n) */
@@ -30,6 +34,7 @@ typedef struct {
     double *deflection;                /* (d, n) */
     double gravity[2]; /* acceleration of what falls, x and y [m/s^2] */
     bool sliders;      /* whether its supports have dry friction, each axis its own */
+    bool crossed;      /* whether any of the cross terms is not 0 */
 } LinearRotor;
 
 /* Doubles that the matrices of a rotor take, and a rotor of zeros in such an array. */
@@ -63,7 +68,7 @@ size_t linear_rotor_flexible_scratch(int stations);
 int linear_rotor_flexible(const Flexible *values, LinearRotor *rotor, double *scratch,
                           Failure *failure);
 
-/* True when both axes are alike, so that z = x + i y needs no conjugate. */
+/* True when both axes are alike and apart, so that z = x + i y needs no conjugate. */
 int linear_rotor_isotropic(const LinearRotor *rotor);
 
 /* The same rotor carrying added_mass (p,) [kg] rigidly at its planes; its mass matrix is `mass`

@@ -8,8 +8,10 @@
 int rotor_kind(const Layout *layout)
 {
     const char *kind = layout->table->kind;
-    return text_equal(kind, "planar") ? PLANAR : text_equal(kind, "flexible") ? FLEXIBLE
-                                                                              : TWO_SUPPORT;
+    return text_equal(kind, "planar")     ? PLANAR
+           : text_equal(kind, "flexible") ? FLEXIBLE
+           : text_equal(kind, "matrices") ? MATRICES
+                                          : TWO_SUPPORT;
 }
 
 /* Displacement at a by a unit force at b >= a of a uniform shaft supported at 0 and span. */
@@ -52,6 +54,10 @@ void rotor_starts(const Layout *layout, double *real)
     size_t amount;
     int j;
     if (kind == PLANAR) {
+        return;
+    }
+    if (kind == MATRICES) {
+        rotor_given_starts(layout, real);
         return;
     }
     amount = layout_index(layout, "unbalance[#].amount", 1);
@@ -172,16 +178,20 @@ static size_t slider_parameters(const Unit *unit)
 static int set_sliders(Unit *unit)
 {
     Rotor *own = unit->own;
-    const int supports = own->kind == PLANAR ? 1 : 2;
+    /* of given matrices any station can have one */
+    const int supports = own->kind == PLANAR ? 1 : own->kind == MATRICES ? own->stations : 2;
     size_t first = slider_parameters(unit);
     int k, axis;
     for (k = 0; k < own->slider_count; k += 2, first += 5) {
         const double *real = unit->real + first;
         int station;
-        if (real[0] != 1.0 && real[0] != (double)supports) {
+        if (!(real[0] >= 1.0 && real[0] <= (double)supports) || real[0] != (double)(int)real[0]) {
             Text *reason = unit_reason(unit);
             layout_shown(&unit->layout, first, real[0], reason);
-            text_put(reason, supports == 1 ? ": must be 1" : ": must be 1 or 2");
+            text_format(reason, supports == 1   ? ": must be 1"
+                                : supports == 2 ? ": must be 1 or 2"
+                                                : ": must be a whole number, 1 to %u",
+                        (unsigned long)supports);
             return 1;
         }
         station = (int)real[0] - 1;
@@ -207,6 +217,9 @@ static int set_matrices(Unit *unit)
     Failure failure;
     if (own->kind == FLEXIBLE) {
         return flexible(unit);
+    }
+    if (own->kind == MATRICES) {
+        return rotor_of_matrices(unit);
     }
     if (own->kind == PLANAR) {
         linear_rotor_planar(unit->real, &own->rotor);

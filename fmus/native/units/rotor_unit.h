@@ -11,7 +11,7 @@
 #include "rotor/taylor_step.h"
 #include "units/angle.h"
 
-enum { PLANAR, TWO_SUPPORT, FLEXIBLE };
+enum { PLANAR, TWO_SUPPORT, FLEXIBLE, MATRICES };
 
 /* Step matrices an instance keeps: a master that repeats steps asks for few. */
 enum { KEPT_MATRICES = 8 };
@@ -72,6 +72,11 @@ void rotor_starts(const Layout *layout, double *real);
 size_t rotor_shortest_stopped(const Unit *unit);
 /* Make unit->own's rotor from the parameters; 0, or 1 with the reason. */
 int rotor_of_parameters(Unit *unit);
+
+/* -- rotor_given.c: a rotor whose matrices are the parameters ----------------------------- */
+
+void rotor_given_starts(const Layout *layout, double *real);
+int rotor_of_matrices(Unit *unit);
 
 /* -- rotor_matrices.c ---------------------------------------------------------------------- */
 
