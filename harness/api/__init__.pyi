@@ -39,6 +39,8 @@ from autobalancer.harness.stability.run_map import RunMap as RunMap
 from autobalancer.harness.stability.speeds import Speeds as Speeds
 from autobalancer.scene import Scene as Scene
 from autobalancer.scene import load as load
+from autobalancer.system import System as System
+from autobalancer.system import load_system as load_system
 from autobalancer.tables import Flexible as Flexible
 from autobalancer.tables import Planar as Planar
 from autobalancer.tables import Run as Run

@@ -13,6 +13,7 @@ from ..output.files import write_json
 from ..output.terminal import progress_bar, say, say_facts, show
 from . import run_pictures as drawings
 from .changes import changed_scene, set_option
+from .run_system import run_system, system_of
 
 
 def command(
@@ -65,7 +66,7 @@ def command(
         float, options.quantity("s", "Length of the movie, s.", "--movie-seconds")
     ] = 8.0,
 ) -> None:
-    """Run a scene by co-simulation.
+    """Run a scene, a system of FMUs of any origin, or one FMU.
 
     Pictures are png, svg or pdf.
     """
@@ -77,6 +78,10 @@ def command(
     wanted = {"weights": weights, "waterfall": waterfall, "polar": polar, "orbits": orbits}
     wanted["compared"] = compare
     pictures = {kind: path for kind, path in wanted.items() if path is not None}
+    if (system := system_of(scene, changes)) is not None:
+        unsupported = {**wanted, "fmus": fmus, "separate": separate, "report": report}
+        unsupported |= {"movie": movie, "one-file": one_file}
+        return run_system(system, unsupported, output, plot, json_file, verbose)
     loaded = changed_scene(scene, changes)
     if fmus is not None and not fmus.is_dir():
         raise UserError(f"{fmus}: is not a directory with FMUs")

@@ -9,6 +9,7 @@ from collections.abc import Iterator
 from typing import Any
 
 from autobalancer.scene import Scene
+from autobalancer.system import System, UnitRun
 from autobalancer.tables import CalledRotor, Run
 
 from ..output.outcome import Outcome
@@ -24,7 +25,10 @@ INTERNAL = {
     "RunMap.lines",
     "Fit.warnings",
 }
-CALLED = {"Scene": {"run": Run.__call__, "run.many": Run.many, "rotor": CalledRotor.__call__}}
+CALLED = {
+    "Scene": {"run": Run.__call__, "run.many": Run.many, "rotor": CalledRotor.__call__},
+    "System": {"run": UnitRun.__call__, "replace": System.replace, "load": System.load},
+}
 _SECTION = re.compile(r"^(Args|Returns|Raises|Attributes|Yields|Example|Examples):$")
 
 

@@ -7,10 +7,9 @@ decides whether they are compared with the prediction and the step is taken agai
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from contextlib import ExitStack
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -24,28 +23,25 @@ from ...models.constants import (
 )
 from ..errors import SceneError, SimulationError
 from ..scene import Scene
-from .closing import Closing
+from .compared import Compared, compared_motion
+from .coupled import Coupled
 from .facts import Facts, advice
 from .fmu import Fmu
 from .loop import consistent_start, value_eigenvalues
 from .plan import plan
-from .recorder import REPORTED, Recorder
 from .runtime import runtime
 from .scales import largest_force
-from .schedule import brief_step, end_time, milestones, schedule, step_size
+from .schedule import brief_step, milestones, schedule, step_size
 from .schemes import choose
 from .simulation import Repeated, refuse_loose_tolerance
 from .system import System
 from .unit_files import find_or_build
 
-if TYPE_CHECKING:
-    from ..output.workers import Progress
-
 RUNAWAY = 1e4  # times the largest force there can be: a resonance makes 10 in three turns
 FINER_FIRST = 4  # times as many steps in a first run where fewer were too few
 
 
-class CoSimulation(Closing):
+class CoSimulation(Coupled):
     """The units of a scene, loaded and connected; restarted and stepped as often as wanted.
 
     With a tolerance a run has the fewest steps, and the runs after it divide these
@@ -65,8 +61,6 @@ class CoSimulation(Closing):
         UnitError: an FMU is missing, corrupt, or of a different build.
         SceneError: the scene has a motor or a coupling that only one file has.
     """
-
-    meets_events = estimates_errors = False
 
     def __init__(self, scene: Scene, *, fmus: Path | None = None) -> None:
         self.scene, self.order, self._fmus = scene, scene.coupling.order, fmus
@@ -139,19 +133,16 @@ class CoSimulation(Closing):
         self.scheme = choose(self.scene, system, slopes, step, self.gain, rounding)
         self.amplification = self.scheme.amplification(eigenvalues, system.order)
 
-    def step(self, step: float) -> None:
-        """One communication step of length `step` [s].
+    @property
+    def scheme_name(self) -> str:
+        """As the scene calls it."""
+        return self.scene.coupling.scheme
 
-        Raises:
-            SimulationError: a unit failed, a signal is not finite, or the loop did not converge.
-        """
-        try:
-            self._cover(step)
-        except SimulationError as error:
-            if not self.coupled:
-                raise
-            hint = advice(error, self.scene)
-            raise SimulationError(f"{error}; loop gain {self.gain:.3g}{hint}") from error
+    def _bounds(self) -> list[float]:
+        return milestones(self.scene)
+
+    def _about_loop(self, error: SimulationError) -> str:
+        return f"loop gain {self.gain:.3g}{advice(error, self.scene)}"
 
     def _cover(self, step: float) -> None:
         """A communication step: behind a jump of the drive, and divided where it has no past."""
@@ -188,52 +179,9 @@ class CoSimulation(Closing):
         self.system.drive(self.profile.speed(self.time), self._acceleration)
         return jumps or self._acceleration != before
 
-    def _advance_part(self, step: float) -> None:
-        """A part of a communication step, judged and counted."""
-        residual = self.scheme.step(self.system, self.time, step)
-        self.worst_residual = max(self.worst_residual, residual)
-        if not self.scheme.check_agreement(self.system, self.time, residual):
-            self.unconverged += 1
-        self.system.follow(self.time, step)
-        self.time += step
-        self.steps += 1
-
-    def run(self) -> Iterator[float]:
-        """Step through the scene's run; yields the finished fraction after every step.
-
-        Raises:
-            SimulationError: as `step`, or the scheme is unstable at the scene's loop gain.
-        """
-        if self.amplification > 1.0:
-            raise SimulationError(
-                f"{self.scene.coupling.scheme} coupling of order {self.system.order} is unstable "
-                f"from t = 0 s, at any step: every step repeats an error of "
-                f"{', '.join(self.system.force_names)} {self.amplification:.3g}-fold; loop gain "
-                f'{self.gain:.3g}; use scheme = "iterated" or "auto"'
-            )
-        end = end_time(self.scene)
-        for (whole, count), bound in zip(self._schedule, milestones(self.scene), strict=True):
-            start, step = self.time, whole / self._parts
-            for number in range(1, count * self._parts + 1):
-                self.step(step)
-                # a product instead of a sum: rounding must not move the communication points
-                self.time = start + number * step
-                yield self.time / end
-            self.time = bound
-
-    def record(self, recorder: Recorder, progress: Progress | None) -> None:
-        """`run` to the end; a row at the start and after every step, a report now and then.
-
-        Raises:
-            UserError: the record will not fit into memory.
-        """
-        recorder.record(self.time)
-        for count, part in enumerate(self.run(), start=1):
-            recorder.record(self.time)
-            if count % REPORTED == 0:
-                recorder.refuse_too_much(part)
-                if progress:
-                    progress(part)
+    def compared(self) -> Compared:
+        """What the runs of this motion are compared by."""
+        return compared_motion(self.scene, self.meets_events)
 
     def facts(self) -> Facts:
         """What the run since the last start did."""
@@ -249,10 +197,6 @@ class CoSimulation(Closing):
             unconverged=self.unconverged,
             worst_residual=self.worst_residual,
         )
-
-    def close(self) -> None:
-        """Free all instances."""
-        self._stack.close()
 
 
 def doubling_steps(system: System, step: float, halvings: int = 0) -> list[float]:

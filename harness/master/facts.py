@@ -14,15 +14,17 @@ from ..scene.run import LOOSEST_TOLERANCE
 NOT_ESTIMATED = (
     "the error of separate units in given steps is not estimated: use a tolerance, or one file"
 )
+NOT_ESTIMATED_OF_UNITS = (
+    "the error of the coupling in given steps is not estimated: use coupling.tolerance"
+)
 FEW = 10  # given steps per revolution from which the estimate of what they miss can be trusted
 
 
-@dataclass(frozen=True)
-class Facts:
-    """What a co-simulation did.
+@dataclass(frozen=True, kw_only=True)
+class RunFacts:
+    """What a run of coupled units did.
 
     Attributes:
-        scene: that was run.
         files: names of the FMUs loaded, or of the one file.
         note: on the kind of the units, where it is not the one asked for.
         messages: what the units have logged.
@@ -34,11 +36,8 @@ class Facts:
             0 where nothing is estimated.
         unresolved: steps with a signal that the cubics do not follow.
         unknown_error: why the error of the run is not known; empty where it is.
-        series_order: of the machine in one piece, which goes on by power series; 0: its parts are
-            coupled by signals.
     """
 
-    scene: Scene
     files: tuple[str, ...]
     note: str
     messages: tuple[str, ...]
@@ -50,6 +49,19 @@ class Facts:
     estimated_error: float = 0.0
     unresolved: int = 0
     unknown_error: str = ""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Facts(RunFacts):
+    """What a co-simulation of a scene did.
+
+    Attributes:
+        scene: that was run.
+        series_order: of the machine in one piece, which goes on by power series; 0: its parts are
+            coupled by signals.
+    """
+
+    scene: Scene
     series_order: int = 0
 
 
@@ -59,8 +71,8 @@ def exchanging(scene: Scene) -> bool:
     return sent or scene.operation.motor is not None
 
 
-def events(facts: Facts) -> list[str]:
-    """What a user must know about the run: validity and convergence."""
+def _told(facts: RunFacts) -> list[str]:
+    """What the units have told, and steps whose loop has not converged."""
     notes = [*filter(None, [facts.note]), *facts.messages]
     if facts.unconverged:
         notes.append(
@@ -68,6 +80,12 @@ def events(facts: Facts) -> list[str]:
             f"{LOOSE_RESIDUAL:g} of the force (worst {facts.worst_residual:.2g}): use smaller "
             "steps or more corrections"
         )
+    return notes
+
+
+def events(facts: Facts) -> list[str]:
+    """What a user must know about the run: validity and convergence."""
+    notes = _told(facts)
     tolerance = facts.scene.coupling.tolerance
     if tolerance is not None:
         if facts.unknown_error:
@@ -99,6 +117,21 @@ def events(facts: Facts) -> list[str]:
         notes.append(
             f"{facts.scene.coupling.steps_per_rev} steps per revolution are few, and errors that "
             "gather over many revolutions are not estimated: use a tolerance"
+        )
+    return notes
+
+
+def events_of_units(facts: RunFacts, tolerance: float | None, coupled: bool) -> list[str]:
+    """The same of a run of units of any origin, with a tolerance or in given steps."""
+    notes = _told(facts)
+    if tolerance is None:
+        return [*notes, NOT_ESTIMATED_OF_UNITS] if coupled else notes
+    if facts.estimated_error > tolerance:
+        notes.append(
+            f"tolerance = {tolerance:g} is not kept: runs with ever shorter steps still differ, "
+            f"the relative error is about {facts.estimated_error:.1g}: use "
+            f"{_looser(facts.estimated_error)}a smaller run.duration; a unit whose own solver errs "
+            "by that much, or that jumps, allows no smaller one"
         )
     return notes
 

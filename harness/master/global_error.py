@@ -30,16 +30,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from ...models.constants import BEYOND_LONGEST_STEP, FEWEST_CHOSEN
 from ..errors import SimulationError
 from ..scene import Scene
-from .expectation import ORDER_OF_EVENTS, ORDER_OF_JUMPS, expectation
-from .names import kin, stations
+from .expectation import ORDER_OF_EVENTS, ORDER_OF_JUMPS
+from .names import kin
 from .neighbours import RESOLVED, turned
-from .plan import MOTOR
 from .recorder import Recorder, Signal
-from .scales import least_motion
-from .schedule import SLIVER, step_size
+from .schedule import SLIVER
 from .simulation import Repeated, Simulation
 
 if TYPE_CHECKING:
@@ -115,7 +112,8 @@ class Controlled:
         assert cosim.scene.coupling.tolerance is not None
         self.cosim, self.names, self.uncompared = cosim, names, uncompared
         self.tolerance = cosim.scene.coupling.tolerance
-        self.expected = expectation(cosim.scene, cosim.meets_events)
+        self._compare = cosim.compared()
+        self.expected = self._compare.expected
         self.parts, self.error, self.unknown = 1, math.inf, ""
         self._longest_step = 0.0  # of the first run [s]
         self._work_in_first_runs = 0
@@ -129,9 +127,8 @@ class Controlled:
         """
         recorder = self._first(progress)
         grid, signals = self._compared(recorder)
-        least = least_motion(self.cosim.scene)
-        scale = {name: least.get(unit, 0.0) for name, unit in recorder.signal_units.items()}
-        held = _first_held(self.cosim.scene, grid)
+        scale = self._compare.least(recorder)
+        held = _first_held(self._compare.longest_step, grid)
         self._longest_step = float(np.diff(grid).max())
         last, parts = None, 1
         while True:
@@ -291,7 +288,7 @@ class Controlled:
     ) -> Recorder:
         """One run, of all that is asked for and all that is compared."""
         cosim = cosim or self.cosim
-        watched = [*motion_signals(cosim.scene), *self.uncompared]
+        watched = [*self._compare.signals, *self.uncompared]
         recorder = Recorder(cosim.units, self.names, watched)
         if grid is None:
             cosim.start(attempt=self._first_attempt)
@@ -319,14 +316,6 @@ class Controlled:
         return {name: each[at] for name, each in signals.items()}
 
 
-def motion_signals(scene: Scene) -> list[str]:
-    """Signals that together are the motion of a scene."""
-    prefixes = stations(len(scene.rotor.stations))
-    names = [f"rotor.{prefix}{axis}" for prefix in prefixes for axis in "xy"]
-    names += [f"{MOTOR}.speed"] if scene.operation.motor else []
-    return names + [f"{b.label}.{v}" for b in scene.balancer for v in b.records if v != "clearance"]
-
-
 def _shared(grid: Signal) -> NDArray[np.intp]:
     """Places of some points of a run, with its end."""
     places = np.arange(EVERY, len(grid) - 1, EVERY)
@@ -343,11 +332,14 @@ def _merged(own: Signal, shared: Signal) -> Signal:
     return np.union1d(kept, shared)
 
 
-def _first_held(scene: Scene, grid: Signal) -> int:
-    """The first point that a step with held signals led to; the number of points if none did."""
+def _first_held(longest: float, grid: Signal) -> int:
+    """The first point that a step with held signals led to; the number of points if none did.
+
+    Args:
+        longest: step that does not hold its signals [s].
+    """
     lengths = np.append(np.diff(grid), math.inf)
-    longest = BEYOND_LONGEST_STEP * step_size(scene, FEWEST_CHOSEN)
-    return int(np.argmax(lengths > longest)) + 1
+    return int(np.argmax(lengths > longest)) + 1 if longest < math.inf else len(grid)
 
 
 def largest_difference(

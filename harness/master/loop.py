@@ -42,10 +42,10 @@ def size(vector: Vector) -> float:
 
 
 def jacobian(
-    g: Callable[[Vector], Vector], u: Vector, g_u: Vector, change: float
+    g: Callable[[Vector], Vector], u: Vector, g_u: Vector, change: float | NDArray[np.float64]
 ) -> NDArray[np.float64]:
     """dG/du by one-sided differences of size `change`; exact for the affine maps met here."""
-    moves = np.eye(2 * len(u)).view(complex) * change
+    moves = (np.eye(2 * len(u)) * np.reshape(change, (-1, 1))).view(complex)
     return np.array([(g(u + move) - g_u).view(float) for move in moves]).T / change
 
 
@@ -106,12 +106,20 @@ def rescaled(matrix: np.ndarray, ratio: float) -> np.ndarray:
     return np.asarray(matrix * ratio ** np.subtract.outer(rows, columns))
 
 
-def consistent_start(system: System, step: float, rounding: float = 0.0) -> NDArray[np.float64]:
+def consistent_start(
+    system: System,
+    step: float,
+    rounding: float = 0.0,
+    change: float | NDArray[np.float64] | None = None,
+    agreement: float = START_TOLERANCE,
+) -> NDArray[np.float64]:
     """Bring forces and accelerations of units in initialisation mode into agreement.
 
     Args:
         step: communication step to come [s].
         rounding: of the forces [N]: where they cancel, nothing larger can be made of them.
+        change: of forces, for the slopes; by default their size.
+        agreement: that is asked for, of the largest force.
 
     Returns:
         dG/du at the start, (4 c, 4 c) for c connections, whose spectral radius is the loop gain;
@@ -132,13 +140,15 @@ def consistent_start(system: System, step: float, rounding: float = 0.0) -> NDAr
     count = 2 * len(system.forces.now)
     u = np.zeros(count, complex)
     g_u = respond(u)
-    slopes = jacobian(respond, u, g_u, size(g_u[:count]) or 1.0)
+    if change is None:
+        change = size(g_u[:count]) or 1.0
+    slopes = jacobian(respond, u, g_u, change)
     g_u, slope_of_g = g_u[:count], slopes[: 2 * count]
     if not np.isfinite(slope_of_g).all():
         raise SimulationError("start values: the forces of the balancers are not finite at t = 0 s")
     newton = QuasiNewton(slope_of_g, step)
     residual = g_u - u
-    tolerance = max(START_TOLERANCE, START_ROUNDING * newton.gain)
+    tolerance = max(agreement, START_ROUNDING * newton.gain)
     for _ in range(START_ITERATIONS):
         du, before = newton.correction(residual), residual
         u = u + du

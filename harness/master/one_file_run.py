@@ -18,6 +18,7 @@ from ...models.constants import FEWEST_CHOSEN, RESIDUAL_SHARE
 from ..errors import LoopError, SimulationError
 from ..scene import Scene
 from .closing import Closing
+from .compared import Compared, compared_motion
 from .facts import Facts, advice, exchanging
 from .names import readable
 from .one_file import composition_in_c, model_name
@@ -140,6 +141,10 @@ class OneFileRun(Closing):
             hint = advice(kind(), self.scene, self.meets_events)
             raise SimulationError(f"{self._run.reason}{hint}")
         return filled
+
+    def compared(self) -> Compared:
+        """What the runs of this motion are compared by."""
+        return compared_motion(self.scene, self.meets_events)
 
     def facts(self) -> Facts:
         """What the run since the last start did."""

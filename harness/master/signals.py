@@ -79,6 +79,10 @@ class Signals:
         """What they do on their way to these ends after a step [s]."""
         return interpolated(self.now, ends, step, order)
 
+    def ends(self, cubics: Cubics, step: float) -> Knots:
+        """Ends of cubics as the iteration compares them."""
+        return end_of(cubics, step)
+
     def accept(self, ends: Knots, step: float) -> None:
         """Go on from the ends of a finished step [s]."""
         self.last, self.last_step = self.to(ends, step), step

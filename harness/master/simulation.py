@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from typing_extensions import Self
 
     from ..output.workers import Progress
+    from .compared import Compared
     from .facts import Facts
 
 
@@ -61,6 +62,9 @@ class Simulation(Protocol):
 
     def record(self, recorder: Recorder, progress: Progress | None) -> None:
         """Run to the end; a row at the start and after every step."""
+
+    def compared(self) -> Compared:
+        """What the runs of this motion are compared by."""
 
     def facts(self) -> Facts:
         """What the run since the last start did."""

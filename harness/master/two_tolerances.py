@@ -15,7 +15,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ...models.constants import SERIES_SHARE
-from .global_error import largest_difference, motion_signals
+from .compared import motion_signals
+from .global_error import largest_difference
 from .recorder import Recorder, Signal, divided
 from .scales import least_motion
 

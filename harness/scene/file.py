@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 import sys
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -20,6 +20,10 @@ else:
 BUNDLED = Path(__file__).parent.with_name("scenes")
 MOST_LEVELS = 20  # of tables and lists within one another; a scene has five
 LARGEST_FILE = 10_000_000  # bytes; the longest bundled scene has three thousand
+COMMANDS_OF = {  # files that are no scene: what does something with them
+    ".fmu": "is an FMU, and a scene is a TOML file: `autobalancer run FILE.fmu` runs it alone, "
+    "[[unit]] in a scene connects it, and `run SCENE --fmus DIR` uses it as a part",
+}
 _POSITION = re.compile(r"^(?P<what>.*) \(at (?P<where>.*)\)$", re.DOTALL)
 _REPAIRS: tuple[tuple[str, str | Callable[[re.Match[str]], str]], ...] = (
     # of a line that is not TOML, each on top of those before
@@ -55,11 +59,8 @@ def find(source: str | Path) -> Path:
         SceneError: there is neither, or it is a directory.
     """
     path = Path(source)
-    if path.is_file() and path.suffix == ".fmu":
-        raise SceneError(
-            f"{path}: is an FMU, and a scene is a TOML file: give the scene, and its FMUs by "
-            "`run --fmus DIR`"
-        )
+    if path.is_file() and path.suffix in COMMANDS_OF:
+        raise SceneError(f"{path}: {COMMANDS_OF[path.suffix]}")
     if path.is_file():
         return path
     names = bundled_scenes()
@@ -135,3 +136,8 @@ def _is_toml(text: str) -> bool:
         return bool(tomllib.loads(text))
     except ValueError:
         return False
+
+
+def is_system(document: Mapping[str, Any]) -> bool:
+    """Whether a document is one of units and connections alone."""
+    return "rotor" not in document and "unit" in document

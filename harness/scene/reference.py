@@ -14,26 +14,36 @@ from pydantic import BaseModel
 from .messages import kinds_of, quoted, show, tables_in
 from .quantities import LARGEST, LARGEST_ANGLE, Table, fields_of, unit_of
 from .scene import Scene
+from .system import System
 
+SYSTEM = (
+    "A file without `[rotor]` is a system: FMUs of any origin and their connections alone. "
+    "`autobalancer run FILE` runs it."
+)
 HEAD = ("| key | unit | default | allowed | meaning |", "|---|---|---|---|---|")
 
 
 @cache
 def reference() -> str:
     """Every table of a scene with its keys, as Markdown."""
-    nested = {key: tables_in(f.annotation) for key, f in fields_of(Scene).items()}
-    plain = [name for name, tables in nested.items() if not tables]
-    lines = ["## At the top of the file", "", *HEAD, *_rows(Scene, plain), ""]
-    for key, tables in nested.items():
-        if tables:
-            lines += _section(key, tables)
+    lines = ["## At the top of the file", "", *_tables(Scene, "")]
+    lines += ["## A system of units", "", SYSTEM, "", *_tables(System, " of a system")]
     return "\n".join(lines).rstrip() + "\n"
 
 
-def _section(key: str, tables: list[type[BaseModel]]) -> Iterator[str]:
+def _tables(root: type[Table], of: str) -> Iterator[str]:
+    """Keys at the top of a file, then every table."""
+    nested = {key: tables_in(f.annotation) for key, f in fields_of(root).items()}
+    yield from (*HEAD, *_rows(root, [name for name, tables in nested.items() if not tables]), "")
+    for key, tables in nested.items():
+        if tables:
+            is_list = "array" in root.model_json_schema()["properties"][key].values()
+            yield from (f"## `[[{key}]]`{of}" if is_list else f"## `[{key}]`{of}", "")
+            yield from _section(tables)
+
+
+def _section(tables: list[type[BaseModel]]) -> Iterator[str]:
     """One table of a scene; of several kinds what all of them have comes first."""
-    is_list = "array" in Scene.model_json_schema()["properties"][key].values()
-    yield from (f"## `[[{key}]]`" if is_list else f"## `[{key}]`", "")
     if len(tables) == 1:
         yield from (_summary(tables[0]), "", *HEAD, *_rows(tables[0], tables[0].model_fields), "")
         return
@@ -68,7 +78,7 @@ def _rows(table: type[BaseModel], names: Any, before: str = "") -> Iterator[str]
         allowed = _allowed(schema["properties"][key], schema.get("$defs", {}))
         cells = (f"`{before}{key}`", unit_of(field), default.rstrip("."), allowed)
         yield f"| {' | '.join(cells)} | {meaning.rstrip('.')} |".replace("|  |", "| |")
-        for inner in tables_in(field.annotation) if table is not Scene else ():
+        for inner in tables_in(field.annotation) if table not in (Scene, System) else ():
             many = "[n]" if allowed.startswith("list") else ""
             yield from _rows(inner, inner.model_fields, f"{before}{key}{many}.")
 

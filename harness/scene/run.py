@@ -168,7 +168,7 @@ class Operation(Table):
         return SpeedProfile.constant(self.speed)
 
 
-def _whole_choice(value: object) -> object:
+def whole_choice(value: object) -> object:
     """Keep true and 1.0 from passing as 1."""
     if type(value) is not int:
         raise ValueError("must be one of 0 (held), 1 (linear), 3 (cubic Hermite)")
@@ -185,7 +185,7 @@ class Coupling(Table):
     1e-4, unless another scheme, an order or corrections are given."""
     steps_per_rev: Annotated[Whole | None, Field(ge=FEWEST_STEPS, le=1_000_000)] = None
     """Communication steps in the fastest revolution; default: 40 where no tolerance is kept."""
-    order: Annotated[Literal[0, 1, 3], BeforeValidator(_whole_choice)] = 3
+    order: Annotated[Literal[0, 1, 3], BeforeValidator(whole_choice)] = 3
     """Of the signals over a step: 0 held, 1 linear, 3 cubic Hermite; one file takes 3 alone."""
     corrections: Annotated[Whole | None, Field(ge=0, le=100)] = None
     """Corrector passes of `iterated` with given steps; default: until the loop has converged, with

@@ -9,14 +9,13 @@ from __future__ import annotations
 import copy
 import math
 import re
-from collections.abc import Callable, Mapping, Sequence
-from contextlib import suppress
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any
 
-from pydantic import BaseModel, Field, PrivateAttr, ValidationError
+from pydantic import BaseModel, Field, ValidationError
 
 from ...models.assembly import Assembly, SpeedProfile
 from ...models.rotor import LinearRotor
@@ -24,10 +23,11 @@ from ..errors import SceneError
 from .balancer import AnyBalancer
 from .balancing import Balancing
 from .check import AnyCheck
+from .document import Described
 from .file import bundled_scenes, find, read, refuse_deep
 from .messages import locate, problems
 from .model_rules import model_problems
-from .quantities import Flag, Table, Text
+from .quantities import Flag, Table
 from .replace import in_full, plain, replaced
 from .rotor import Rotor
 from .rules import TABLES, across, plane_count
@@ -39,20 +39,13 @@ if TYPE_CHECKING:
 
 __all__ = ["Scene", "bundled_scenes", "load_scene"]
 
-Made = TypeVar("Made")
-_MADE = "_made"  # by `Scene.once`; what begins with _ is no key
 
-
-class Scene(Table):
+class Scene(Described):
     """A validated scene.
 
     Make one with `load_scene`, `Scene.from_document`, or `Scene(rotor={...}, operation={...})`.
     """
 
-    title: Text = ""
-    """For tables and pictures; default: the file's name."""
-    source: Text = ""
-    """Where the scene's numbers come from, for tables."""
     rotor: Rotor
     """A table, by kind."""
     balancer: tuple[AnyBalancer, ...] = ()
@@ -69,10 +62,6 @@ class Scene(Table):
     """Long: checked only when it is named, not by the self-check."""
     balancing: Balancing | None = None
     """How the rotor is balanced on the virtual machine; default: not."""
-
-    _document: dict[str, Any] = PrivateAttr(default_factory=dict)
-    _path: Path | None = PrivateAttr(default=None)
-    _label: str = PrivateAttr(default="scene")
 
     if TYPE_CHECKING:
 
@@ -111,25 +100,6 @@ class Scene(Table):
             self._fill(tables, None, "scene")
 
     @classmethod
-    def from_document(
-        cls, document: Mapping[str, Any], *, path: Path | None = None, label: str = "scene"
-    ) -> Self:
-        """Validate a document as `tomllib` gives it.
-
-        Args:
-            path: file it came from.
-            label: what messages call it.
-
-        Raises:
-            SceneError: one line for every problem there is.
-
-        >>> ab.Scene.from_document(ab.load("drum").document) == ab.load("drum")
-        True
-        """
-        refuse_deep(document, label)
-        return cls._of(plain(document), path, label)
-
-    @classmethod
     def load(cls, source: str | Path) -> Self:
         """Read a scene file, or a bundled scene by its name.
 
@@ -142,13 +112,6 @@ class Scene(Table):
         path = find(source)
         is_name = isinstance(source, str) and not Path(source).is_file()
         return cls._of(read(path), path, path.name if is_name else str(source))
-
-    @classmethod
-    def _of(cls, document: dict[str, Any], path: Path | None, label: str) -> Self:
-        """The scene of a document that nobody else can change."""
-        scene = cls.__new__(cls)
-        scene._fill(document, path, label)
-        return scene
 
     def _fill(self, document: dict[str, Any], path: Path | None, label: str) -> None:
         document = with_corners(document, path.parent if path else Path())
@@ -163,77 +126,9 @@ class Scene(Table):
             raise SceneError("\n".join(f"{label}: {line}" for line in lines))
         self._document, self._path, self._label = document, path, label
 
-    def once(self, make: Callable[[Self], Made]) -> Made:
-        """What a function makes of the scene, made when it is first asked for: no scene changes.
-
-        >>> ab.load("two_balls").once(lambda scene: scene.rotor.mass)
-        0.95
-        """
-        made: dict[Any, Any] = self.__dict__.setdefault(_MADE, {})
-        if make not in made:
-            made[make] = make(self)
-        return made[make]
-
-    def __getstate__(self) -> dict[Any, Any]:
-        state = super().__getstate__()  # what was made is made again
-        state["__dict__"] = {k: v for k, v in state["__dict__"].items() if k != _MADE}
-        return state
-
-    @property
-    def path(self) -> Path | None:
-        """File the scene was read from."""
-        return self._path
-
-    @property
-    def label(self) -> str:
-        """What messages call the scene."""
-        return self._label
-
-    @property
-    def name(self) -> str:
-        """Short name: the file's stem."""
-        return self._path.stem if self._path else self._label
-
-    @property
-    def document(self) -> dict[str, Any]:
-        """What the scene was made from, as a TOML file would say it."""
-        return copy.deepcopy(self._document)
-
-    @property
-    def toml(self) -> str:
-        """As a file says it: in its own words where nothing was replaced."""
-        from tomli_w import dumps
-
-        with suppress(SceneError, OSError):  # the file may have changed since
-            if self._path is not None and read(self._path) == self._document:
-                return self._path.read_text(encoding="utf-8-sig")
-        return dumps(self._document)
-
-    def save(self, path: str | Path) -> Path:
-        """Write the scene as a TOML file, from which `load` makes an equal one.
-
-        Raises:
-            UserError: the file cannot be written.
-
-        >>> drum = ab.load("drum").replace({"speed": "900 rpm"})
-        >>> path = drum.save("slow_drum.toml")
-        >>> ab.load("slow_drum.toml") == drum
-        True
-        """
-        from ..output.files import write_whole
-
-        with write_whole(Path(path)) as stream:
-            stream.write(self.toml)
-        return Path(path)
-
     def __repr__(self) -> str:
         balancers = ", ".join(f"{b.kind} {b.label!r}" for b in self.balancer) or "no balancer"
         return f"<Scene {self.heading!r}: {self.rotor.kind} rotor, {balancers}>"
-
-    @property
-    def heading(self) -> str:
-        """What tables and pictures call the scene: its title, else its name."""
-        return self.title or self.name
 
     @cached_property
     def _linear_rotor(self) -> LinearRotor:

@@ -8,6 +8,8 @@ gain below 1).  Broyden's update refines it where the loop changes along the run
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from ....models.constants import (
@@ -20,7 +22,7 @@ from ....models.constants import (
 )
 from ...errors import LoopError
 from ..loop import QuasiNewton, Vector, jacobian, of_values, pack, size, unpack
-from ..signals import Knots, end_of
+from ..signals import Knots
 from ..system import System
 from .explicit import Scheme
 
@@ -49,7 +51,7 @@ class Iterated(Scheme):
             jacobian = np.where(np.outer(values, values), jacobian, 0.0)
         self.newton = QuasiNewton(jacobian, step)
         self.tolerance = max(CONVERGED_FORCES, GAIN_ROUNDING * self.newton.gain)
-        self.largest = rounding / (self.tolerance if corrections is None else LOOSE_RESIDUAL)
+        self.largest: Any = rounding / (self.tolerance if corrections is None else LOOSE_RESIDUAL)
 
     def step(self, system: System, time: float, step: float, jump: bool = False) -> float:
         """One step; over a jump of the drive with as many passes as it takes."""
@@ -58,15 +60,15 @@ class Iterated(Scheme):
         if not (jump or self.corrections is None or (system.has_no_past and self.corrections)):
             passes = self.corrections + 1
         self.newton.rescale(step)
-        u = self._used(end_of(system.forces.predicted(system.order), step), step)
+        u = self._used(system.forces.ends(system.forces.predicted(system.order), step), step)
         before: tuple[Vector, Vector, float] | None = None
         system.save()
         for number in range(1, passes + 1):
             motion, answers = self._pass(system, u, time, step)
             residual = self._used(answers, step) - u
             # of passes that are taken back none counts: they can be far too large
-            largest = max(self.largest, size(pack(answers, step)))
-            error = size(residual) / largest if largest else 0.0
+            largest = self._grown(pack(answers, step))
+            error = self._share(residual, largest)
             if before and error > max(self.tolerance, SLOW_CONVERGENCE * before[2]):
                 self.newton.learn(before[0], before[1], residual)
             if number == passes or not error > self.tolerance:
@@ -86,6 +88,18 @@ class Iterated(Scheme):
         accelerations = system.accelerations.to(motion, step, self.order)
         return motion, system.balancer_pass(accelerations, time, step)
 
+    def _grown(self, answers: Vector) -> Any:
+        """The largest force so far, these among them."""
+        return max(self.largest, size(answers))
+
+    def _share(self, residual: Vector, largest: Any) -> float:
+        """Largest residual over the largest force."""
+        return size(residual) / largest if largest else 0.0
+
+    def _disturbance(self, u: Vector, g_u: Vector) -> Any:
+        """Change of the forces that shows the loop's Jacobian."""
+        return JACOBIAN_CHANGE * max(size(g_u), size(u), self.largest)
+
     def _used(self, ends: Knots, step: float) -> Vector:
         """Ends of forces as a vector; below order 3 slopes take no part."""
         return pack(ends, step if self.order == 3 else 0.0)
@@ -100,7 +114,7 @@ class Iterated(Scheme):
         At the start the units answer without a step, which says little of what heavy drag lets
         through within one.
         """
-        u = self._used(end_of(system.forces.predicted(1), step), step)
+        u = self._used(system.forces.ends(system.forces.predicted(1), step), step)
         system.save()
 
         def respond(assumed: Vector) -> Vector:
@@ -109,8 +123,8 @@ class Iterated(Scheme):
             return self._used(answers, step)
 
         g_u = respond(u)
-        change = JACOBIAN_CHANGE * max(size(g_u), size(u), self.largest)
-        self.newton = QuasiNewton(jacobian(respond, u, g_u, change), step)
+        self.jacobian = jacobian(respond, u, g_u, self._disturbance(u, g_u))
+        self.newton = QuasiNewton(self.jacobian, step)
 
     def check_agreement(self, system: System, time: float, residual: float) -> bool:
         """Whether the forces agree well enough.

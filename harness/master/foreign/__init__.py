@@ -1,0 +1,1 @@
+"""FMUs of any origin: read with suspicion, described by what they can, run by fmpy."""

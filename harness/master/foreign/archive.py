@@ -1,0 +1,151 @@
+"""An FMU file of unknown origin: nothing of it is loaded before all of this has been looked at."""
+
+from __future__ import annotations
+
+import shutil
+import zipfile
+import zlib
+from functools import lru_cache
+from pathlib import Path, PurePosixPath, PureWindowsPath
+from tempfile import mkdtemp
+from typing import Any
+from xml.etree import ElementTree
+
+import fmpy
+from fmpy.model_description import ModelDescription
+
+from ...errors import UnitError
+
+LARGEST_CONTENT = 2_000_000_000  # bytes, unpacked
+LARGEST_RATIO = 200  # unpacked over packed, of files that are large
+LARGE = 100_000_000  # bytes
+MOST_FILES = 100_000
+LARGEST_DESCRIPTION = 200_000_000  # bytes of modelDescription.xml
+_DESCRIPTION = "modelDescription.xml"
+
+
+def read_description(path: Path) -> ModelDescription:
+    """What an FMU declares, once it is known to be a co-simulation unit for this machine.
+
+    Raises:
+        UnitError: it is none; the message says what it is instead.
+    """
+    try:
+        changed = path.stat().st_mtime_ns
+    except FileNotFoundError:
+        raise UnitError(f"{path}: no such file; give the path of an FMU") from None
+    except OSError as error:
+        raise UnitError(f"{path}: cannot be read: {error.strerror or error}") from error
+    return _description(path, changed)
+
+
+@lru_cache(maxsize=64)
+def _description(path: Path, _changed: int) -> ModelDescription:
+    if path.is_dir():
+        raise UnitError(f"{path}: is a directory; give the path of an FMU file")
+    try:
+        with zipfile.ZipFile(path) as archive:
+            _refuse_dangerous(path, archive)
+            names = archive.namelist()
+            if _DESCRIPTION not in names:
+                raise UnitError(f"{path}: has no {_DESCRIPTION}: is not an FMU")
+            text = archive.read(_DESCRIPTION)
+    except (zipfile.BadZipFile, zlib.error, EOFError, NotImplementedError) as error:
+        raise UnitError(f"{path}: is not a sound FMU, which is a zip archive: {error}") from error
+    except RuntimeError as error:  # of zipfile: encrypted
+        raise UnitError(f"{path}: cannot be unpacked: {error}") from error
+    except OSError as error:
+        raise UnitError(f"{path}: cannot be read: {error.strerror or error}") from error
+    _refuse_version(path, _root(path, text))
+    try:
+        description = fmpy.read_model_description(str(path))
+    except Exception as error:  # of lxml, of fmpy's validation, of wrong indices
+        reason = " ".join(str(error).split())
+        raise UnitError(f"{path}: {_DESCRIPTION} is not valid: {reason}") from error
+    _refuse_no_cosimulation(path, description, names)
+    return description
+
+
+def _refuse_dangerous(path: Path, archive: zipfile.ZipFile) -> None:
+    """Raise UnitError for what would write outside its folder, or fill the disk."""
+    infos = archive.infolist()
+    for info in infos:
+        posix, windows = PurePosixPath(info.filename), PureWindowsPath(info.filename)
+        if posix.is_absolute() or windows.drive or windows.root or ".." in windows.parts:
+            raise UnitError(
+                f"{path}: holds {info.filename!r}, a path outside the archive: it is not unpacked"
+            )
+    size, packed = (sum(getattr(i, a) for i in infos) for a in ("file_size", "compress_size"))
+    bomb = size > LARGE and size > LARGEST_RATIO * max(1, packed)
+    if bomb or size > LARGEST_CONTENT or len(infos) > MOST_FILES:
+        raise UnitError(
+            f"{path}: would unpack to {size:.3g} bytes in {len(infos)} files from {packed:.3g} "
+            f"bytes: it is not unpacked; at most {LARGEST_CONTENT:.3g} bytes, {MOST_FILES} files "
+            f"and {LARGEST_RATIO} times the packed size are"
+        )
+
+
+def _root(path: Path, text: bytes) -> Any:
+    """Root element of a model description that defines no entities."""
+    if len(text) > LARGEST_DESCRIPTION or b"<!DOCTYPE" in text or b"<!ENTITY" in text:
+        raise UnitError(
+            f"{path}: {_DESCRIPTION} has {len(text)} bytes or defines entities: no FMU needs that"
+        )
+    try:
+        return ElementTree.fromstring(text)
+    except (ElementTree.ParseError, ValueError) as error:
+        raise UnitError(f"{path}: {_DESCRIPTION} is not XML: {error}") from error
+
+
+def _refuse_version(path: Path, root: Any) -> None:
+    version = root.get("fmiVersion")
+    if version is None:
+        raise UnitError(f"{path}: {_DESCRIPTION} states no fmiVersion: is not an FMU")
+    if not version.startswith(("2.", "3.")):
+        raise UnitError(
+            f"{path}: is of FMI {version}; FMI 2.0 and 3.0 are supported: export it again as one"
+        )
+
+
+def _refuse_no_cosimulation(path: Path, description: ModelDescription, names: list[str]) -> None:
+    """Raise UnitError where there is nothing that could be stepped here."""
+    kind = description.coSimulation
+    if kind is None:
+        has = "model exchange" if description.modelExchange else "scheduled execution"
+        raise UnitError(
+            f"{path}: is for {has} only, without a solver of its own; export it for co-simulation"
+        )
+    folder = _platform(description)
+    library = f"binaries/{folder}/{kind.modelIdentifier}{fmpy.sharedLibraryExtension}"
+    if library not in names:
+        found = {name.split("/")[1] for name in names if name.startswith("binaries/")} - {""}
+        has = f"binaries for {', '.join(sorted(found))}" if found else "no binaries"
+        raise UnitError(f"{path}: has {has}, none for this machine: {library} is missing")
+
+
+def _platform(description: ModelDescription) -> str:
+    old = description.fmiVersion.startswith("2.")
+    return fmpy.platform if old else fmpy.platform_tuple
+
+
+def unpacked(path: Path) -> Path:
+    """A new folder with what is in an FMU that `read_description` has let pass.
+
+    Raises:
+        UnitError: it cannot be unpacked; nothing stays behind.
+    """
+    folder = Path(mkdtemp(prefix="autobalancer-unit-"))
+    try:
+        with zipfile.ZipFile(path) as archive:
+            archive.extractall(folder)
+    except (zipfile.BadZipFile, zlib.error, EOFError, RuntimeError) as error:
+        shutil.rmtree(folder, ignore_errors=True)
+        raise UnitError(f"{path}: is damaged: {error}") from error
+    except OSError as error:
+        shutil.rmtree(folder, ignore_errors=True)
+        why = f"cannot be unpacked into {folder}: {error.strerror or error}"
+        raise UnitError(f"{path}: {why}; free some room, or set TMPDIR") from error
+    except BaseException:
+        shutil.rmtree(folder, ignore_errors=True)
+        raise
+    return folder

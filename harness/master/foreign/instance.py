@@ -1,0 +1,441 @@
+"""An instance of a unit of any origin, with the calls that the coupling makes of our own units.
+
+fmpy makes the calls.  A unit that fails ends the run with its own words; one that does not come
+back when it is freed is left behind after some seconds, and named.
+"""
+
+from __future__ import annotations
+
+import math
+import os
+import shutil
+import threading
+from abc import abstractmethod
+from collections.abc import Iterable, Mapping, Sequence
+from contextlib import suppress
+from ctypes import byref, c_void_p
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from fmpy import fmi2, fmi3
+from fmpy.fmi1 import FMICallException
+from fmpy.model_description import ModelVariable
+
+from ...errors import SimulationError, UnitError
+from ...scene.messages import did_you_mean
+from ..closing import Closing
+from ..names import readable
+from . import python_guest
+from .abilities import abilities, kind_of
+from .archive import read_description, unpacked
+from .measures import measured, measures
+
+PATIENCE = 5.0  # s in which a unit must come back when it is freed
+_STATUS = ("OK", "Warning", "Discard", "Error", "Fatal", "Pending")
+_MOST_MESSAGES = 100  # that are kept
+_only_once: set[Path] = set()  # files whose one instance lives
+
+
+class UnitFailure(UnitError, SimulationError):
+    """A unit of foreign origin failed while it ran: the file is to blame, and the run has ended."""
+
+
+class Group:
+    """Some variables of a unit, read or written by one call a type; numbers as reals.
+
+    Attributes:
+        reals: their values.
+        parts: by type, places in `reals` and value references.
+    """
+
+    def __init__(self, variables: Sequence[ModelVariable], memory: np.ndarray | None) -> None:
+        self.names = tuple(v.name for v in variables)
+        self.reals = np.zeros(len(variables)) if memory is None else memory
+        by_type: dict[str, list[int]] = {}
+        for place, variable in enumerate(variables):
+            by_type.setdefault(variable.type, []).append(place)
+        self.parts = [
+            (kind, places, [variables[p].valueReference for p in places])
+            for kind, places in by_type.items()
+        ]
+
+
+class ForeignUnit(Closing):
+    """An instance of an FMU for co-simulation that this installation has not built.
+
+    Args:
+        path: of the file.
+        name: of the unit.
+
+    Attributes:
+        abilities: what the unit can.
+        variables: by name; `measured_in` by name, for people.
+        calls: number of FMI calls by kind; `messages` what it has logged.
+        is_python: whether pythonfmu made the file.
+
+    Raises:
+        UnitError: it is no FMU that runs here.
+    """
+
+    def __init__(self, path: Path, name: str) -> None:
+        self.path, self.name, self.time = path, name, 0.0
+        self.description = read_description(path)
+        self.abilities = abilities(self.description)
+        self.variables = {v.name: v for v in self.description.modelVariables}
+        self.defined_measures = measures(self.description)
+        self.measured_in = {n: readable(measured(v)) for n, v in self.variables.items()}
+        self.calls = {"set": 0, "get": 0, "step": 0, "save": 0, "restore": 0, "reset": 0}
+        self.messages: list[str] = []
+        self.fmu: Any = None
+        self._once = path.resolve() if self.abilities.only_once else None
+        if self._once in _only_once:
+            raise UnitError(
+                f"{path}: can be instantiated only once per process, and {name!r} is its second "
+                "unit: give it a copy of the file under another name"
+            )
+        self._running = False  # initialised, and has not failed
+        self._folder = unpacked(path)
+        if self._once:
+            _only_once.add(self._once)
+        self.is_python = python_guest.runs_python(self._folder)
+
+    def check_start(self, start: Mapping[str, Any]) -> None:
+        """Refuse start values that the unit does not have, or of another type.
+
+        Raises:
+            UnitError: so it is.
+        """
+        for name, value in start.items():
+            variable = self.variable(name, "start")
+            allowed = {
+                "real": not isinstance(value, (bool, str)),
+                "integer": isinstance(value, int) and not isinstance(value, bool),
+                "boolean": isinstance(value, bool),
+                "text": isinstance(value, str),
+            }
+            if not allowed.get(kind_of(variable.type), False) or variable.dimensions:
+                raise UnitError(
+                    f"{self.name}.start: {name} = {value!r}: is of type {variable.type}"
+                    f"{' (array)' if variable.dimensions else ''} in {self.path.name}"
+                )
+            if variable.causality in ("output", "independent") and variable.initial != "exact":
+                raise UnitError(
+                    f"{self.name}.start: {name}: is an {variable.causality} of {self.path.name}, "
+                    "and cannot be set; parameters and inputs can"
+                )
+
+    def variable(self, name: str, where: str) -> ModelVariable:
+        """A variable by name.
+
+        Raises:
+            UnitError: there is none; says which are near.
+        """
+        if name not in self.variables:
+            known = [n for n in self.variables if not n.startswith("der(")]
+            shown = ", ".join(known[:12]) + (" ..." if len(known) > 12 else "")
+            raise UnitError(
+                f"{self.name}.{name}: {where}: {self.path.name} has no variable {name!r}"
+                f"{did_you_mean(name, known)}; it has: {shown}"
+            )
+        return self.variables[name]
+
+    def group(self, names: Iterable[str], memory: np.ndarray | None = None) -> Group:
+        """Variables to be read or written together; `memory` holds their values as reals."""
+        return Group([self.variables[name] for name in names], memory)
+
+    def get(self, group: Group) -> list[float]:
+        """Values of the group's variables."""
+        self.fetch(group)
+        return [float(value) for value in group.reals]
+
+    def set(self, group: Group, values: Sequence[float]) -> None:
+        """Write the group's variables."""
+        group.reals[:] = values
+        self.send(group)
+
+    def fetch(self, group: Group) -> None:
+        """Read the group's variables."""
+        self.calls["get"] += 1
+        for kind, places, references in group.parts:
+            getter = getattr(self.fmu, f"get{self._call_of(kind)}")
+            values = self._checked(f"reading {', '.join(group.names[:4])}", getter, references)
+            group.reals[places] = values
+
+    def send(self, group: Group) -> None:
+        """Write what the group holds."""
+        self.calls["set"] += 1
+        for kind, places, references in group.parts:
+            values = group.reals[places]
+            name = kind_of(kind)
+            whole = [round(v) for v in values] if name == "integer" else values.tolist()
+            self._set(kind, references, [v != 0.0 for v in whole] if name == "boolean" else whole)
+
+    def _set(self, kind: str, references: list[int], values: list[Any]) -> None:
+        setter = getattr(self.fmu, f"set{self._call_of(kind)}")
+        self._checked("setting values", setter, references, values)
+
+    def step(self, time: float, step: float) -> None:
+        """Advance by `step` [s] from `time` [s]."""
+        self.calls["step"] += 1
+        self.time = time
+        self._checked(f"a step of {step:g} s", self._do_step, time, step)
+
+    def save(self, state: c_void_p) -> None:
+        """Copy the complete state into one that is null, or over an earlier copy of this unit."""
+        self.calls["save"] += 1
+        if self.is_python:  # pythonfmu makes a new copy and loses the one that is handed in
+            self.free(state)
+        self._checked("saving the state", self._state("Get"), self.fmu.component, byref(state))
+
+    def restore(self, state: c_void_p) -> None:
+        """Roll back to a saved state."""
+        self.calls["restore"] += 1
+        self._checked("restoring the state", self._state("Set"), self.fmu.component, state)
+
+    def free(self, state: c_void_p) -> None:
+        """Release a saved state, which is null afterwards."""
+        if state and self.fmu is not None:
+            self._checked("freeing a state", self._state("Free"), self.fmu.component, byref(state))
+            state.value = None
+
+    def restart(self, start: Mapping[str, Any]) -> None:
+        """A new instance with these start values, in initialisation mode.
+
+        A unit of unknown origin is made anew: what `reset` leaves behind would pass unseen.
+        """
+        self.calls["reset"] += 1
+        self.time = 0.0
+        self._free_instance()
+        if self.is_python:
+            python_guest.before_making(self._folder)
+        folder = os.getcwd()  # fmpy leaves it changed where a library cannot be loaded
+        try:
+            self._make()
+        except UnitError:
+            raise
+        except Exception as error:  # of ctypes and fmpy
+            raise UnitError(f"{self.path}: cannot be loaded: {error}{self._said()}") from error
+        finally:
+            os.chdir(folder)
+            if self.is_python:
+                python_guest.after_making(self._folder)
+        self._begin(start)
+
+    def start(self) -> None:
+        """Leave initialisation mode."""
+        self._checked("initialisation", self.fmu.exitInitializationMode)
+        self._running = True
+
+    def derivatives(self, names: Sequence[str]) -> list[float]:
+        """First derivatives of outputs, of a unit that gives them."""
+        self.calls["get"] += 1
+        references = [self.variables[name].valueReference for name in names]
+        found = self._checked("reading derivatives", self._get_derivatives, references)
+        return [float(value) for value in found]
+
+    def set_derivatives(self, names: Sequence[str], orders: list[int], values: list[float]) -> None:
+        """Derivatives of inputs at the start of a step, of a unit that takes them."""
+        references = [self.variables[name].valueReference for name in names]
+        act = self.fmu.setRealInputDerivatives
+        self._checked("setting derivatives of inputs", act, references, orders, values)
+
+    def _set_start(self, start: Mapping[str, Any]) -> None:
+        for name, value in start.items():
+            variable = self.variables[name]
+            real = kind_of(variable.type) == "real"
+            held = float(value) if real else value
+            self._set(variable.type, [variable.valueReference], [held])
+
+    def _checked(self, what: str, act: Any, *arguments: Any) -> Any:
+        """What a call of the unit returns.
+
+        Raises:
+            UnitFailure: it failed.
+        """
+        try:
+            return act(*arguments)
+        except FMICallException as error:
+            status = _STATUS[min(int(getattr(error, "status", 3)), 5)]
+            reason = f"{what} failed ({status})"
+        except Exception as error:  # a function that the library lacks, or of ctypes
+            reason = f"{what} failed: {error}"
+        self._running = False
+        raise UnitFailure(f"{self.name} ({self.path.name}) at t = {self.time:g} s: {reason}"
+                          f"{self._said()}")  # fmt: skip
+
+    def _said(self) -> str:
+        return f": {'; '.join(self.messages[-3:])}" if self.messages else ""
+
+    def _log(self, status: int, text: str) -> None:
+        if status >= 1 and len(self.messages) < _MOST_MESSAGES:
+            self.messages.append(" ".join(text.split()))
+
+    def _free_instance(self) -> None:
+        """Free the instance, if there is one.
+
+        Raises:
+            UnitFailure: it does not come back.
+        """
+        fmu, self.fmu = self.fmu, None
+        if fmu is None or not fmu.component:
+            return
+        acts = [*([fmu.terminate] if self._running else []), fmu.freeInstance]
+        self._running = False
+        freeing = threading.Thread(target=_quietly, args=acts, daemon=True)
+        freeing.start()
+        freeing.join(PATIENCE)
+        if freeing.is_alive():
+            raise UnitFailure(
+                f"{self.name} ({self.path.name}): hangs when it is freed: not back after "
+                f"{PATIENCE:g} s"
+            )
+
+    def close(self) -> None:
+        """Free the instance and remove its files."""
+        try:
+            self._free_instance()
+        finally:
+            shutil.rmtree(self._folder, ignore_errors=True)
+            _only_once.discard(self._once or Path())
+            if self.is_python:
+                python_guest.after_freeing(self._folder)
+
+    @abstractmethod
+    def _make(self) -> None:
+        """Make an instance."""
+
+    @abstractmethod
+    def _begin(self, start: Mapping[str, Any]) -> None:
+        """Set start values and enter initialisation mode."""
+
+    @abstractmethod
+    def _do_step(self, time: float, step: float) -> None:
+        """Call of a step."""
+
+    @abstractmethod
+    def _state(self, what: str) -> Any:
+        """Function that gets, sets or frees a state."""
+
+    @abstractmethod
+    def _get_derivatives(self, references: list[int]) -> list[float]:
+        """First derivatives."""
+
+    @staticmethod
+    def _call_of(kind: str) -> str:
+        """What calls for variables of a type are named by."""
+        return kind
+
+
+class Fmi2Unit(ForeignUnit):
+    """An instance of FMI 2.0."""
+
+    def _make(self) -> None:
+        callbacks = fmi2.fmi2CallbackFunctions()
+        callbacks.logger = fmi2.fmi2CallbackLoggerTYPE(self._heard)
+        callbacks.allocateMemory = fmi2.defaultCallbacks.allocateMemory
+        callbacks.freeMemory = fmi2.defaultCallbacks.freeMemory
+        self._callbacks = callbacks  # kept alive for the C side
+        self.fmu = fmi2.FMU2Slave(
+            guid=self.description.guid,
+            unzipDirectory=str(self._folder),
+            modelIdentifier=self.description.coSimulation.modelIdentifier,
+            instanceName=self.name,
+        )
+        resources = self._folder / "resources"
+        # pythonfmu's loader takes what follows file:// for a path as it stands
+        place = f"file://{resources}" if self.is_python else resources.as_uri()
+        self.fmu.component = self.fmu.fmi2Instantiate(
+            self.name.encode(),
+            fmi2.fmi2CoSimulation,
+            self.description.guid.encode(),
+            place.encode("utf-8", "surrogateescape"),
+            byref(callbacks),
+            0,
+            0,
+        )
+        if not self.fmu.component:
+            self.fmu.freeLibrary()
+            raise UnitError(f"{self.path}: cannot be instantiated{self._said()}")
+
+    def _heard(self, _environment, _instance, status, _category, message) -> None:
+        try:  # a Python unit logs with its exception pending, which `decode` would be blamed for
+            raise LookupError
+        except Exception:
+            self._log(status, message.decode("utf-8", "replace") if message else "")
+
+    def _begin(self, start: Mapping[str, Any]) -> None:
+        self._checked("set-up", self.fmu.setupExperiment)
+        self._set_start(start)
+        self._checked("initialisation", self.fmu.enterInitializationMode)
+
+    def _do_step(self, time: float, step: float) -> None:
+        self.fmu.doStep(time, step)
+
+    def _state(self, what: str) -> Any:
+        return getattr(self.fmu, f"fmi2{what}FMUstate")
+
+    def _get_derivatives(self, references: list[int]) -> list[float]:
+        return list(self.fmu.getRealOutputDerivatives(references, [1] * len(references)))
+
+    @staticmethod
+    def _call_of(kind: str) -> str:
+        return "Integer" if kind == "Enumeration" else kind
+
+
+class Fmi3Unit(ForeignUnit):
+    """An instance of FMI 3.0."""
+
+    def _make(self) -> None:
+        self.fmu = fmi3.FMU3Slave(
+            guid=self.description.guid,
+            unzipDirectory=str(self._folder),
+            modelIdentifier=self.description.coSimulation.modelIdentifier,
+            instanceName=self.name,
+        )
+        try:
+            self.fmu.instantiate(logMessage=self._heard)
+        except Exception as error:
+            self.fmu.freeLibrary()
+            self.fmu = None
+            raise UnitError(f"{self.path}: cannot be instantiated{self._said()}") from error
+
+    def _heard(self, _environment, status, _category, message) -> None:
+        self._log(status, message.decode("utf-8", "replace") if message else "")
+
+    def _begin(self, start: Mapping[str, Any]) -> None:
+        self._set_start(start)
+        self._checked("initialisation", self.fmu.enterInitializationMode)
+
+    def _do_step(self, time: float, step: float) -> None:
+        _, terminates, early, reached = self.fmu.doStep(time, step)
+        if terminates:
+            raise SimulationError("the unit asks to end the simulation")
+        if early and not math.isclose(reached, time + step, rel_tol=1e-9):
+            raise SimulationError(f"the unit returned early, at t = {reached:g} s")
+
+    def _state(self, what: str) -> Any:
+        return getattr(self.fmu, f"fmi3{what}FMUState")
+
+    def _get_derivatives(self, references: list[int]) -> list[float]:
+        return list(self.fmu.getOutputDerivatives(references, [1] * len(references)))
+
+    @staticmethod
+    def _call_of(kind: str) -> str:
+        return "Int64" if kind == "Enumeration" else kind
+
+
+def _quietly(*acts: Any) -> None:
+    for act in acts:
+        with suppress(Exception):  # nothing can be done about a unit that fails when it is freed
+            act()
+
+
+def foreign_unit(path: Path, name: str) -> ForeignUnit:
+    """An instance of the FMU in a file.
+
+    Raises:
+        UnitError: it is no FMU that runs here.
+    """
+    old = read_description(path).fmiVersion.startswith("2.")
+    return (Fmi2Unit if old else Fmi3Unit)(path, name)

@@ -1,0 +1,61 @@
+"""FMUs of pythonfmu in this interpreter, which loads their modules by names that can coincide.
+
+Two FMUs may both have a module `slave`; the second would get the class of the first.  What an FMU
+has imported from its folder is therefore forgotten before another is made, and its folder leaves
+the interpreter's path when it is freed.
+"""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from types import ModuleType
+
+from ....fmus.python.host import keep
+
+MODULE_FILE = "slavemodule.txt"  # pythonfmu's loader reads it
+
+
+def runs_python(folder: Path) -> bool:
+    """Whether pythonfmu made the FMU that is unpacked there."""
+    return (folder / "resources" / MODULE_FILE).is_file()
+
+
+def before_making(folder: Path) -> None:
+    """Forget modules of other folders whose names this FMU has as well."""
+    resources = folder / "resources"
+    own = {path.stem for path in resources.glob("*.py")}
+    own |= {path.parent.name for path in resources.glob("*/__init__.py")}
+    for name, module in list(sys.modules.items()):
+        root = name.partition(".")[0]
+        if root in own and _is_guest(module) and not _is_under(module, resources):
+            del sys.modules[name]
+
+
+def after_making(folder: Path) -> None:
+    """Give back the reference that the loader of pythonfmu takes, see `fmus.python.host`."""
+    name = (folder / "resources" / MODULE_FILE).read_text("utf-8").strip()
+    if module := sys.modules.get(name):
+        keep(module.__dict__)
+
+
+def after_freeing(folder: Path) -> None:
+    """Take the folder from the interpreter's path, and its modules from the loaded ones."""
+    resources = folder / "resources"
+    for entry in [e for e in sys.path if e and Path(e) == resources]:
+        sys.path.remove(entry)
+        sys.path_importer_cache.pop(entry, None)
+    for name, module in list(sys.modules.items()):
+        if _is_under(module, resources):
+            del sys.modules[name]
+
+
+def _is_guest(module: ModuleType) -> bool:
+    """Whether a module was loaded from an unpacked FMU."""
+    parts = Path(getattr(module, "__file__", None) or "").parts
+    return any(part.startswith("autobalancer-unit") for part in parts)
+
+
+def _is_under(module: ModuleType, folder: Path) -> bool:
+    file = getattr(module, "__file__", None)
+    return bool(file) and Path(str(file)).is_relative_to(folder)

@@ -1,0 +1,262 @@
+"""Connections between units of any origin: what each input is made of, and how it can be given."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any, NamedTuple
+
+from fmpy.model_description import ModelVariable
+
+from ...errors import UnitError
+from ...scene.messages import did_you_mean
+from ...scene.unit import split_port
+from ..foreign.abilities import CUBIC, HELD, LINEAR, abilities, kind_of
+from ..foreign.measures import Incompatible, conversion, measured, measures
+from ..names import derivatives
+from .order import loops_of
+
+
+class Wire(NamedTuple):
+    """An output and the input that it feeds; ports are `unit.variable`.
+
+    Attributes:
+        where: what messages call the connection.
+    """
+
+    source: str
+    target: str
+    factor: float
+    where: str
+
+
+@dataclass
+class Inlet:
+    """An input of real type.
+
+    Attributes:
+        terms: signals and their factors; the input is their sum.
+        takes: order of the polynomial that it can be given over a step.
+        by_call: whether derivatives are set by FMI's function, not by inputs `der(name)`.
+        is_direct: whether a connected output depends on it at the same instant; None: not declared.
+        shows_in: real outputs that depend on it at the same instant, declared or found by trial.
+        is_tried: whether trial steps have found them.
+    """
+
+    variable: str
+    terms: list[tuple[int, float]]
+    takes: int
+    by_call: bool
+    is_direct: bool | None
+    shows_in: set[str]
+    is_tried: bool = False
+
+
+class Copied(NamedTuple):
+    """An input that takes a value from communication point to communication point."""
+
+    source_unit: str
+    source: str
+    target: str
+    factor: float
+
+
+@dataclass
+class Wiring:
+    """What the connections of units come to.
+
+    Attributes:
+        signals: `unit.variable` of every real output that is connected.
+        has_slope: of every signal, whether its unit gives its derivative.
+        is_direct: of every signal, whether it depends on connected inputs at the same instant.
+        inlets, copied: inputs by unit.
+        depends: by unit and output, the inputs on which it is declared to depend.
+    """
+
+    signals: list[str] = field(default_factory=list)
+    has_slope: list[bool] = field(default_factory=list)
+    is_direct: list[bool] = field(default_factory=list)
+    inlets: dict[str, list[Inlet]] = field(default_factory=dict)
+    copied: dict[str, list[Copied]] = field(default_factory=dict)
+    depends: dict[str, Mapping[str, frozenset[str] | None]] = field(default_factory=dict)
+
+    def acts(self, inlet: Inlet, signal: str) -> bool:
+        """Whether an output depends on an input of its unit at one instant, as far as is known."""
+        unit, variable = split_port(signal)
+        declared = self.depends[unit].get(variable)
+        if declared is not None or inlet.is_tried:
+            return inlet.variable in (declared or ()) or variable in inlet.shows_in
+        return True
+
+    def loops(self) -> list[list[str]]:
+        """Signals that feed each other at one instant, unless that is declared or found not so."""
+        feeds: dict[str, set[str]] = {signal: set() for signal in self.signals}
+        for signal in self.signals:
+            for inlet in self.inlets[split_port(signal)[0]]:
+                if self.acts(inlet, signal):
+                    for source, _ in inlet.terms:
+                        feeds[self.signals[source]].add(signal)
+        return loops_of(feeds)
+
+    def edges(self) -> list[tuple[str, str, bool]]:
+        """Every signal with the unit that sends it, one that takes it, and whether it is direct."""
+        pairs = {
+            (signal, unit)
+            for unit, inlets in self.inlets.items()
+            for inlet in inlets
+            for signal, _ in inlet.terms
+        }
+        found = [
+            (split_port(self.signals[signal])[0], unit, self.is_direct[signal])
+            for signal, unit in sorted(pairs)
+        ]
+        copied = [(c.source_unit, unit, False) for unit, all_ in self.copied.items() for c in all_]
+        return found + copied
+
+
+def variable_of(unit: Any, name: str, where: str) -> ModelVariable:
+    """A variable of a unit.
+
+    Raises:
+        UnitError: there is none; says which are near.
+    """
+    if name in unit.variables:
+        return unit.variables[name]
+    known = [n for n in unit.variables if not n.startswith("der(")]
+    shown = ", ".join(known[:12]) + (" ..." if len(known) > 12 else "")
+    raise UnitError(
+        f"{where}: {unit.path.name} has no variable {name!r}{did_you_mean(name, known)}; it has: "
+        f"{shown}"
+    )
+
+
+def wired(units: Mapping[str, Any], wires: Sequence[Wire]) -> Wiring:
+    """The wiring of loaded units.
+
+    Raises:
+        UnitError: a variable is missing, is no output or input, or types or units of measurement
+            do not fit.
+    """
+    found = Wiring(inlets={name: [] for name in units}, copied={name: [] for name in units})
+    by_target: dict[str, list[tuple[str, float]]] = {}
+    for wire in wires:
+        source_unit, source = split_port(wire.source)
+        target_unit, target = split_port(wire.target)
+        sender, taker = units[source_unit], units[target_unit]
+        gives, takes = _checked(sender, taker, source, target, wire)
+        factor = wire.factor * _scale(sender, taker, gives, takes, wire)
+        if kind_of(gives.type) == kind_of(takes.type) == "real":
+            by_target.setdefault(wire.target, []).append((wire.source, factor))
+            continue
+        _refuse_scaled(gives, takes, factor, wire)
+        if any(one.target == target for one in found.copied[target_unit]):
+            raise UnitError(f"{wire.where}.add: {wire.target}: inputs of type Real alone take sums")
+        found.copied[target_unit].append(Copied(source_unit, source, target, factor))
+    found.signals = list(dict.fromkeys(s for terms in by_target.values() for s, _ in terms))
+    place = {signal: k for k, signal in enumerate(found.signals)}
+    found.has_slope = [_has_slope(units, signal) for signal in found.signals]
+    found.depends = {name: abilities(u.description).depends for name, u in units.items()}
+    for port, terms in by_target.items():
+        unit, variable = split_port(port)
+        own = [split_port(s)[1] for s in found.signals if split_port(s)[0] == unit]
+        sums = [(place[source], factor) for source, factor in terms]
+        takes_order, by_call = _takes(units[unit], variable)
+        direct = _depends(found.depends[unit], own, variable)
+        shows = {
+            out for out, inputs in found.depends[unit].items() if inputs and variable in inputs
+        }
+        found.inlets[unit].append(Inlet(variable, sums, takes_order, by_call, direct, shows))
+    found.is_direct = [
+        any(found.acts(inlet, signal) for inlet in found.inlets[split_port(signal)[0]])
+        for signal in found.signals
+    ]
+    return found
+
+
+def _checked(
+    sender: Any, taker: Any, source: str, target: str, wire: Wire
+) -> tuple[ModelVariable, ModelVariable]:
+    """Both variables of a wire, once they can be connected."""
+    gives = variable_of(sender, source, f'{wire.where}.from = "{wire.source}"')
+    takes = variable_of(taker, target, f'{wire.where}.to = "{wire.target}"')
+    if gives.causality != "output":
+        raise UnitError(
+            f'{wire.where}.from = "{wire.source}": is of causality {gives.causality} in '
+            f"{sender.path.name}: only outputs feed inputs{_list_of(sender, 'output')}"
+        )
+    if takes.causality != "input":
+        raise UnitError(
+            f'{wire.where}.to = "{wire.target}": is of causality {takes.causality} in '
+            f"{taker.path.name}: only inputs are fed{_list_of(taker, 'input')}"
+        )
+    for port, variable in ((wire.source, gives), (wire.target, takes)):
+        if variable.dimensions or kind_of(variable.type) in ("text", "other"):
+            what = "an array" if variable.dimensions else f"of type {variable.type}"
+            raise UnitError(
+                f"{wire.where}: {port} is {what}: numbers and Booleans alone are connected"
+            )
+    kinds = kind_of(gives.type), kind_of(takes.type)
+    if kinds[0] != kinds[1] and kinds != ("integer", "real"):
+        raise UnitError(
+            f"{wire.where}: {wire.source} is of type {gives.type}, {wire.target} of type "
+            f"{takes.type}: types must be the same (an integer may feed a real input)"
+        )
+    return gives, takes
+
+
+def _list_of(unit: Any, causality: str) -> str:
+    names = [n for n, v in unit.variables.items() if v.causality == causality and "der(" not in n]
+    return f"; {causality}s: {', '.join(names[:8])}" + (" ..." if len(names) > 8 else "")
+
+
+def _scale(
+    sender: Any, taker: Any, gives: ModelVariable, takes: ModelVariable, wire: Wire
+) -> float:
+    """What converts units of measurement."""
+    names = measured(gives), measured(takes)
+    defined = [measures(u.description).get(n) for u, n in zip((sender, taker), names, strict=True)]
+    try:
+        return conversion(names[0], names[1], (defined[0], defined[1]))
+    except Incompatible as error:
+        raise UnitError(
+            f"{wire.where}: {wire.source} is in {names[0]}, {wire.target} in {names[1]}: {error}; "
+            "connect what measures the same"
+        ) from error
+
+
+def _refuse_scaled(gives: ModelVariable, takes: ModelVariable, factor: float, wire: Wire) -> None:
+    if factor != 1.0 and kind_of(takes.type) != "real":
+        raise UnitError(
+            f"{wire.where}.factor: {wire.source} is of type {gives.type}, which is not multiplied"
+        )
+
+
+def _has_slope(units: Mapping[str, Any], signal: str) -> bool:
+    unit, variable = split_port(signal)
+    port = units[unit].variables.get(f"der({variable})")
+    by_port = port is not None and port.causality == "output"
+    return by_port or abilities(units[unit].description).gives_derivatives
+
+
+def _takes(unit: Any, variable: str) -> tuple[int, bool]:
+    """Order of what an input can be given over a step, and whether by FMI's function."""
+    slots = derivatives(variable, 3)[1:]
+    ports = [name in unit.variables and unit.variables[name].causality == "input" for name in slots]
+    if all(ports):
+        return CUBIC, False
+    if ports[0]:
+        return LINEAR, False
+    return (CUBIC, True) if abilities(unit.description).takes_derivatives else (HELD, False)
+
+
+def _depends(
+    depends: Mapping[str, frozenset[str] | None], outputs: Sequence[str], variable: str
+) -> bool | None:
+    """Whether one of the outputs depends directly on an input; None where that is not declared.
+
+    Without outputs that are connected, whether one of any does.
+    """
+    own = [depends.get(output) for output in outputs or depends]
+    if any(each is not None and variable in each for each in own):
+        return True
+    return None if None in own else False

@@ -1,0 +1,44 @@
+"""What a reader of a run of units of any origin must know about the units and their coupling."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from ..foreign.abilities import HELD
+
+MOST_NAMED = 4  # signals or units in a sentence
+
+
+def notes(run: Any) -> list[str]:
+    """Of a run that has been started: loops, what units cannot do, and what they have logged."""
+    found = []
+    if run.system.stuck and run.system.coupled and run.scheme_name != "jacobi":
+        found.append(
+            f"{_some(run.system.stuck)} cannot restore a state: the loop was not iterated "
+            f"({run.scheme_name}), and its gain is known only as far as the units show it before "
+            "the first step"
+        )
+    for loop in run.wiring.loops():
+        solved = "iterated" if run.scheme_name == "iterated" else "not iterated: delayed"
+        found.append(f"algebraic loop: {_some(loop)} ({solved}; loop gain {run.gain:.3g})")
+    direct = [
+        f"{unit}.{inlet.variable}"
+        for unit, inlets in run.wiring.inlets.items()
+        for inlet in inlets
+        if inlet.takes == HELD and inlet.is_direct is not False
+    ]
+    if direct and run.coupled:
+        found.append(
+            f"{_some(direct)} cannot be given slopes and act on outputs directly: they hold the "
+            "value at the end of each step; what a unit integrates of it errs by the step"
+        )
+    for name, unit in run.units.items():
+        if unit.abilities.needs_tool and not unit.is_python:
+            found.append(f"{name}: {unit.path.name} calls a program that it needs on this machine")
+        found += [f"{name}: {message}" for message in dict.fromkeys(unit.messages)]
+    return found
+
+
+def _some(names: list[str]) -> str:
+    more = len(names) - MOST_NAMED
+    return ", ".join(names[:MOST_NAMED]) + (f" and {more} more" if more > 0 else "")

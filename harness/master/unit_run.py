@@ -1,0 +1,256 @@
+"""A system of units of any origin, coupled in Python as a scene's separate units are.
+
+The same loop, schemes and control of errors; what is not known of the units is found from their
+descriptions and, where they can be rolled back, by trial steps at the start.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from contextlib import ExitStack
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ..errors import UnitError
+from ..scene.system import System, UnitCoupling
+from ..scene.unit import fmu_path, split_port
+from .compared import NEVER_HELD, Compared
+from .coupled import Coupled
+from .expectation import Expectation
+from .facts import RunFacts
+from .foreign.instance import ForeignUnit, foreign_unit
+from .loop import consistent_start, value_eigenvalues
+from .network.network import Network, is_number
+from .network.wiring import Wire, wired
+from .network.words import notes
+from .recorder import Recorder
+from .schemes.explicit import Scheme
+from .schemes.gauss_seidel import GaussSeidel
+from .schemes.iterated_each import IteratedEach
+from .schemes.jacobi import Jacobi
+from .simulation import Repeated
+
+if TYPE_CHECKING:
+    from ..output.workers import Progress
+
+FIRST_STEPS = 100  # of a first run with a tolerance, at least
+MOST_FIRST_STEPS = 20_000  # at most, however short the steps are that units suggest
+FINER_FIRST = 4  # times as many steps in a first run where fewer were too few
+AGREEMENT = 1e-9  # at the start: solvers inside units are no better
+UNKNOWN_SIZE = 1e-3  # disturbance at the start of a signal that is zero, in its own unit
+RELATIVE_LEAST = 1e-9  # of what is measured in the same unit: below it a signal is cancellation
+LINEAR_ORDER = 2  # of coupling by lines or means
+BRIEF = 1e-6  # of a step: what a step that is taken back may last
+WHOLE = 1e-9  # relative: a number of steps so near to a whole one is one
+
+
+class UnitRun(Coupled):
+    """The units of a system, loaded and connected; restarted and stepped as often as wanted.
+
+    Args:
+        system: what to simulate; `scene` as an attribute.
+
+    Raises:
+        UnitError: an FMU is missing or wrong, or a connection does not fit.
+    """
+
+    def __init__(self, system: System) -> None:
+        self.scene = system
+        with ExitStack() as stack:
+            self.units: dict[str, Any] = {}
+            for unit in system.unit:
+                loaded = foreign_unit(fmu_path(unit.fmu, system.path), unit.name)
+                self.units[unit.name] = stack.enter_context(loaded)
+                loaded.check_start(unit.start)
+            wires = [
+                Wire(c.source, c.to, c.factor, f"{system.label}: connection[{number}]")
+                for number, c in enumerate(system.connection, start=1)
+            ]
+            self.wiring = wired(self.units, wires)
+            coupling = system.coupling
+            parallel = coupling.scheme == "jacobi"
+            self.system: Any = Network(self.units, self.wiring, parallel, coupling.order)
+            stack.callback(self.system.free_states)
+            self._refuse_stuck()
+            self._stack = stack.pop_all()
+        self.coupled = self.system.coupled
+        self.gain = self.amplification = self.worst_residual = self.time = 0.0
+
+    def _refuse_stuck(self) -> None:
+        stuck, coupling = self.system.stuck, self.scene.coupling
+        if stuck and self.system.coupled and coupling.scheme == "iterated":
+            raise UnitError(
+                f'{self.scene.label}: coupling.scheme = "iterated": {", ".join(stuck)} cannot '
+                'restore a state (canGetAndSetFMUstate is false): use "gauss-seidel" or "auto"'
+            )
+
+    def start(
+        self,
+        changes: Mapping[str, Mapping[str, Any]] | None = None,
+        attempt: int | None = None,
+        again: Repeated | None = None,
+    ) -> None:
+        """Restart all units from their start values, `changes` by unit name on top.
+
+        Args:
+            attempt: at a first run with a tolerance; each has more steps than the one before.
+            again: the parts of every step of that run, of which this is a repetition.
+
+        Raises:
+            SimulationError: a unit refuses its start values, or no consistent start exists.
+        """
+        self.time = self.worst_residual = 0.0
+        self.steps = self.unconverged = 0
+        self._parts = again.parts if again else 1
+        self._schedule = [self._first_schedule(attempt or 0)]
+        step = self._schedule[0][0] / self._parts
+        self._refuse_odd(step)
+        self.system.free_states()
+        for unit in self.scene.unit:
+            own = {**unit.start, **(changes or {}).get(unit.name, {})}
+            self.units[unit.name].restart(own)
+        self._prepare(step)
+
+    def _first_schedule(self, attempt: int) -> tuple[float, int]:
+        """Length and number of the steps, before they are divided."""
+        duration, step = self.scene.run.duration, self.scene.coupling.step
+        if step is None:
+            asked = [u.abilities.first_step for u in self.units.values() if u.abilities.first_step]
+            most = duration / min(asked) if asked else 0.0
+            step = duration / min(MOST_FIRST_STEPS, max(FIRST_STEPS, most)) / FINER_FIRST**attempt
+            if base := self._fixed_step():
+                doublings = max(0, math.floor(math.log2(step / base)) if step > base else 0)
+                step = base * 2.0**doublings
+        count = max(1, math.ceil(duration / step * (1.0 - WHOLE)))
+        return duration / count, count
+
+    def _fixed_step(self) -> float:
+        return max((unit.abilities.fixed_step for unit in self.units.values()), default=0.0)
+
+    def _refuse_odd(self, step: float) -> None:
+        """Raise UnitError where a unit with a step of its own could not take such steps."""
+        for unit in self.units.values():
+            own = unit.abilities.fixed_step
+            if own and abs(step / own - max(1, round(step / own))) > WHOLE * step / own:
+                raise UnitError(
+                    f"{unit.name}: {unit.path.name} has a fixed internal step of {own:g} s, and a "
+                    f"communication step of {step:g} s is no multiple of it: give coupling.step "
+                    "and run.duration as multiples"
+                )
+
+    def _prepare(self, step: float) -> None:
+        """Bring the units to a consistent start, and make the scheme for this loop."""
+        system = self.system
+        slopes = consistent_start(system, step, 0.0, self._disturbance(), AGREEMENT)
+        for unit in self.units.values():
+            unit.start()
+        system.refresh()
+        eigenvalues = value_eigenvalues(slopes[: slopes.shape[1]])
+        self.scheme: Scheme = self._chosen(step)
+        if self.wiring.signals:
+            system.probe(step)
+        if system.coupled and system.can_restore:
+            trial = IteratedEach(system.forces.now.shape[0], step)
+            trial.after_start(system, self.time, step)
+            eigenvalues = value_eigenvalues(trial.jacobian)
+            if isinstance(self.scheme, IteratedEach):
+                self.scheme.newton = trial.newton
+        self.gain = max(map(abs, eigenvalues), default=0.0)
+        explicit = system.coupled and not isinstance(self.scheme, IteratedEach)
+        self.amplification = self.gain if explicit else 0.0
+
+    def _disturbance(self) -> np.ndarray:
+        rows = self.system.forces.now.shape[0]
+        return np.full(4 * rows, UNKNOWN_SIZE)
+
+    def _chosen(self, step: float) -> Scheme:
+        coupling: UnitCoupling = self.scene.coupling
+        if coupling.scheme == "jacobi":
+            return Jacobi()
+        iterates = coupling.scheme in ("auto", "iterated") and self.system.can_restore
+        if not iterates or not self.system.coupled:
+            return GaussSeidel()
+        return IteratedEach(self.system.forces.now.shape[0], step, coupling.corrections)
+
+    @property
+    def scheme_name(self) -> str:
+        """As it is called in a scene."""
+        names = {Jacobi: "jacobi", GaussSeidel: "gauss-seidel"}
+        return names.get(type(self.scheme), "iterated")
+
+    def _bounds(self) -> list[float]:
+        return [self.scene.run.duration]
+
+    def record(self, recorder: Recorder, progress: Progress | None) -> None:
+        """`Coupled.record`, with outputs as they are at each point, not at the mean of a step."""
+        outputs: dict[str, set[str]] = {name: set() for name in self.units}
+        for signal in recorder.signal_units:
+            unit, variable = split_port(signal)
+            outputs[unit].add(variable)
+        self._lagging = [
+            m
+            for m in self.system.members
+            if m.unit.abilities.restores_state
+            and m.unit.abilities.varies_step
+            and not m.unit.abilities.fixed_step
+            and m.lags(outputs[m.unit.name])
+        ]
+        super().record(recorder, progress)
+
+    def _record_row(self, recorder: Recorder) -> None:
+        step = BRIEF * self._schedule[0][0] / self._parts
+        lagging = self._lagging if self.time > 0.0 else []
+        self.system.read_ahead(lagging, self.time, step)
+        super()._record_row(recorder)
+        self.system.go_back(lagging)
+
+    def recorded(self) -> list[str]:
+        """Signals that the system asks for; by default all outputs."""
+        if self.scene.run.record is not None:
+            return list(self.scene.run.record)
+        return [
+            f"{name}.{v.name}"
+            for name, unit in self.units.items()
+            for v in unit.description.modelVariables
+            if v.causality == "output" and is_number(v.type) and not v.dimensions
+            and not v.name.startswith("der(")
+        ]  # fmt: skip
+
+    def compared(self) -> Compared:
+        """What the runs of this motion are compared by: all real outputs that are connected."""
+        expected = Expectation(
+            order=LINEAR_ORDER,
+            steepest_order=math.inf,
+            caution=1,
+            left_in_loop=1.0,
+            ends_at_events=False,
+            can_collide=False,
+            fastest=0.0,
+        )
+        return Compared(expected, list(self.wiring.signals), _least, NEVER_HELD)
+
+    def facts(self) -> RunFacts:
+        """What the run since the last start did."""
+        units: list[ForeignUnit] = list(self.units.values())
+        kinds = units[0].calls
+        return RunFacts(
+            files=tuple(dict.fromkeys(unit.path.name for unit in units)),
+            note="",
+            messages=tuple(notes(self)),
+            calls={kind: sum(unit.calls[kind] for unit in units) for kind in kinds},
+            passes=units[0].calls["step"],
+            steps=self.steps,
+            unconverged=self.unconverged,
+            worst_residual=self.worst_residual,
+        )
+
+
+def _least(recorder: Recorder) -> dict[str, float]:
+    """By signal what its largest value is taken to be at least: a share of its kin's."""
+    _, signals = recorder.columns()
+    by_unit: dict[str, float] = {}
+    for name, unit in recorder.signal_units.items():
+        by_unit[unit] = max(by_unit.get(unit, 0.0), float(np.abs(signals[name]).max()))
+    return {n: RELATIVE_LEAST * by_unit[unit] for n, unit in recorder.signal_units.items()}
