@@ -11,13 +11,13 @@ from .messages import Place, show, statement
 from .rotor import Rotor
 
 TABLES = ("rotor", "operation", "coupling", "run")
-_ROTOR: TypeAdapter[Any] = TypeAdapter(Rotor)
 
 
 def plane_count(rotor: Any) -> int | None:
     """Planes of a rotor's table; None where the table is wrong itself."""
+    table: TypeAdapter[Any] = TypeAdapter(Rotor)  # here: a right scene never asks
     try:
-        return int(_ROTOR.validate_python(rotor).plane_count)
+        return int(table.validate_python(rotor).plane_count)
     except ValidationError:
         return None
 

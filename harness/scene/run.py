@@ -244,7 +244,7 @@ class Initial(Table):
 
     def motion(self) -> Start:
         """The same for the models."""
-        return Start(**self.model_dump())
+        return Start(**dict(self))
 
 
 class Run(Table):
@@ -258,7 +258,7 @@ class Run(Table):
     record: tuple[Text, ...] | None = None
     """Signals, as `unit.variable`; `[]` records nothing; default: the rotor's `x` and `y`, angles
     and `moment_xi`, `moment_eta` of weights, `clearance` of a liquid."""
-    initial: Initial = Initial()
+    initial: Initial = Initial.model_construct()  # builds no schema at import
     """State of the rotor at the start."""
 
     @model_validator(mode="after")

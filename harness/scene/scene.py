@@ -52,7 +52,7 @@ class Scene(Described):
     """A list of tables, by kind."""
     operation: Operation
     """How the rotor is driven, and gravity."""
-    coupling: Coupling = Coupling()
+    coupling: Coupling = Field(default_factory=Coupling)
     """How the units exchange signals."""
     run: Run = Field(default_factory=Run)
     """How long, from where, and what is recorded."""
