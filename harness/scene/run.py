@@ -228,6 +228,10 @@ class Coupling(Table):
         return self
 
 
+# as Coupling(), but it builds no schema at import
+DEFAULT_COUPLING = Coupling.model_construct(tolerance=DEFAULT_TOLERANCE)
+
+
 class Initial(Table):
     """The rotor at the start: every station alike.  Default: at rest, under gravity in the sag."""
 
