@@ -53,10 +53,10 @@ def entered(module: dict[str, Any], namespace: Any) -> None:
         if entry and os.path.isfile(os.path.join(entry, file)):
             sys.path.remove(entry)
             sys.path_importer_cache.pop(entry, None)
-            _settle_at_exit(os.path.dirname(os.path.normpath(entry)))
+            settle_at_exit(os.path.dirname(os.path.normpath(entry)))
 
 
-def _settle_at_exit(root: str) -> None:
+def settle_at_exit(root: str) -> None:
     """Have the library of the FMU unpacked at `root` release its state before the process ends."""
     if sys.platform != "linux" or threading.main_thread().native_id != os.getpid():
         return  # the library itself started this interpreter and must be the one to end it

@@ -43,7 +43,9 @@ class Methods:
 
     @property
     def _scene(self) -> Scene:
-        return cast("Scene", self)
+        scene = cast("Scene", self)
+        scene.refuse_guests("this")
+        return scene
 
     def speeds(
         self,

@@ -102,7 +102,7 @@ def command(
     with page.keeping():
         show(summary(result))
         say(str(result.summary()))
-        if said := left_behind(loaded):
+        if not loaded.guests and (said := left_behind(loaded)):
             say(said)
     if verbose:
         ran_as = "FMUs loaded" if result.calls else "Coupled in C, as one file"

@@ -114,15 +114,21 @@ class CoSimulation(Coupled):
             first = FEWEST_CHOSEN * FINER_FIRST ** (attempt or 0)
         self._schedule = schedule(self.scene, first)
         step = step or step_size(self.scene, first) / self._parts
-        self.system.restart(changes or {})
+        self._restart(changes or {})
         self._acceleration, self._changed = self.profile.acceleration(0.0), 0
         self._prepare(step)
-        for unit in self.units.values():
-            unit.start()
+        self._leave_initialisation()
         # forces grow with the square of a speed that the start gives instead of the scene's
         speeds = [float(own["speed"]) for own in (changes or {}).values() if "speed" in own]
         faster = max([abs(speed) / self.profile.top for speed in speeds], default=1.0)
         self.system.most = RUNAWAY * self._largest_force * max(1.0, faster) ** 2
+
+    def _restart(self, changes: Mapping[str, Mapping[str, float | bool]]) -> None:
+        self.system.restart(changes)
+
+    def _leave_initialisation(self) -> None:
+        for unit in self.units.values():
+            unit.start()
 
     def _prepare(self, step: float) -> None:
         """Bring the units to a consistent start, and make the scheme for this loop."""

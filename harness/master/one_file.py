@@ -24,6 +24,7 @@ def composition(scene: Scene) -> Composition:
 
 
 def _composition(scene: Scene) -> Composition:
+    scene.refuse_guests("one file")
     coupling = scene.coupling
     if coupling.order < 3:
         raise SceneError(f"{scene.name}: coupling.order = {coupling.order}: of one file must be 3")

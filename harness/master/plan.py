@@ -29,12 +29,14 @@ class UnitPlan:
         model: the FMU's.
         sizes: options to build it with.
         start: parameters and start values.
+        fmu: file of another origin that steps it; empty: ours.
     """
 
     name: str
     model: str
     sizes: Mapping[str, Any]
     start: Mapping[str, float | bool]
+    fmu: str = ""
 
     @property
     def driven(self) -> bool:
@@ -129,6 +131,7 @@ def plan(scene: Scene) -> Plan:
         scene.rotor.model,
         scene.rotor.sizes(planes),
         {**scene.rotor.start(planes), **gravity, **_initial(scene, speed), **drive},
+        scene.rotor.fmu or "",
     )
     balancers = [
         UnitPlan(
@@ -136,6 +139,7 @@ def plan(scene: Scene) -> Plan:
             balancer.model,
             balancer.sizes(),
             {**balancer.start(loaded), **(drive if balancer.driven else {})},
+            balancer.fmu or "",
         )
         for balancer in scene.balancer
     ]

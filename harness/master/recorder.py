@@ -28,7 +28,9 @@ def recorded(scene: Scene) -> list[str]:
     prefixes = stations(len(scene.rotor.stations))
     names = [f"rotor.{prefix}{axis}" for prefix in prefixes for axis in "xy"]
     names += ["motor.speed"] if scene.operation.motor else []
-    return names + [f"{b.label}.{variable}" for b in scene.balancer for variable in b.records]
+    # what a balancer of another origin has, it need not call as ours do
+    own = [balancer for balancer in scene.balancer if not balancer.fmu]
+    return names + [f"{b.label}.{variable}" for b in own for variable in b.records]
 
 
 class Recorder:

@@ -6,10 +6,10 @@ import atexit
 import shutil
 import tempfile
 import threading
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 from functools import cache, lru_cache
 from pathlib import Path
-from typing import Any
+from typing import NamedTuple
 
 import fmpy
 from fmpy.model_description import ModelDescription
@@ -17,6 +17,7 @@ from fmpy.model_description import ModelDescription
 from ...fmus.build import build
 from ...fmus.present import changed_files, is_present_build, opened, options_of
 from ..errors import UnitError
+from ..scene.unit import fmu_path
 from .names import readable
 from .plan import UnitPlan
 from .runtime import Backend, runtime
@@ -58,11 +59,10 @@ def find_or_build(
     return [path for _, path in paths]
 
 
-def _found(unit: UnitPlan, fmus: Path) -> Path:
+def _candidate(unit: UnitPlan, fmus: Path) -> Path:
     candidates = [fmus / f"{name}.fmu" for name in (unit.name, unit.file_name[:-4], unit.model)]
     for candidate in candidates:
         if candidate.is_file():
-            refuse_other_build(candidate, unit)
             return candidate
     raise UnitError(
         f"{fmus}: no FMU for {unit.name!r}: expected {candidates[0].name} or "
@@ -70,50 +70,95 @@ def _found(unit: UnitPlan, fmus: Path) -> Path:
     )
 
 
-def refuse_other_build(path: Path, unit: UnitPlan) -> None:
-    """Raise UnitError where an FMU is not what this installation would build for a unit.
+def _found(unit: UnitPlan, fmus: Path) -> Path:
+    path = _candidate(unit, fmus)
+    if reason := _difference(path, unit):
+        raise UnitError(f"{path}: is not what this installation builds: {reason}")
+    return path
 
-    An FMU of other sizes, or of older equations, would run along unseen, and a library that was
-    damaged takes the process with it: nothing of the file is loaded before.
+
+class Found(NamedTuple):
+    """The file of a part.
+
+    Attributes:
+        is_own: whether this installation would build it as it is.
+        reason: how it differs; empty where the scene names it.
+    """
+
+    unit: UnitPlan
+    path: Path
+    is_own: bool
+    reason: str = ""
+
+
+def find_parts(
+    units: Iterable[UnitPlan], fmus: Path | None, backend: Backend, scene: Path | None
+) -> list[Found]:
+    """The file of every part: named by the scene, found in `fmus`, or built.
+
+    Args:
+        scene: file of the scene, from whose folder it names others.
+
+    Raises:
+        UnitError: a file is missing, is no FMU, or was built for parts of other sizes.
+    """
+    found = []
+    for unit in units:
+        if unit.fmu:
+            found.append(Found(unit, fmu_path(unit.fmu, scene), False))
+        elif fmus is not None:
+            path = _candidate(unit, fmus)
+            reason = _difference(path, unit)
+            found.append(Found(unit, path, not reason, reason))
+        else:
+            found.append(Found(unit, find_or_build([unit], None, backend)[0], True))
+    return found
+
+
+def has_strangers(units: Iterable[UnitPlan], fmus: Path | None) -> bool:
+    """Whether a folder of FMUs has one for a part that this installation would not build so.
+
+    Raises:
+        UnitError: as `find_parts`.
+    """
+    own = [unit for unit in units if not unit.fmu] if fmus is not None else []
+    return any(_difference(_candidate(unit, fmus), unit) for unit in own if fmus)
+
+
+def _difference(path: Path, unit: UnitPlan) -> str:
+    """How an FMU differs from what this installation would build for a unit; empty: not at all.
+
+    Raises:
+        UnitError: it is no FMU, or of other sizes: it would run along unseen.
     """
     try:
         if is_present_build(path, unit.model, **unit.sizes):
-            return
+            return ""
         built = options_of(path)
     except ValueError as error:
         raise UnitError(str(error)) from error
     except OSError as error:
         raise UnitError(f"{path}: cannot be read: {error.strerror or error}") from error
-    raise UnitError(
-        f"{path}: is of a different build than {unit.name!r} of this scene needs: "
-        f"{_what_differs(path, unit, built)}; build it for this scene"
-    )
-
-
-def _what_differs(path: Path, unit: UnitPlan, built: Mapping[str, Any]) -> str:
-    """Why an FMU is not what this installation would build for a unit."""
-    version = opened(path)[1].get("fmiVersion", "")
-    if not version.startswith("2."):
-        return f"it is of FMI {version}, and separate units are coupled by FMI 2.0"
-    if not built:
-        return (
-            "it is not from `autobalancer build`; units of others are coupled by a master of your "
-            "own: the manual has one, how-to/fmi.md"
-        )
+    asked = {"unit": unit.model, "frame": "rotor", **unit.sizes}
     different = [
         f"{key} = {built[key]} instead of {value}"
-        for key, value in {
-            "unit": unit.model,
-            "frame": "rotor",
-            **unit.sizes,
-        }.items()
+        for key, value in asked.items()
         if key in built and built[key] != value
     ]
     if different:
-        return f"it was built with {', '.join(different)}"
+        raise UnitError(
+            f"{path}: is of a different build than {unit.name!r} of this scene needs: it was "
+            f"built with {', '.join(different)}; build it for this scene"
+        )
+    version = opened(path)[1].get("fmiVersion", "")
+    if not built:
+        return "not from `autobalancer build`"
+    if not version.startswith("2."):
+        return f"of FMI {version}"
     changed = changed_files(path, unit.model, **unit.sizes)
-    named = f" ({', '.join(changed[:3])}{' ...' if len(changed) > 3 else ''})" if changed else ""
-    return f"its content is not what this installation builds{named}"
+    if not changed:
+        return "its content is not what this installation builds"
+    return f"changed: {', '.join(changed[:3])}{' ...' if len(changed) > 3 else ''}"
 
 
 def described(path: Path) -> ModelDescription:

@@ -14,39 +14,32 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..errors import UnitError
-from ..scene.system import System, UnitCoupling
-from ..scene.unit import fmu_path, split_port
+from ..scene.system import System
+from ..scene.unit import fmu_path
 from .compared import NEVER_HELD, Compared
-from .coupled import Coupled
 from .expectation import Expectation
 from .facts import RunFacts
 from .foreign.instance import ForeignUnit, foreign_unit
-from .loop import consistent_start, value_eigenvalues
 from .network.network import Network, is_number
 from .network.wiring import Wire, wired
 from .network.words import notes
+from .network_run import NetworkRun
 from .recorder import Recorder
-from .schemes.explicit import Scheme
-from .schemes.gauss_seidel import GaussSeidel
-from .schemes.iterated_each import IteratedEach
-from .schemes.jacobi import Jacobi
 from .simulation import Repeated
 
 if TYPE_CHECKING:
-    from ..output.workers import Progress
+    pass
 
 FIRST_STEPS = 100  # of a first run with a tolerance, at least
 MOST_FIRST_STEPS = 20_000  # at most, however short the steps are that units suggest
 FINER_FIRST = 4  # times as many steps in a first run where fewer were too few
-AGREEMENT = 1e-9  # at the start: solvers inside units are no better
-UNKNOWN_SIZE = 1e-3  # disturbance at the start of a signal that is zero, in its own unit
 RELATIVE_LEAST = 1e-9  # of what is measured in the same unit: below it a signal is cancellation
+CUBIC_ORDER = 4  # of coupling by cubics from exact slopes
 LINEAR_ORDER = 2  # of coupling by lines or means
-BRIEF = 1e-6  # of a step: what a step that is taken back may last
 WHOLE = 1e-9  # relative: a number of steps so near to a whole one is one
 
 
-class UnitRun(Coupled):
+class UnitRun(NetworkRun):
     """The units of a system, loaded and connected; restarted and stepped as often as wanted.
 
     Args:
@@ -73,18 +66,10 @@ class UnitRun(Coupled):
             parallel = coupling.scheme == "jacobi"
             self.system: Any = Network(self.units, self.wiring, parallel, coupling.order)
             stack.callback(self.system.free_states)
-            self._refuse_stuck()
+            self.refuse_stuck()
             self._stack = stack.pop_all()
         self.coupled = self.system.coupled
         self.gain = self.amplification = self.worst_residual = self.time = 0.0
-
-    def _refuse_stuck(self) -> None:
-        stuck, coupling = self.system.stuck, self.scene.coupling
-        if stuck and self.system.coupled and coupling.scheme == "iterated":
-            raise UnitError(
-                f'{self.scene.label}: coupling.scheme = "iterated": {", ".join(stuck)} cannot '
-                'restore a state (canGetAndSetFMUstate is false): use "gauss-seidel" or "auto"'
-            )
 
     def start(
         self,
@@ -111,7 +96,7 @@ class UnitRun(Coupled):
         for unit in self.scene.unit:
             own = {**unit.start, **(changes or {}).get(unit.name, {})}
             self.units[unit.name].restart(own)
-        self._prepare(step)
+        self.prepare(step)
 
     def _first_schedule(self, attempt: int) -> tuple[float, int]:
         """Length and number of the steps, before they are divided."""
@@ -140,71 +125,8 @@ class UnitRun(Coupled):
                     "and run.duration as multiples"
                 )
 
-    def _prepare(self, step: float) -> None:
-        """Bring the units to a consistent start, and make the scheme for this loop."""
-        system = self.system
-        slopes = consistent_start(system, step, 0.0, self._disturbance(), AGREEMENT)
-        for unit in self.units.values():
-            unit.start()
-        system.refresh()
-        eigenvalues = value_eigenvalues(slopes[: slopes.shape[1]])
-        self.scheme: Scheme = self._chosen(step)
-        if self.wiring.signals:
-            system.probe(step)
-        if system.coupled and system.can_restore:
-            trial = IteratedEach(system.forces.now.shape[0], step)
-            trial.after_start(system, self.time, step)
-            eigenvalues = value_eigenvalues(trial.jacobian)
-            if isinstance(self.scheme, IteratedEach):
-                self.scheme.newton = trial.newton
-        self.gain = max(map(abs, eigenvalues), default=0.0)
-        explicit = system.coupled and not isinstance(self.scheme, IteratedEach)
-        self.amplification = self.gain if explicit else 0.0
-
-    def _disturbance(self) -> np.ndarray:
-        rows = self.system.forces.now.shape[0]
-        return np.full(4 * rows, UNKNOWN_SIZE)
-
-    def _chosen(self, step: float) -> Scheme:
-        coupling: UnitCoupling = self.scene.coupling
-        if coupling.scheme == "jacobi":
-            return Jacobi()
-        iterates = coupling.scheme in ("auto", "iterated") and self.system.can_restore
-        if not iterates or not self.system.coupled:
-            return GaussSeidel()
-        return IteratedEach(self.system.forces.now.shape[0], step, coupling.corrections)
-
-    @property
-    def scheme_name(self) -> str:
-        """As it is called in a scene."""
-        names = {Jacobi: "jacobi", GaussSeidel: "gauss-seidel"}
-        return names.get(type(self.scheme), "iterated")
-
     def _bounds(self) -> list[float]:
         return [self.scene.run.duration]
-
-    def record(self, recorder: Recorder, progress: Progress | None) -> None:
-        """`Coupled.record`, with outputs as they are at each point, not at the mean of a step."""
-        outputs: dict[str, set[str]] = {name: set() for name in self.units}
-        for signal in recorder.signal_units:
-            unit, variable = split_port(signal)
-            outputs[unit].add(variable)
-        self._lagging = [
-            m
-            for m in self.system.members
-            if m.unit.abilities.restores_state
-            and m.unit.abilities.varies_step
-            and not m.unit.abilities.fixed_step
-            and m.lags(outputs[m.unit.name])
-        ]
-        super().record(recorder, progress)
-
-    def _record_row(self, recorder: Recorder) -> None:
-        step = BRIEF * self._schedule[0][0] / self._parts
-        lagging = self._lagging if self.time > 0.0 else []
-        self.system.read_ahead(lagging, self.time, step)
-        super()._record_row(recorder)
-        self.system.go_back(lagging)
 
     def recorded(self) -> list[str]:
         """Signals that the system asks for; by default all outputs."""
@@ -221,7 +143,7 @@ class UnitRun(Coupled):
     def compared(self) -> Compared:
         """What the runs of this motion are compared by: all real outputs that are connected."""
         expected = Expectation(
-            order=LINEAR_ORDER,
+            order=CUBIC_ORDER if self.is_cubic else LINEAR_ORDER,
             steepest_order=math.inf,
             caution=1,
             left_in_loop=1.0,

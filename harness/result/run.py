@@ -93,7 +93,12 @@ def load(scene: Scene, fmus: Path | None = None, separate: bool = False) -> Simu
     """What steps a scene: its one file, or its separate units, see `cosimulate`."""
     if separate or why_separate(scene):
         from ..master.cosimulation import CoSimulation  # loads fmpy
+        from ..master.mixed_run import MixedRun
+        from ..master.plan import plan
+        from ..master.unit_files import has_strangers
 
+        if scene.guests or has_strangers(plan(scene).units, fmus):
+            return MixedRun(scene, fmus=fmus)
         return CoSimulation(scene, fmus=fmus)
     from ..master.one_file_run import OneFileRun  # compiles where it has to
 
@@ -133,7 +138,8 @@ def _run(
     simulation: Simulation, scene: Scene, names: list[str], progress: Progress | None
 ) -> Result:
     """A scene run as its coupling asks, recording `names`, see `cosimulate`."""
-    own, made_of = recorded_for([*names, *velocities(scene)] if names else [])
+    known = not getattr(simulation, "wiring", None)  # parts of others need not tell velocities
+    own, made_of = recorded_for([*names, *(velocities(scene) if known else [])] if names else [])
     start_time = clock.perf_counter()
     controlled: Controlled | TwoTolerances | None = None
     if simulation.scene.coupling.tolerance is not None and simulation.coupled:
@@ -149,21 +155,28 @@ def _run(
     facts = simulation.facts()
     if controlled:
         facts = replace(facts, estimated_error=controlled.error, unknown_error=controlled.unknown)
-    messages = (*facts.messages, *merged_now(simulation.scene, simulation.units))
-    return result(recorder, replace(facts, messages=messages), seconds, names)
+    merged = merged_now(simulation.scene, simulation.units) if known else []
+    facts = replace(facts, messages=(*facts.messages, *merged))
+    return result(recorder, facts, seconds, names, velocities(scene) if names and known else [])
 
 
-def result(recorder: Recorder, facts: Facts, seconds: float, names: Sequence[str]) -> Result:
+def result(
+    recorder: Recorder,
+    facts: Facts,
+    seconds: float,
+    names: Sequence[str],
+    speeds: Sequence[str] | None = None,
+) -> Result:
     """Signals by these names, and velocities if there are any, with the facts of the run."""
     time, signals = recorder.columns()
+    if speeds is None:
+        speeds = velocities(facts.scene) if names else []
     units = recorder.signal_units
     return Result(
         scene_title=facts.scene.title,
         time=time,
         signals=with_velocities(facts.scene, names, time, signals),
-        velocity=with_velocities(
-            facts.scene, velocities(facts.scene) if names else [], time, signals
-        ),
+        velocity=with_velocities(facts.scene, speeds, time, signals),
         seconds=seconds,
         left_out=(*left_out(facts.scene, names), *([] if facts.calls else [NO_CALLS])),
         units=facts.files,

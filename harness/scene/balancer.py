@@ -31,6 +31,7 @@ from .quantities import (
     refusal,
     refuse_other_length,
 )
+from .unit import FmuPath
 
 _OWN = {"mass": "mass", "drag": "drag", "weight_radius": "radius"}  # key, and name in the unit
 MOST_WEIGHTS = 10_000  # a slip of the keyboard, not a balancer
@@ -73,6 +74,9 @@ class Balancer(Table):
     unique; default: the kind.  In FMUs a name with - is quoted: `'left-ring'.drag`."""
     at: Annotated[Whole, Field(ge=1)] = 1
     """Number of the rotor's plane or station it sits on."""
+    fmu: FmuPath = None
+    """FMU that steps it instead of ours, from the folder of the scene file; it has
+    [our ports](units.md); default: ours."""
     inertia_as_force: Annotated[Flag, Feeds()] = False
     """The added mass is sent inside the force, for rotors without that port."""
 

@@ -27,6 +27,7 @@ from .quantities import (
     Whole,
     refusal,
 )
+from .unit import FmuPath
 
 if TYPE_CHECKING:
     from typing_extensions import Self
@@ -57,7 +58,7 @@ class Slider(Table):
     """Of a spring in series with it; default: none, it is rigid."""
 
 
-_NO_ARGUMENTS = ("kind", "friction", "damping_ratio")  # of a constructor of `LinearRotor`
+_NO_ARGUMENTS = ("kind", "fmu", "friction", "damping_ratio")  # of a constructor of `LinearRotor`
 Friction = Annotated[tuple[Slider, ...], Feeds("slider[{n}].")]
 SupportStiffness = Annotated[
     tuple[PositivePair, PositivePair], SI("N/m"), Feeds("support[{n}].stiffness_{axis}")
@@ -95,6 +96,9 @@ class RotorTable(Table):
 
     model: ClassVar[str] = "RotorOnSupports"
     kind: str
+    fmu: FmuPath = None
+    """FMU that steps the rotor instead of ours, from the folder of the scene file; it has
+    [our ports](units.md); default: ours."""
     if TYPE_CHECKING:  # a key of one kind, a property of another
         friction: tuple[Slider, ...]
         damping_ratio: tuple[float, float] | None

@@ -33,6 +33,7 @@ from .rotor import Rotor
 from .rules import TABLES, across, plane_count
 from .run import DEFAULT_COUPLING, FEWEST_REVOLUTIONS, Coupling, Operation, Run
 from .trace import with_corners
+from .unit import Connection, Unit, connection_problems, split_port, with_start_values
 
 if TYPE_CHECKING:
     from typing_extensions import Self
@@ -56,6 +57,10 @@ class Scene(Described):
     """How the units exchange signals."""
     run: Run = Field(default_factory=Run)
     """How long, from where, and what is recorded."""
+    unit: tuple[Unit, ...] = ()
+    """A list of tables: FMUs of any origin beside rotor and balancers."""
+    connection: tuple[Connection, ...] = ()
+    """A list of tables: outputs that feed inputs, of such units, `rotor` or balancers."""
     checks: tuple[AnyCheck, ...] = Field(default=(), alias="check")
     """A list of tables, by kind: what is compared with theory and measurement."""
     on_request: Flag = False
@@ -75,6 +80,8 @@ class Scene(Described):
             coupling: Coupling | Mapping[str, Any] = ...,
             run: Run | Mapping[str, Any] = ...,
             balancing: Balancing | Mapping[str, Any] = ...,
+            unit: Sequence[Unit | Mapping[str, Any]] = (),
+            connection: Sequence[Connection | Mapping[str, Any]] = (),
             check: Sequence[AnyCheck | Mapping[str, Any]] = (),
             title: str = "",
             source: str = "",
@@ -122,6 +129,7 @@ class Scene(Described):
             lines = [*problems(error, document, type(self)), *across(document, planes)]
         else:
             lines = across(document, self.rotor.plane_count) or self._refused_by_models()
+            lines += self._wrongly_connected()
         if lines:
             raise SceneError("\n".join(f"{label}: {line}" for line in lines))
         self._document, self._path, self._label = document, path, label
@@ -208,13 +216,16 @@ class Scene(Described):
         4
         """
         refuse_deep(dict(changes), self._label)
+        document = copy.deepcopy(self._document)
+        if self.unit:
+            document["unit"], changes = with_start_values(document["unit"], plain(dict(changes)))
         labels = {balancer.label: i for i, balancer in enumerate(self.balancer)}
         tables: dict[str, type[Table]] = {name: type(getattr(self, name)) for name in TABLES}
         if self.balancing is not None:
             tables["balancing"] = Balancing
         tables |= {balancer.label: type(balancer) for balancer in self.balancer}
         try:
-            document = replaced(self._document, changes, tables, labels)
+            document = replaced(document, changes, tables, labels)
         except SceneError as error:
             raise SceneError(f"{self._label}: {error}") from None
         return self._of(document, self._path, self._label)
@@ -291,7 +302,46 @@ class Scene(Described):
         document = {k: v for k, v in self._document.items() if k != "check"}
         kept = zip(self.balancer, document.get("balancer", ()), strict=True)
         document["balancer"] = [table for balancer, table in kept if balancer.label not in names]
+        if self.connection:
+            document["connection"] = [
+                table
+                for table in document["connection"]
+                if not {split_port(table[key])[0] for key in ("from", "to")} & set(names)
+            ]
         return self._of(document, self._path, self._label)
+
+    @property
+    def guests(self) -> list[str]:
+        """Parts that are FMUs of any origin, by name and file; none of most scenes."""
+        parts = [("rotor", self.rotor.fmu), *((b.label, b.fmu) for b in self.balancer)]
+        parts += [(unit.name, unit.fmu) for unit in self.unit]
+        return [f"{name} ({Path(fmu).name})" for name, fmu in parts if fmu]
+
+    def refuse_guests(self, what: str) -> None:
+        """Raise SceneError, where parts are FMUs of any origin, for what must know their equations.
+
+        Args:
+            what: as a sentence begins with it.
+        """
+        if self.guests:
+            raise SceneError(
+                f"{self.name}: {', '.join(self.guests)}: {what} requires equations, and those of "
+                "an FMU of any origin are not known: `run`, `scatter --results` and `fit` take it"
+            )
+
+    def _wrongly_connected(self) -> list[str]:
+        """Problems of units and connections."""
+        units = [unit.name for unit in self.unit]
+        others = ["rotor", *(balancer.label for balancer in self.balancer)]
+        taken = [*TABLES, "balancing", "motor", *others]
+        lines = [
+            f'unit[{number}].name = "{name}": taken by another table; give every unit its own'
+            for number, name in enumerate(units, start=1)
+            if name in taken or name in units[: number - 1]
+        ]
+        if self.connection and not self.guests:
+            lines.append("connection: connects [[unit]] tables, and there are none")
+        return lines + connection_problems(self.connection, [*others, *units])
 
     def _refused_by_models(self) -> list[str]:
         """What the models themselves refuse, once the tables are right."""

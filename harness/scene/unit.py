@@ -30,6 +30,8 @@ def _start_values(values: dict[str, Any]) -> dict[str, Any]:
 
 StartValues = Annotated[dict[str, Any], AfterValidator(_start_values)]
 
+FmuPath = Annotated[Annotated[Text, Field(min_length=1)] | None, Field()]
+
 
 class Unit(Table):
     """An FMU for co-simulation, FMI 2.0 or 3.0, of any origin."""

@@ -11,7 +11,7 @@ import sys
 from pathlib import Path
 from types import ModuleType
 
-from ....fmus.python.host import keep
+from ....fmus.python.host import keep, settle_at_exit
 
 MODULE_FILE = "slavemodule.txt"  # pythonfmu's loader reads it
 
@@ -33,7 +33,8 @@ def before_making(folder: Path) -> None:
 
 
 def after_making(folder: Path) -> None:
-    """Give back the reference that the loader of pythonfmu takes, see `fmus.python.host`."""
+    """Undo what the loader of pythonfmu does to its host, see `fmus.python.host`."""
+    settle_at_exit(str(folder))
     name = (folder / "resources" / MODULE_FILE).read_text("utf-8").strip()
     if module := sys.modules.get(name):
         keep(module.__dict__)

@@ -28,6 +28,8 @@ MOST_GROWING_STEPS = 60  # one after the other, each by GROWTH: 300 times as muc
 GROWTH = 1.1
 PROBE = 1e-3  # of an input's value, or in its unit: a disturbance that shows what depends on it
 PROBE_SHARE = 1.0 / 8.0  # of a step: what integrates an input answers that much less
+INTEGRATED = 1e-9  # share of the answer by which two lengths of a step must differ
+BRIEF = 1e-6  # of a step: what a step that is taken back may last
 DIRECT = 0.5  # share of the answer that must be left for the output to depend on it directly
 
 
@@ -66,6 +68,8 @@ class Member:
         ]
         self._all_outputs = unit.group(self._every)
         self.copied = wiring.copied[unit.name]
+        own_abilities = abilities(unit.description)
+        self.is_free = own_abilities.varies_step and not own_abilities.fixed_step
         self.torn = self.through = np.zeros((len(self.inlets), 0))
 
     def send(self, polynomials: Reals, step: float) -> None:
@@ -83,7 +87,7 @@ class Member:
     def lags(self, recorded: Collection[str]) -> bool:
         """Whether one of some outputs shows a held input, which stands at the mean of the step."""
         return any(
-            inlet.takes == HELD and inlet.is_direct is False and inlet.shows_in & set(recorded)
+            inlet.takes == HELD and inlet.holds_mean and inlet.shows_in & set(recorded)
             for inlet in self.inlets
         )
 
@@ -99,6 +103,8 @@ class Member:
         inlet.shows_in |= {n for n, shown in zip(self._every, direct, strict=True) if shown}
         own = {split_port(name)[1] for name in self._names}
         inlet.is_direct, inlet.is_tried = bool(inlet.shows_in & own), True
+        changed = np.abs(long - short).max(initial=0.0) > INTEGRATED * size.max(initial=0.0)
+        inlet.is_mixed = inlet.is_direct and bool(changed) and self.is_free
 
     def fetch(self) -> Reals:
         """(sources, 2) values and slopes of the outputs as they are now; 0 for unknown slopes.
@@ -127,8 +133,8 @@ class Member:
 def given(inlet: Inlet, polynomial: Sequence[float], step: float) -> list[float]:
     """What an input is set to for a signal over a step [s], by value and derivatives at its start.
 
-    A held input takes the signal's mean over the step, so that what it integrates errs by the
-    square of the step; one that an output depends on directly takes the end, where it is read.
+    A held input takes the signal's mean over the step, so that what is integrated errs by the
+    square of the step; one that is only shown directly takes the end, where it is read.
     """
     value, first, second, third = polynomial
     if inlet.takes == CUBIC:
@@ -136,7 +142,7 @@ def given(inlet: Inlet, polynomial: Sequence[float], step: float) -> list[float]
     end = value + step * (first + step * (second / 2.0 + step * third / 6.0))
     if inlet.takes == LINEAR:
         return [value, (end - value) / step if step else first]
-    if inlet.is_direct is False:
+    if inlet.holds_mean:
         return [value + step * (first / 2.0 + step * (second / 6.0 + step * third / 24.0))]
     return [end]
 
@@ -182,6 +188,7 @@ class Network:
         for member in self.members:
             self._factors(member, place[member.unit.name], owner, parallel)
         self._states = [c_void_p() for _ in self.members]  # null: not saved yet
+        self._brief: dict[str, c_void_p] = {}
         self.stuck = [
             m.unit.name for m in self.members if not abilities(m.unit.description).restores_state
         ]
@@ -222,12 +229,31 @@ class Network:
             self._copy(member)
             member.send(member.torn @ assumed + member.through @ through, step)
             member.unit.step(time, step)
-            ends[member.sources] = member.fetch()
+            ends[member.sources] = self._shown(member, assumed, through, time, step)
             for row in self._rows_of(member):
                 end = ends[self._known[row]]
                 through[row] = _path(start[row], end, step, self._orders[self._known[row]])
         self._answers = self._torn_rows.rows(ends[self._assumed])
         return self._through_rows.rows(ends[self._known])
+
+    def _shown(
+        self, member: Member, assumed: Reals, through: Reals, time: float, step: float
+    ) -> Reals:
+        """Outputs of a unit that has stepped.
+
+        One that integrates a held input and shows it too is read after a brief step with the
+        input's end, which is taken back: it has stepped under the mean.
+        """
+        if not any(inlet.is_mixed for inlet in member.inlets):
+            return member.fetch()
+        state = self._brief.setdefault(member.unit.name, c_void_p())
+        member.unit.save(state)
+        ends = (member.torn @ assumed + member.through @ through) @ _to_end(step)
+        member.send(ends, 0.0)
+        member.unit.step(time + step, BRIEF * step)
+        found = member.fetch()
+        member.unit.restore(state)
+        return found
 
     def balancer_pass(self, _accelerations: Cubics, _time: float, _step: float) -> Knots:
         """What the assumed signals have become in `rotor_pass`, where all units have stepped."""
@@ -284,10 +310,26 @@ class Network:
         for member, state in zip(self.members, self._states, strict=True):
             member.unit.restore(state)
 
+    def exchange_states(self, states: list[c_void_p] | None = None) -> list[c_void_p]:
+        """Take out the states kept last, and put others in their place, by default none.
+
+        Those in whose place kept ones are put back are freed.
+        """
+        kept = self._states
+        if states is None:
+            self._states = [c_void_p() for _ in self.members]
+            return kept
+        for member, state in zip(self.members, kept, strict=True):
+            member.unit.free(state)
+        self._states = states
+        return states
+
     def free_states(self) -> None:
         """Give back the memory of the states."""
         for member, state in zip(self.members, self._states, strict=True):
             member.unit.free(state)
+        for name, state in self._brief.items():
+            self.units[name].free(state)
 
     def accept(self, accelerations: Knots, forces: Knots, time: float, step: float) -> None:
         """Take over the ends of the signals of a finished step.
@@ -352,7 +394,7 @@ class Network:
         if not self.can_restore:
             return
         for member in self.members:
-            unknown = [i for i in member.inlets if i.takes == HELD and i.is_direct is None]
+            unknown = [i for i in member.inlets if i.takes == HELD and i.is_direct is not False]
             if not unknown:
                 continue
             answers = [_answers(member, unknown, length) for length in (step, PROBE_SHARE * step)]
@@ -383,6 +425,13 @@ def _answers(member: Member, inlets: Sequence[Inlet], step: float) -> list[NDArr
         unit.restore(state)
         unit.free(state)
     return found
+
+
+def _to_end(step: float) -> NDArray[np.float64]:
+    """What makes a polynomial over a step [s] a constant, its value at the end."""
+    matrix = np.zeros((4, 4))
+    matrix[:, 0] = [step**k / math.factorial(k) for k in range(4)]
+    return matrix
 
 
 def _path(start: Reals, end: Reals, step: float, order: int) -> Reals:

@@ -41,6 +41,7 @@ class Inlet:
         is_direct: whether a connected output depends on it at the same instant; None: not declared.
         shows_in: real outputs that depend on it at the same instant, declared or found by trial.
         is_tried: whether trial steps have found them.
+        is_mixed: whether a unit both integrates it and shows it directly, which trial steps found.
     """
 
     variable: str
@@ -50,6 +51,12 @@ class Inlet:
     is_direct: bool | None
     shows_in: set[str]
     is_tried: bool = False
+    is_mixed: bool = False
+
+    @property
+    def holds_mean(self) -> bool:
+        """Whether a held one stands at the mean of the signal over a step, not at its end."""
+        return self.is_direct is False or self.is_mixed
 
 
 class Copied(NamedTuple):
@@ -235,7 +242,8 @@ def _has_slope(units: Mapping[str, Any], signal: str) -> bool:
     unit, variable = split_port(signal)
     port = units[unit].variables.get(f"der({variable})")
     by_port = port is not None and port.causality == "output"
-    return by_port or abilities(units[unit].description).gives_derivatives
+    by_call = hasattr(units[unit], "derivatives")  # our own units have ports instead
+    return by_port or (by_call and abilities(units[unit].description).gives_derivatives)
 
 
 def _takes(unit: Any, variable: str) -> tuple[int, bool]:
@@ -246,7 +254,8 @@ def _takes(unit: Any, variable: str) -> tuple[int, bool]:
         return CUBIC, False
     if ports[0]:
         return LINEAR, False
-    return (CUBIC, True) if abilities(unit.description).takes_derivatives else (HELD, False)
+    by_call = hasattr(unit, "set_derivatives") and abilities(unit.description).takes_derivatives
+    return (CUBIC, True) if by_call else (HELD, False)
 
 
 def _depends(

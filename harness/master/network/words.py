@@ -25,7 +25,7 @@ def notes(run: Any) -> list[str]:
         f"{unit}.{inlet.variable}"
         for unit, inlets in run.wiring.inlets.items()
         for inlet in inlets
-        if inlet.takes == HELD and inlet.is_direct is not False
+        if inlet.takes == HELD and not inlet.holds_mean and not inlet.is_tried
     ]
     if direct and run.coupled:
         found.append(
@@ -33,7 +33,7 @@ def notes(run: Any) -> list[str]:
             "value at the end of each step; what a unit integrates of it errs by the step"
         )
     for name, unit in run.units.items():
-        if unit.abilities.needs_tool and not unit.is_python:
+        if getattr(unit, "is_python", True) is False and unit.abilities.needs_tool:
             found.append(f"{name}: {unit.path.name} calls a program that it needs on this machine")
         found += [f"{name}: {message}" for message in dict.fromkeys(unit.messages)]
     return found

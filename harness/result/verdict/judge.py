@@ -46,6 +46,8 @@ def judge(result: Result, scene: Scene) -> Verdict:
     ]
     if scene.operation.motor and "motor.speed" not in result.signals:
         missing.append("motor.speed")
+    if scene.guests:
+        return Verdict(called, reason=f"the equations of {', '.join(scene.guests)} are not known")
     if missing:
         return Verdict(called, reason=f"{', '.join(missing)} not recorded")
     ran = Ran(
