@@ -35,6 +35,7 @@ class MeasuredAmplitudes:
         vibrations: (n,) complex amplitudes of a displacement at the rotor's frequency by its
             signal, such as `rotor.x` [m], run-out subtracted, NaN where it was not measured.
         phased: signals whose phase was measured.
+        without_runout: signals of which a run-out was subtracted.
     """
 
     path: Path
@@ -42,6 +43,7 @@ class MeasuredAmplitudes:
     amplitudes: dict[str, Array]
     vibrations: dict[str, Complex] = field(default_factory=dict)
     phased: frozenset[str] = frozenset()
+    without_runout: frozenset[str] = frozenset()
 
     @property
     def sizes(self) -> dict[str, Array]:
@@ -114,24 +116,25 @@ def read_measured(path: Path, scene: Scene) -> MeasuredAmplitudes:
             amplitudes[column.known.name] = table.numbers(column)
         elif column.known.name not in seen:
             settings[column.known.name] = table.numbers(column)
-    vibrations, phased = _vibrations(table, signals)
-    measured = MeasuredAmplitudes(path, settings, amplitudes, vibrations, phased)
+    measured = MeasuredAmplitudes(path, settings, amplitudes, *_vibrations(table, signals))
     _refuse_wrong(measured, names[1:])
     return measured
 
 
 def _vibrations(
     table: Measurements, signals: list[str]
-) -> tuple[dict[str, Complex], frozenset[str]]:
-    """Complex amplitudes by signal [m], and those of them whose phase was measured."""
-    found, phased = {}, set()
+) -> tuple[dict[str, Complex], frozenset[str], frozenset[str]]:
+    """By signal complex amplitudes [m]; those with a phase, those with a run-out subtracted."""
+    found, phased, without_runout = {}, set(), set()
     for signal in signals:
         vibration = read_vibration(table, f"{signal}.")
         if vibration is not None:
             found[signal] = vibration.values * vibration.factor
             if vibration.has_phase:
                 phased.add(signal)
-    return found, frozenset(phased)
+            if vibration.has_runout:
+                without_runout.add(signal)
+    return found, frozenset(phased), frozenset(without_runout)
 
 
 def _setting(scene: Scene, name: str, known: list[str]) -> Known:

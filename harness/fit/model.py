@@ -6,6 +6,7 @@ By runs in C; or, as a first guess, by harmonic balance, where the scene is a ro
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,6 +20,23 @@ from ..result.many import cosimulate_many
 from ..scene import Scene
 from .measured import AMPLITUDE, LARGEST, SPEED, MeasuredAmplitudes
 from .parameters import Parameter
+
+
+class Turning(NamedTuple):
+    """Circles that make up an orbit, of displacements Re(X e^{i theta}) and Re(Y e^{i theta}).
+
+    Attributes:
+        forward: (places, rows) (X + i Y)/2, turns with the rotor [m]; of one direction, X.
+        backward: (places, rows) |X - i Y|/2 [m]; of one direction, 0.
+    """
+
+    forward: Complex
+    backward: Array
+
+    @property
+    def amplitude(self) -> Array:
+        """(rows,) the mean of the largest displacements [m]."""
+        return (np.abs(self.forward) + self.backward).mean(axis=0)
 
 
 class Model:
@@ -69,7 +87,10 @@ class Model:
         place = (np.arange(len(sets))[:, None] * len(self._kinds) + self._kind).ravel()
         speeds = self._measured.settings.get(SPEED)
         sizes, vibrations = self._found(
-            scenes, place, None if speeds is None else np.tile(speeds, len(sets))
+            scenes,
+            place,
+            None if speeds is None else np.tile(speeds, len(sets)),
+            list(self._measured.vibrations),
         )
         sizes[AMPLITUDE] = np.mean([sizes[name] for name in self._supports], axis=0)
         sizes |= {name: np.abs(vibrations[name]) for name in self._measured.vibrations}
@@ -78,23 +99,51 @@ class Model:
         signals = {n: vibrations[n].reshape(shape) for n in self._measured.vibrations}
         return self._measured.joined(logarithms, signals)
 
+    def turning(self, values: Array) -> dict[str, Turning]:
+        """By column what turns with the rotor as a run-out does, with these values.
+
+        A run-out adds to a displacement in one direction as it is, and of an orbit to the part
+        that turns forwards; at each of the supports where their mean was measured.
+
+        Raises:
+            SimulationError: a run has failed.
+        """
+        base = self.scene(values.tolist())
+        prefixes = stations(len(self._stations))
+        signals = [f"rotor.{prefix}{axis}" for prefix in prefixes for axis in "xy"]
+        scenes = [base.replace(kind) for kind in self._kinds]
+        speeds = self._measured.settings.get(SPEED)
+        _, found = self._found(scenes, self._kind, speeds, signals)
+        x, y = (np.array([found[name] for name in signals[axis::2]]) for axis in (0, 1))
+        forward, backward = 0.5 * (x + 1j * y), 0.5 * np.abs(x - 1j * y)
+        at = {name: [k] for k, name in enumerate(self._stations)}
+        at[AMPLITUDE] = [number - 1 for number in self._scene.rotor.supports]
+        largest = (np.abs(forward) + backward).argmax(axis=0), np.arange(self._measured.count)
+        parts = {name: Turning(forward[rows], backward[rows]) for name, rows in at.items()}
+        parts[LARGEST] = Turning(forward[largest][None], backward[largest][None])
+        for name in self._measured.vibrations:
+            parts[name] = Turning(found[name][None], np.zeros((1, self._measured.count)))
+        return {name: parts[name] for name in self._measured.sizes}
+
     def _found(
-        self, scenes: Sequence[Scene], place: NDArray[np.int_], speeds: Array | None
+        self,
+        scenes: Sequence[Scene],
+        place: NDArray[np.int_],
+        speeds: Array | None,
+        signals: Sequence[str],
     ) -> tuple[dict[str, Array], dict[str, Complex]]:
-        """By name residuals and vibrations (places,) of what was measured and the supports [m].
+        """By name residuals of what was measured and of the supports, and signals' vibrations [m].
 
         Args:
             place: (places,) of the scenes.
             speeds: (places,) [rad/s]; else the scene's.
+            signals: displacements of which complex amplitudes (places,) are asked.
         """
         table = {name: np.array(column)[place] for name, column in table_of(scenes).items()}
         if speeds is not None:
             table[SPEED] = speeds
         own = [name for name in self._measured.amplitudes if name != AMPLITUDE]
-        parts = {
-            name: (f"{name}.in_phase", f"{name}.quadrature_lead")
-            for name in self._measured.vibrations
-        }
+        parts = {name: (f"{name}.in_phase", f"{name}.quadrature_lead") for name in signals}
         asked = dict.fromkeys(
             [*own, *self._supports, *(n for pair in parts.values() for n in pair)]
         )
@@ -125,7 +174,11 @@ class HarmonicModel(Model):
         super().__init__(scene, parameters, measured)
 
     def _found(
-        self, scenes: Sequence[Scene], place: NDArray[np.int_], speeds: Array | None
+        self,
+        scenes: Sequence[Scene],
+        place: NDArray[np.int_],
+        speeds: Array | None,
+        signals: Sequence[str],
     ) -> tuple[dict[str, Array], dict[str, Complex]]:
         motion = np.empty((len(place), 2, len(self._stations)), complex)
         for k, scene in enumerate(scenes):
@@ -134,8 +187,8 @@ class HarmonicModel(Model):
             motion[here] = unbalance_response(scene.assembly().rotor, own)
         largest = largest_displacement(motion)
         sizes = {LARGEST: largest.max(axis=1), **dict(zip(self._stations, largest.T, strict=True))}
-        signals = [
+        every = [
             f"rotor.{prefix}{axis}" for axis in "xy" for prefix in stations(len(self._stations))
         ]
-        columns = motion.reshape(len(place), -1).T
-        return sizes, dict(zip(signals, columns, strict=True))
+        columns = dict(zip(every, motion.reshape(len(place), -1).T, strict=True))
+        return sizes, {name: columns[name] for name in signals}

@@ -40,6 +40,12 @@ def document(found: Fit) -> dict[str, Any]:
         },
         "systematic": found.is_systematic,
         "significance": found.significance,
+        "runout": found.runout
+        and {
+            "is_likely": found.runout.is_likely,
+            "significance": None if math.isnan(found.runout.chance) else found.runout.chance,
+            "sizes": dict(found.runout.sizes),
+        },
         "warnings": found.warnings(),
     }
 

@@ -20,6 +20,8 @@ from ..scene import Scene
 from .measured import SPEED, MeasuredAmplitudes, read_measured
 from .model import HarmonicModel, Model
 from .parameters import Parameter
+from .runout import SIGNIFICANCE as RUNOUT_SIGNIFICANCE
+from .runout import Runout, find_runout
 from .search import difference, first_guess, known, rms, search
 from .systematic import SIGNIFICANCE, significance
 
@@ -38,7 +40,8 @@ class Fit(Outcome):
         measured: amplitudes.
         parameters, values: (p,) what was free, and what it is.
         uncertainty: (p,) half the interval of 95 % confidence; infinite where the data do not tell,
-            NaN where a value ended at its limit or the residuals are systematic.
+            NaN where a value ended at its limit or the residuals are systematic.  Wider than from
+            scatter alone where a run-out is likely.
         correlation: (p, p) of the values.
         inflation: (p,) of the interval, over that with all other values known.
         simulated: (n,) amplitudes with these values, as `MeasuredAmplitudes.values` [m].
@@ -46,6 +49,7 @@ class Fit(Outcome):
             `MeasuredAmplitudes.logarithms`.
         significance: probability that independent scatter looks as systematic as the residuals;
             NaN where there are too few to tell.
+        runout: constant run-outs that explain the residuals best; None where all are subtracted.
         at_limit: (p,) whether a value ended at its limit.
         rms: of the residuals, before and after.
         guessed: rms that harmonic balance has with its own values, the least of all starts;
@@ -67,6 +71,7 @@ class Fit(Outcome):
     simulated: Array
     residuals: Array
     significance: float
+    runout: Runout | None
     at_limit: NDArray[np.bool_]
     rms: tuple[float, float]
     guessed: float
@@ -123,20 +128,56 @@ class Fit(Outcome):
             for label, value, ended in zip(labels, self.values, self.at_limit, strict=True)
             if ended
         ]
-        if self.is_systematic:
-            said.append(
-                "residuals of neighbours deviate alike (independent scatter does so in "
-                f"{100.0 * self.significance:.2g} % of files, the limit is "
-                f"{100.0 * SIGNIFICANCE:g} %): something is missing in the scene or was not "
-                "subtracted, such as a run-out; the values can be off by more than any interval "
-                "from scatter, so none is given"
-            )
+        said += self._of_residuals()
         others = np.abs(self.correlation - np.eye(len(labels))).argmax(axis=1)
         return said + [
             f"{labels[i]}: known {self.inflation[i]:.2g} times worse than with the others known; "
             f"most like it is {labels[j]}, correlation {self.correlation[i, j]:+.3f}"
             for i, j in enumerate(others.tolist())
             if ALIKE < self.inflation[i] < math.inf
+        ]
+
+    def _of_residuals(self) -> list[str]:
+        """What residuals show, or may hide."""
+        likely = self.runout is not None and self.runout.is_likely
+        if self.is_systematic:
+            return [
+                "residuals of neighbours deviate alike (independent scatter does so in "
+                f"{100.0 * self.significance:.2g} % of files, the limit is "
+                f"{100.0 * SIGNIFICANCE:g} %): something is missing in the scene or was not "
+                "subtracted, such as a run-out; the values can be off by more than any interval "
+                f"from scatter, so none is given{f'. {self._with_runout()}' if likely else ''}"
+            ]
+        if likely:
+            return [f"{self._with_runout()}; the intervals include both: subtract the run-out"]
+        return self._of_hidden_runout()
+
+    def _with_runout(self) -> str:
+        """How well a run-out explains the residuals, and the values with it."""
+        assert self.runout is not None
+        sizes = ", ".join(f"{size:.2g} m in {name}" for name, size in self.runout.sizes.items())
+        starts = np.array([parameter.start for parameter in self.parameters])
+        labels = [parameter.label for parameter in self.parameters]
+        pairs = zip(labels, self.values + self.runout.shift * starts, strict=True)
+        values = ", ".join(f"{label} = {value:.6g}" for label, value in pairs)
+        return (
+            f"A constant run-out ({sizes}) would explain {100.0 * self.runout.explained:.0f} % of "
+            "the squares of the residuals (in independent scatter, in "
+            f"{100.0 * self.runout.chance:.2g} % of files; the limit is "
+            f"{100.0 * RUNOUT_SIGNIFICANCE:g} %), with {values}"
+        )
+
+    def _of_hidden_runout(self) -> list[str]:
+        """Values that a run-out can change without a trace."""
+        if self.runout is None:
+            return []
+        starts = np.array([abs(parameter.start) for parameter in self.parameters])
+        hidden = np.flatnonzero(self.runout.is_hidden(self.uncertainty / starts))
+        return [
+            f"{self.parameters[k].label}: a run-out of 10 % of the amplitude would move it by up "
+            f"to {self.runout.pull[k] * starts[k]:.2g} and not show in the residuals; the interval "
+            "assumes that there is none"
+            for k in hidden.tolist()
         ]
 
 
@@ -165,11 +206,12 @@ def fit(
     model, logarithms = Model(scene, parameters, measured), measured.logarithms
     is_phase = measured.is_phase
     scale = np.array([parameter.start for parameter in parameters])
-    guess = None
+    guess, closest = None, model
     try:
         by_harmonic = HarmonicModel(scene, parameters, measured)
         reporting = progress if harmonic else None
         guess = first_guess(by_harmonic, model, logarithms, is_phase, starts, reporting)
+        closest = by_harmonic
     except NoResponse as error:
         if harmonic or starts > 1:
             raise UserError(f"{scene.name}: no fit by harmonic balance: {error}") from None
@@ -181,6 +223,13 @@ def fit(
     uncertainty, correlation, inflation = known(solution.jac, solution.fun)
     own = slice(len(logarithms))  # priors follow
     chance = significance(solution.fun[own], solution.jac[own], _sequences(measured))
+    runout = find_runout(
+        solution.fun,
+        solution.jac,
+        measured,
+        closest.turning(solution.x * scale),
+    )
+    uncertainty = runout.widened(uncertainty) if runout else uncertainty
     at_limit = solution.active_mask != 0
     withheld = at_limit | (chance < SIGNIFICANCE) & np.isfinite(uncertainty)
     before, after = model.logarithms(np.array([scale, solution.x * scale]))
@@ -196,6 +245,7 @@ def fit(
         np.exp(after[~is_phase]),
         residuals,
         chance,
+        runout,
         at_limit,
         (rms(difference(before, logarithms, is_phase)), rms(residuals)),
         guess.rms if guess else math.nan,
