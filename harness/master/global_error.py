@@ -32,6 +32,7 @@ from numpy.typing import NDArray
 
 from ..errors import SimulationError
 from ..scene import Scene
+from .cascades import UNRESOLVED, has_cascade
 from .expectation import ORDER_OF_EVENTS, ORDER_OF_JUMPS
 from .names import kin
 from .neighbours import RESOLVED, turned
@@ -212,6 +213,8 @@ class Controlled:
         progress: Progress | None,
     ) -> None:
         """Add what runs at a smaller tolerance, of neighbouring motions, differ by."""
+        if self.expected.can_collide and has_cascade(self.cosim.scene, signals):
+            self.error = max(self.error, UNRESOLVED)
         at, by_steps, others = _shared(grid), self.error, []
         own = {name: each[at] for name, each in signals.items()}
         for near in self._neighbours():

@@ -38,7 +38,7 @@ def rotor():
 
 
 def one(scene, folder, speeds, scatter, runout, random):
-    """Whether an interval is given, whether it covers the truth (2,) each, whether all is silent."""
+    """Whether intervals are given, whether they cover the truth (2,), and no warning is."""
     vector = runout * UNBALANCE / MASS * np.exp(2j * np.pi * random.uniform())
     seen = np.abs(response(speeds) + vector) * np.exp(scatter * random.standard_normal(len(speeds)))
     path = folder / "measured.csv"
@@ -51,7 +51,7 @@ def one(scene, folder, speeds, scatter, runout, random):
 
 
 def coverage(count, speeds, scatter, runout, seed=1):
-    """Shares of intervals given, of these with a warning, of these that cover (2,), of silent misses.
+    """Shares: intervals given, of these with a warning, of these that cover (2,), silent misses.
 
     A silent miss is a truth (2,) outside of an interval without a warning, over all files.
     """
@@ -67,7 +67,9 @@ def coverage(count, speeds, scatter, runout, seed=1):
 
 def main(count):
     """Print a row for every number of speeds, scatter and run-out."""
-    print("speeds scatter run-out | given, of these warned | cover where given (k, d) | silent (k, d)")
+    print(
+        "speeds scatter run-out | given, of these warned | cover where given (k, d) | silent (k, d)"
+    )
     for points in (8, 24, 48):
         for scatter in (0.005, 0.03):
             for runout in (0.0, 0.01, 0.02, 0.05, 0.1, 0.4):

@@ -202,11 +202,21 @@ def two_planes(g: random.Random, m: Machine) -> Document:
     }
 
 
+def off_centre(g: random.Random, m: Machine) -> Document:
+    """Tracks that are off centre, by a share of the vibration of the rotor alone far above it."""
+    document = g.choice((planar, settling, settling, two_planes))(g, m)
+    for balancer in document["balancer"]:
+        size, turn = m.share * m.moment / m.mass * sized(g, 3e-3, 1.0), g.uniform(0.0, math.tau)
+        balancer["track_offset_xi"] = rounded(size * math.cos(turn))
+        balancer["track_offset_eta"] = rounded(size * math.sin(turn))
+    return document
+
+
 FAMILIES: dict[str, Callable[[random.Random, Machine], Document]] = {
     "planar": planar, "short": short, "over capacity": over_capacity,
     "below critical": below_critical, "resonance": resonance, "settling": settling,
     "gravity": gravity, "liquid": liquid, "motor": motor, "profile": profile, "run-up": run_up,
-    "changing": changing, "two planes": two_planes,
+    "changing": changing, "two planes": two_planes, "off centre": off_centre,
 }  # fmt: skip
 
 

@@ -36,7 +36,7 @@ ALIKE = 0.03  # of the vibration: that of a steady motion changes by less
 RTOL = 1e-8
 NOT_BALANCED = {
     Outcome.BELOW_CRITICAL, Outcome.UNSTABLE, Outcome.ANOTHER_MOTION, Outcome.STUCK,
-    Outcome.OUT_OF_REACH, Outcome.TOGETHER,
+    Outcome.OUT_OF_REACH, Outcome.TOGETHER, Outcome.OFF_CENTRE, Outcome.OVER_CAPACITY,
 }  # fmt: skip
 Floats = NDArray[np.float64]
 
@@ -106,7 +106,7 @@ def check(scene: Scene, verdict: Verdict, end: float, by: str) -> tuple[str, tup
     outcome = verdict.outcome
     if outcome in (Outcome.SPEED_CHANGES, Outcome.CANNOT_TELL, Outcome.STANDSTILL):
         return "", ()
-    if outcome is Outcome.OVER_CAPACITY:
+    if outcome is Outcome.OVER_CAPACITY and not any(m.offset for m in scene.assembly().weights):
         held = sum(b.count * b.mass * b.track_radius for b in scene.balancer if hasattr(b, "mass"))
         total = float(np.abs(scene.assembly().at(end).rotor.unbalance).sum())
         return ("within the capacity" if total <= held and len(scene.balancer) == 1 else ""), ()

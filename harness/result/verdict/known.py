@@ -14,6 +14,7 @@ from ....models.assembly import Assembly
 from ....models.harmonic_balance import NoResponse, largest_displacement, unbalance_response
 from ....models.linear.balanced import CannotBalance, WeightTable, balanced_angles, check_reach
 from ....models.linear.growth import Growth
+from ....models.linear.off_centre import centred
 from ....models.rotor import LinearRotor
 from ...scene import Scene
 
@@ -68,6 +69,27 @@ class Known:
     def table(self) -> WeightTable:
         """Every weight."""
         return WeightTable.of(self.assembly)
+
+    @cached_property
+    def balancing(self) -> Assembly:
+        """The machine with centred tracks whose weights balance at the same angles.
+
+        Raises:
+            ArithmeticError, NoResponse: see `centred`.
+        """
+        return centred(self.assembly, self.speed)
+
+    @cached_property
+    def off_centre(self) -> float:
+        """Largest offset of the weights' tracks [m]."""
+        return max((abs(mounted.offset) for mounted in self.assembly.weights), default=0.0)
+
+    @cached_property
+    def left_by_offsets(self) -> float:
+        """Vibration that weights leave in balance, as their tracks are off centre [m]."""
+        if not self.off_centre or self.balanced_at is None:
+            return 0.0
+        return float(self.sizes(self.balanced_at)[0])
 
     @cached_property
     def loaded(self) -> LinearRotor:
@@ -139,9 +161,11 @@ class Known:
         if not len(self.table.angle):
             return None
         try:
-            check_reach(self.assembly, self.table)
+            check_reach(self.balancing, self.table)
         except CannotBalance as error:
             return error
+        except ArithmeticError:
+            return None
         return None
 
     @property
@@ -169,7 +193,7 @@ class Known:
         from ....models.stability import find_growth  # loads SciPy
 
         try:
-            return find_growth(self.assembly, self.speed)
+            return find_growth(self.balancing, self.speed)
         except (ValueError, ArithmeticError):
             return None
 
@@ -184,7 +208,7 @@ class Known:
     def balanced_at(self) -> Array | None:
         """Angles of the weights (K,) in the balanced motion next to where they are [rad]."""
         try:
-            return balanced_angles(self.assembly)
+            return balanced_angles(self.balancing)
         except (ValueError, ArithmeticError):
             return None
 
@@ -194,7 +218,7 @@ class Known:
         revolution, where supports are not alike."""
         from ....models.linear.linearised import linearise
 
-        system, w = linearise(self.assembly), self.speed
+        system, w = linearise(self.balancing), self.speed
         average = system.steady[0] + w * system.steady[1] + w * w * system.steady[2]
         values = np.linalg.eigvals(average)
         slowest = values[values.real.argmax()] if len(values) else complex(-math.inf)

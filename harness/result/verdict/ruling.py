@@ -32,6 +32,7 @@ BESIDE = 0.3  # of a natural frequency: how far beside it weights are captured b
 MOST_REVOLUTIONS = 1e6  # that are advised
 SLOW_PULL = 0.3  # of the unbalance's pull: what other frequencies may shake weights by
 DOUBT = "; how long the weights need is not known"  # a longer run may tell
+OFFSETS_TELL = 1.3  # of the limit: the motion that an offset leaves is known so well
 SWING = 0.02  # rad: smaller swings by gravity are no reason
 
 
@@ -149,6 +150,8 @@ def _from_facts(known: Known) -> Ruling | None:
             "the weights' planes cannot undo this unbalance: at least "
             f"{percent(known.least / known.alone)} of the vibration is left",
         )
+    if known.left_by_offsets > OFFSETS_TELL * known.limit:
+        return _off_centre(known)
     if known.growth is None or known.growth.state == "stable":
         return None
     here = in_both(known.speed, "rad/s")
@@ -168,6 +171,15 @@ def _from_facts(known: Known) -> Ruling | None:
         Outcome.UNSTABLE,
         f"unstable at this speed, {here}: a deviation from balance grows by "
         f"{brief(known.growth.rate)} 1/s",
+    )
+
+
+def _off_centre(known: Known) -> Ruling:
+    """Weights that bring the centre of their track to rest, and not the rotor."""
+    return Ruling(
+        Outcome.OFF_CENTRE,
+        f"the weights' track is off centre by {millimetres(known.off_centre)}: in balance "
+        f"{percent(known.left_by_offsets / known.alone)} of the vibration is left",
     )
 
 
@@ -414,6 +426,8 @@ def _settling(case: Case, now: Vibration, weights: Weights, left: float) -> Ruli
     calm = others <= SLOW_PULL * known.speed**2 * known.alone
     if away.max() > NEAR or rates.max() > 2.0 * NEAR or not calm or case.is_moved_by_gravity:
         return None
+    if OFFSETS_TELL * known.left_by_offsets > known.limit:
+        return None
     size = known.size_of_turns(away + rates) + now.size + now.rest
     seconds = SAFE * known.time_constant * math.log(max(2.0, MARGIN * size / known.limit))
     return Ruling(
@@ -457,6 +471,8 @@ def _resting(case: Case, now: Vibration, weights: Weights, _left: float) -> Ruli
             Outcome.GRAVITY_SWING,
             "gravity swings the weights in every revolution and drags them out of balance",
         )
+    if OFFSETS_TELL * known.left_by_offsets > known.limit:
+        return _off_centre(known)
     leaves = difference_growth(known.assembly, known.speed, weights.angles)
     if (leaves > 1e-6 * known.speed).any():
         return Ruling(

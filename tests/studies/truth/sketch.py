@@ -152,10 +152,13 @@ def along_profile(generator: random.Random, sketch: Sketch, document: Document) 
     stops = [
         sketch.speed * sometimes(generator, 0.75, generator.random()) for _ in range(count + 1)
     ]
-    stops[generator.randrange(count + 1)] = sketch.speed
+    fastest = generator.randrange(count + 1)
+    stops[fastest] = sketch.speed
     if generator.random() < 0.3:
         k = generator.randrange(count)
         stops[k + 1] = stops[k]
+    if not any(stops):  # the line that stays was the only one that turns
+        stops[fastest] = sketch.speed
     lengths = [sized(generator, 0.2, 1.0) for _ in range(count)]
     turned = sum(
         t * (low + high) / 2.0 for t, (low, high) in zip(lengths, pairwise(stops), strict=True)

@@ -195,6 +195,18 @@ def test_a_profile_is_judged_on_its_plateaus_and_a_standstill_is_not():
     assert "stands still" not in said
 
 
+@pytest.mark.parametrize(
+    ("share", "outcome"), [(0.01, Outcome.BALANCED), (0.1, Outcome.OFF_CENTRE)]
+)
+def test_a_track_off_centre_leaves_the_vibration_of_its_offset(share, outcome):
+    alone = verdict(drum(turns=600)).alone
+    found = verdict(drum(turns=600, balls__track_offset_xi=share * alone))
+    assert found.outcome is outcome
+    if outcome is Outcome.OFF_CENTRE:
+        assert f"in balance {100 * share:.0f} % of the vibration is left" in found.reason
+        assert found.vibration == pytest.approx(share * alone, rel=0.1)
+
+
 def test_every_plateau_has_its_verdict():
     found = verdict(profile((0, 40), (5, 40), (8, 150), (14, 150)))
     assert [one.outcome for *_, one in found.plateaus] == [
