@@ -13,7 +13,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..arrays import Complex
+from ..arrays import Array, Complex
 from ..assembly import Assembly
 from ..harmonic_balance import unbalance_response
 from ..weights import Weights
@@ -23,15 +23,16 @@ def track_offsets(assembly: Assembly) -> tuple[Complex, Complex]:
     """Offset (p,) of the tracks of every plane [m], their mean by moments, and the unbalance (n,)
     of the weights' masses on them [kg m]."""
     rotor = assembly.rotor
-    moments, shares = np.zeros((2, rotor.plane_count), complex)
-    unbalance = np.zeros(rotor.stations, complex)
+    moments: Array = np.zeros(rotor.plane_count)
+    shares: Complex = np.zeros(rotor.plane_count, complex)
+    unbalance: Complex = np.zeros(rotor.stations, complex)
     for mounted in assembly.weights:
         assert isinstance(mounted.device, Weights)
         held = mounted.device.point_capacity
         moments[mounted.plane] += held
         shares[mounted.plane] += held * mounted.offset
         unbalance += mounted.device.added_mass * mounted.offset * rotor.planes[mounted.plane]
-    return shares / np.where(moments, moments, 1.0), unbalance
+    return np.asarray(shares / np.where(moments, moments, 1.0), complex), unbalance
 
 
 def centred(assembly: Assembly, speed: float) -> Assembly:
@@ -60,7 +61,7 @@ def centred(assembly: Assembly, speed: float) -> Assembly:
         raise ArithmeticError("the weights cannot hold the centres of all tracks") from None
     return replace(
         assembly,
-        rotor=replace(assembly.rotor, unbalance=-(moments @ planes)),
+        rotor=replace(assembly.rotor, unbalance=np.asarray(-(moments @ planes), complex)),
         balancers=tuple(replace(mounted, offset=0j) for mounted in assembly.balancers),
         later=(),
     )

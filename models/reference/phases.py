@@ -94,7 +94,11 @@ def integrate_phases(
 def solve_to_event(
     bodies: Bodies, t: float, end: float, y: Array, phase: Any, **options: Any
 ) -> OptimizeResult:
-    """The motion from `t` up to `end`, or until a value of `bodies.watched` falls through 0."""
+    """The motion from `t` up to `end`, or until a value of `bodies.watched` falls through 0.
+
+    Raises:
+        ArithmeticError: SciPy does not find an event between the ends of its step.
+    """
     last: list = [None, None, None]
 
     def value(t: float, y: Array, number: int) -> float:
@@ -110,7 +114,10 @@ def solve_to_event(
 
         event.terminal, event.direction = True, -1  # type: ignore[attr-defined]
         events.append(event)
-    return solve_ivp(
-        lambda t, y: bodies.rhs(t, y, phase), (t, end), y, events=events, dense_output=True,
-        max_step=LONGEST / bodies.fastest(y), **options,
-    )  # fmt: skip
+    try:
+        return solve_ivp(
+            lambda t, y: bodies.rhs(t, y, phase), (t, end), y, events=events, dense_output=True,
+            max_step=LONGEST / bodies.fastest(y), **options,
+        )  # fmt: skip
+    except ValueError as error:  # its interpolation and its steps may differ in a sign
+        raise ArithmeticError(f"an event after {t:g} s is not found: {error}") from None
