@@ -14,7 +14,7 @@ from ..native.build.compile import libraries, stamp
 from ..native.build.targets import present_platform
 from .composition import Composition
 
-_REASON = 512  # BATCH_REASON of fmi/batch.h
+_REASON = 512  # BATCH_REASON of coupling/batch.h
 _D, _U = POINTER(c_double), POINTER(c_uint)
 
 
@@ -24,8 +24,11 @@ class _Batch(Structure):
         ("references", _U),
         ("asked", c_size_t),
         ("outputs", _U),
+        ("asked_last", c_size_t),
+        ("last_outputs", _U),
         ("points", c_size_t),
         ("own_steps", c_int),
+        ("side_by_side", c_int),
     )
 
 
@@ -39,7 +42,7 @@ def present() -> tuple[ctypes.CDLL, str]:
     here = present_platform()
     library = ctypes.CDLL(str(libraries([here])[here]))
     function = library.autobalancer_runs
-    function.argtypes = (c_char_p, POINTER(_Batch), c_size_t, _D, _D, _D, POINTER(c_char))
+    function.argtypes = (c_char_p, POINTER(_Batch), c_size_t, _D, _D, _D, _D, POINTER(c_char))
     function.restype = c_size_t
     return library, stamp()
 
@@ -54,6 +57,8 @@ class BatchRuns:
         points: times at which they are read, besides the start, spread evenly over a run.
         own_steps: read them where the composite's own steps end instead, at most so often; time
             comes before the outputs then, and NaN follows after the last step.
+        last: outputs that are read at the end alone.
+        side_by_side: most machines that go on so; 0: as many as the processor's vectors take.
 
     Raises:
         KeyError: there is no such variable.
@@ -67,21 +72,17 @@ class BatchRuns:
         asked: Sequence[str],
         points: int,
         own_steps: bool = False,
+        last: Sequence[str] = (),
+        side_by_side: int = 0,
     ) -> None:
         self._library, current = present()
         self._token = composition.token(current).encode()
         index = composition.layout.index
-        self._references, self._outputs = (
-            np.array([index[name] for name in names], np.uintc) for names in (changed, asked)
-        )
-        self._batch = _Batch(
-            len(changed),
-            self._references.ctypes.data_as(_U),
-            len(asked),
-            self._outputs.ctypes.data_as(_U),
-            points,
-            own_steps,
-        )
+        self._names = [
+            np.array([index[name] for name in names], np.uintc) for names in (changed, asked, last)
+        ]
+        named = [part for names in self._names for part in (len(names), names.ctypes.data_as(_U))]
+        self._batch = _Batch(*named, points, own_steps, side_by_side)
 
     def __call__(
         self, values: NDArray[np.float64], ends: NDArray[np.float64]
@@ -96,16 +97,25 @@ class BatchRuns:
             Outputs (runs, points + 1, asked), NaN from where a run has failed, and why it has; an
             empty text for one that has not.
         """
+        records, _, reasons = self.with_last(values, ends)
+        return records, reasons
+
+    def with_last(
+        self, values: NDArray[np.float64], ends: NDArray[np.float64]
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64], list[str]]:
+        """As a call; between outputs and reasons those that are read at the end (runs, last)."""
         values, ends = (np.ascontiguousarray(a, float) for a in (values, ends))
         width = self._batch.asked + self._batch.own_steps
         records = np.empty((len(ends), self._batch.points + 1, width))
+        last = np.empty((len(ends), self._batch.asked_last))
         reasons = ctypes.create_string_buffer(max(1, len(ends)) * _REASON)
         self._library.autobalancer_runs(
             self._token,
             byref(self._batch),
             len(ends),
-            *(a.ctypes.data_as(_D) for a in (values, ends, records)),
+            *(a.ctypes.data_as(_D) for a in (values, ends, records, last)),
             reasons,
         )
-        texts = (reasons.raw[k * _REASON : (k + 1) * _REASON] for k in range(len(ends)))
-        return records, [text.split(b"\0", 1)[0].decode() for text in texts]
+        raw = reasons.raw
+        texts = (raw[k * _REASON : (k + 1) * _REASON] for k in range(len(ends)))
+        return records, last, [text.split(b"\0", 1)[0].decode() for text in texts]

@@ -92,11 +92,11 @@ def cosimulate_many(
     asked = [
         f"rotor.{prefix}{axis}" for prefix in stations(len(scene.rotor.stations)) for axis in "xy"
     ]
-    asked += ["coupling.error", "coupling.loop_gain"]
+    asked += dict.fromkeys(means[name] for name in results if name in means)
     states = names_of_states(scene) if "merged" in results else []
-    others = {*RESULTS, *residuals, *parts_of}
-    wanted = [means.get(n, n) for n in results if n not in others]
-    asked += list(dict.fromkeys([*wanted, *states]))
+    others = {*RESULTS, *residuals, *parts_of, *means}
+    wanted = [name for name in results if name not in others]
+    ending = list(dict.fromkeys(["coupling.error", "coupling.loop_gain", *wanted, *states]))
     ends = np.full(len(values), end_time(scene))
     paced = "coupling.top_speed" if scene.operation.motor else "speed"
     if paced in columns and not profile.changes and scene.run.duration is None:
@@ -113,20 +113,22 @@ def cosimulate_many(
     needed = 8.0 * _COPIES * size * threads * (points + 1) * len(asked)
     what = f"run.revolutions = {scene.revolutions:g}: what many runs are read from needs"
     refuse_beyond(free_memory(), needed, what, "use fewer")
-    runs = BatchRuns(made, list(columns), asked, points)
+    runs = BatchRuns(made, list(columns), asked, points, last=ending)
     heavy = bool(scene.operation.gravity) or any("gravity" in name for name in columns)
 
     def chunk(first: int) -> dict[str, NDArray]:
         part = slice(first, first + size)
-        signals, reasons = runs(values[part], ends[part])
-        reduced = _reduced(signals, turns, ends[part], asked, residuals, heavy)
+        signals, at_end, reasons = runs.with_last(values[part], ends[part])
+        motion = signals[:, :, : 2 * len(scene.rotor.stations)]
+        reduced = _reduced(motion, turns, ends[part], residuals, heavy)
+        reduced |= dict(zip(["error", "loop_gain", *ending[2:]], at_end.T, strict=True))
         late = signals[:, -((signals.shape[1] - 1) // turns) :]
         for name in set(means).intersection(results):
             reduced[name] = late[:, :, asked.index(means[name])].mean(axis=1)
         for name in set(parts_of).intersection(results):
             signal, which = parts_of[name]
-            motion = late[:, :, asked.index(signal)]
-            reduced[name] = _turning(motion, points, scene.revolutions)[which]
+            turning = _turning(late[:, :, asked.index(signal)], points, scene.revolutions)
+            reduced[name] = turning[which]
         if "merged" in results:
             together = merged_runs(scene, {name: reduced[name] for name in states})
             failed = np.isnan(reduced["residual"])
@@ -172,16 +174,14 @@ def _turning(motion: NDArray, points: int, revolutions: float) -> NDArray:
 
 
 def _reduced(
-    signals: NDArray,
+    motion: NDArray,
     turns: int,
     ends: NDArray,
-    asked: Sequence[str],
     residuals: Sequence[str],
     heavy: bool,
 ) -> dict[str, NDArray]:
-    """Results of runs from their outputs (runs, points + 1, asked); `heavy`: under gravity."""
-    places = asked.index("coupling.error")
-    pairs = signals[:, :, :places].reshape(*signals.shape[:2], -1, 2)
+    """Results of runs from x, y of all stations (runs, points + 1, 2 n); `heavy`: under gravity."""
+    pairs = motion.reshape(*motion.shape[:2], -1, 2)
     if heavy:  # a sag is no vibration
         pairs = pairs - pairs[:, -((pairs.shape[1] - 1) // turns) :].mean(axis=1, keepdims=True)
     squares = pairs[..., 0] ** 2 + pairs[..., 1] ** 2  # roots are taken of what is left of them
@@ -194,13 +194,10 @@ def _reduced(
     last_away = turns - np.argmax(away[:, ::-1], axis=1)
     steady = np.abs(envelope[:, -2] - residual) <= STEADY * largest
     settling = np.where(away.any(axis=1), last_away, 0) / turns * np.where(steady, ends, math.nan)
-    found = {
+    return {
         "residual": residual,
         "largest": largest,
         "settling_time": settling,
         "settled": np.where(np.isnan(residual), math.nan, steady),
-        "error": signals[:, -1, places],
-        "loop_gain": signals[:, -1, places + 1],
         **dict(zip(residuals, last.T, strict=True)),
     }
-    return found | {name: signals[:, -1, k] for k, name in enumerate(asked) if k > places + 1}

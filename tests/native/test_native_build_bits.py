@@ -199,6 +199,26 @@ def test_a_composite_has_the_bits_it_has_on_glibc(machine, scene, changes, outco
         assert pair[0] == pair[1], f"line {number}"
 
 
+@pytest.mark.parametrize("scene", ["two_balls", "drum", "filimonikhina"])
+@pytest.mark.parametrize("machine", [name for name in MACHINES if name != "glibc"])
+def test_machines_side_by_side_have_the_bits_of_one_alone_on_glibc(machine, scene, outcome):
+    """Seven unbalances in four lanes, so that one that is finished takes the next machine."""
+    token, line = composite(scene, {"tolerance": 1e-5})
+    names = composition(load_scene(scene)).described("Composite").layout.index
+    first, _, _, length = line.split()
+    values = [bits(size * 1e-3) for size in (0.1, 1.0, 0.3, 2.0, 0.5, 1.5, 0.7)]
+    reference = names[
+        next(name for name in names if name.startswith("rotor.") and "unbalance" in name)
+    ]
+
+    def order(side: int) -> list[str]:
+        return [token, f"{first} 10 1f {length} {reference:x} {side:x} 7 {' '.join(values)}"]
+
+    expected = outcome("glibc", order(1))
+    assert len(set(expected)) == len(expected) == len(values)
+    assert outcome(machine, order(4)) == expected == outcome("glibc", order(2))
+
+
 def composite(scene: str, changes: dict[str, float]) -> list[str]:
     """A scene's composite, some seven times per revolution."""
     loaded = load_scene(scene)

@@ -2,11 +2,14 @@
    kind.  Every operation is rounded number by number, as if there were no pairs.
 
    An x86-64 or 64-bit ARM processor holds both numbers in one register; compilers make use of that only
-   where they are told to.  Elsewhere a pair is two numbers.  A pair lies at a multiple of its size. */
+   where they are told to.  Elsewhere, and of machines side by side, a pair is two numbers.  A pair lies at a
+   multiple of its size. */
 #ifndef AUTOBALANCER_PAIR_H
 #define AUTOBALANCER_PAIR_H
 
-#if defined(__x86_64__) || defined(_M_X64)
+#include "base/number.h"
+
+#if (defined(__x86_64__) || defined(_M_X64)) && !defined(SIDE_BY_SIDE)
 #include <emmintrin.h>
 
 typedef struct {
@@ -50,7 +53,7 @@ static inline Pair pair_times(Pair a, Pair b)
     return made;
 }
 
-#elif defined(__aarch64__) || defined(_M_ARM64)
+#elif (defined(__aarch64__) || defined(_M_ARM64)) && !defined(SIDE_BY_SIDE)
 #include <arm_neon.h>
 
 typedef struct {
@@ -97,21 +100,21 @@ static inline Pair pair_times(Pair a, Pair b)
 #else
 
 typedef struct {
-    double x, y;
+    Number x, y;
 } Pair;
 
-static inline Pair pair_of(double x, double y)
+static inline Pair pair_of(Number x, Number y)
 {
     const Pair made = {x, y};
     return made;
 }
 
-static inline double pair_x(Pair a)
+static inline Number pair_x(Pair a)
 {
     return a.x;
 }
 
-static inline double pair_y(Pair a)
+static inline Number pair_y(Pair a)
 {
     return a.y;
 }
@@ -136,23 +139,36 @@ static inline Pair pair_times(Pair a, Pair b)
 
 #endif
 
-static inline Pair pair_both(double x)
+static inline Pair pair_both(Number x)
 {
     return pair_of(x, x);
 }
 
+static inline Pair pair_zero(void)
+{
+    return pair_both(number_of(0.0));
+}
+
+/* e^{i angle} */
+static inline Pair pair_direction(Number angle)
+{
+    Number cosine, sine;
+    number_direction(angle, &cosine, &sine);
+    return pair_of(cosine, sine);
+}
+
 /* The first number, or the second. */
-static inline double pair_at(Pair a, int second)
+static inline Number pair_at(Pair a, int second)
 {
     return second ? pair_y(a) : pair_x(a);
 }
 
-static inline void pair_set(Pair *a, int second, double value)
+static inline void pair_set(Pair *a, int second, Number value)
 {
     *a = second ? pair_of(pair_x(*a), value) : pair_of(value, pair_y(*a));
 }
 
-static inline Pair pair_scaled(Pair a, double factor)
+static inline Pair pair_scaled(Pair a, Number factor)
 {
     return pair_times(a, pair_both(factor));
 }
@@ -163,7 +179,7 @@ static inline Pair pair_add_times(Pair a, Pair b, Pair c)
     return pair_sum(a, pair_times(b, c));
 }
 
-static inline Pair pair_add_scaled(Pair a, Pair b, double factor)
+static inline Pair pair_add_scaled(Pair a, Pair b, Number factor)
 {
     return pair_sum(a, pair_scaled(b, factor));
 }
@@ -197,7 +213,7 @@ static inline Pair pair_product(Pair a, Pair b)
 }
 
 /* Im(a* b). */
-static inline double pair_crossed(Pair a, Pair b)
+static inline Number pair_crossed(Pair a, Pair b)
 {
     return pair_x(a) * pair_y(b) - pair_y(a) * pair_x(b);
 }

@@ -24,13 +24,14 @@ from pathlib import Path
 from ...unit import alternatives
 from ...xml.archive import source, write
 from .layout import constants, header
-from .targets import COMPILE, LINK, PAGE, PLATFORMS, TARGETS, Platform
+from .targets import COMPILE, LANES_COMPILE, LINK, PAGE, PLATFORMS, TARGETS, Platform
 
 COMPILER = "0.17.1"  # version of ziglang: part of the stamp, another writes other bytes
 
 SOURCES = Path(__file__).resolve().parents[1]
 BINARIES = SOURCES / "bin"
 _KEPT = SOURCES / "__pycache__" / "stamp"
+LANES = "lanes"  # folder of what is compiled once more, for machines side by side
 SOURCE = "autobalancer.c"  # what is compiled: all of them
 
 _INCLUDE = re.compile(r'^#include "(.+)"$', re.M)
@@ -101,7 +102,14 @@ def stamp() -> str:
 
 def _present_files() -> str:
     """Digest of the times and sizes of all files that the stamp is computed from."""
-    known = (COMPILER, COMPILE, LINK, sorted(TARGETS.items()), *_times(SOURCES.parent))
+    known = (
+        COMPILER,
+        COMPILE,
+        LANES_COMPILE,
+        LINK,
+        sorted(TARGETS.items()),
+        *_times(SOURCES.parent),
+    )
     shared = os.stat(SOURCES.parents[1] / "models" / "constants.py")
     return hashlib.sha256(repr((known, shared.st_mtime_ns, shared.st_size)).encode()).hexdigest()
 
@@ -120,7 +128,20 @@ def _times(folder: Path | str) -> Iterator[tuple[str, int, int]]:
 def one_source(folder: str = "") -> str:
     """The C sources one behind the other, each behind what it includes, with the folder's own."""
     written, _ = _complete()
-    others = {platform.folder for platform in TARGETS.values()} - {folder, ""}
+    others = {platform.folder for platform in TARGETS.values()} - {folder, ""} | {LANES}
+    sources = [n for n in written if n.endswith(".c") and n.split("/")[0] not in others]
+    return _joined(written, sources)
+
+
+def lanes_source() -> str:
+    """The series once more, with numbers of several machines: no part of an FMU's sources."""
+    written, _ = _complete()
+    written["base/number.h"] = written[f"{LANES}/lane_number.h"]
+    return _joined(written, [f"{LANES}/lanes.c"])
+
+
+def _joined(written: dict[str, str], sources: Iterable[str]) -> str:
+    """Texts one behind the other, each once and behind what it includes."""
     parts: dict[str, str] = {}
 
     def add(name: str) -> None:
@@ -130,9 +151,8 @@ def one_source(folder: str = "") -> str:
             # messages of the compiler then name the file and the line
             parts[name] = f'#line 1 "{name}"\n' + _INCLUDE.sub("", written[name])
 
-    for name in written:
-        if name.endswith(".c") and name.split("/")[0] not in others:
-            add(name)
+    for name in sources:
+        add(name)
     return "".join(parts.values())
 
 
@@ -146,7 +166,7 @@ def _complete() -> tuple[dict[str, str], str]:
     """Sources with what is generated, the variables of the units and the stamp; and the stamp."""
     written = {**texts(), "layout.h": header(), "constants.h": constants()}
     total = hashlib.sha256()
-    for text in (COMPILER, *COMPILE, *LINK, *map(repr, TARGETS.values())):
+    for text in (COMPILER, *COMPILE, *LANES_COMPILE, *LINK, *map(repr, TARGETS.values())):
         total.update(text.encode() + b"\0")
     for name, text in written.items():
         total.update(f"{name}\0{len(text)}\0{text}".encode())
@@ -176,7 +196,13 @@ def _compiled(platform: Platform, folder: Path) -> bytes:
     target = ("cc", "-target", platform.target)
     write(folder / SOURCE, one_source(platform.folder).encode())
     linked = ["autobalancer.o"]
-    _zig(folder, *target, *COMPILE, *platform.compiler, "-c", SOURCE, "-o", *linked)
+    options = (*COMPILE, *platform.compiler, *(["-DHAS_LANES"] if platform.lanes else []))
+    _zig(folder, *target, *options, "-c", SOURCE, "-o", *linked)
+    if platform.lanes:
+        write(folder / "lanes.c", lanes_source().encode())
+        linked.append("lanes.o")
+        options = (*COMPILE, *LANES_COMPILE, *platform.compiler)
+        _zig(folder, *target, *options, "-c", "lanes.c", "-o", linked[-1])
     if platform.library.endswith(".dll"):
         # what names msvcrt.dll has: zig's own import libraries take a minute to make
         write(folder / "msvcrt.def", texts()["windows/msvcrt.def"].encode())

@@ -16,6 +16,8 @@ COMPILE = (
     *("-fno-unroll-loops", "-fno-vectorize", "-fno-slp-vectorize"),
     *("-fPIC", "-fvisibility=hidden", "-D_FORTIFY_SOURCE=0", "-g0"),
 )
+# machines side by side: small functions of long vectors must all be put in line
+LANES_COMPILE = ("-mllvm", "-inline-threshold=225", "-Wno-psabi", "-Wno-unused-function")
 # nothing unwinds the stack of C; Windows wants its tables, and with them needs no frame pointers
 _NO_TABLES = ("-fno-asynchronous-unwind-tables", "-fno-unwind-tables")
 _NO_FRAMES = ("-fomit-frame-pointer",)
@@ -38,6 +40,7 @@ class Platform:
         library: file name.
         compiler, link: further options of either.
         folder: of sources for it alone.
+        lanes: whether machines of a batch go on side by side, in vectors.
     """
 
     target: str
@@ -45,6 +48,7 @@ class Platform:
     compiler: tuple[str, ...] = ()
     link: tuple[str, ...] = _SHARED
     folder: str = ""
+    lanes: bool = True
 
 
 # by their names in FMI 3.0
@@ -65,6 +69,7 @@ _PAGE = Platform(
     ("-fno-pic",),
     ("-Wl,--no-entry", "-Wl,-z,stack-size=1048576"),
     "wasm",
+    lanes=False,
 )
 TARGETS = {**PLATFORMS, PAGE: _PAGE}
 

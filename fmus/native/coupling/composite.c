@@ -604,25 +604,40 @@ int composite_pass_jump(Unit *unit)
     return begin_anew(unit, time) || composite_follow_changes(unit);
 }
 
+bool composite_reaches(const Composite *c, double time)
+{
+    const Clock *clock = &c->course->clock;
+    const double point = REACHED_OF_STEP * clock->length + REACHED_OF_TIME * absolute(time);
+    return !(clock->time < time - point);
+}
+
+int composite_refuse_many(Unit *unit, double passes, double length)
+{
+    const Composite *c = unit->own;
+    if (c->course->total.passes - passes <= MOST_MOVES / c->part_count) {
+        return 0;
+    }
+    return unit_fail(unit, "a step of %6 s takes too many steps of the coupling: one call may move all parts "
+                     "together 1e7 times; use shorter communication steps", length);
+}
+
 /* Step and move the units to a time. */
 static int reach_time(Unit *unit, double end)
 {
     const Composite *c = unit->own;
     const Course *course = c->course;
-    const double begin = unit->time, most = course->total.passes + MOST_MOVES / c->part_count;
+    const double begin = unit->time, passes = course->total.passes;
     for (;;) {
-        const double point = REACHED_OF_STEP * course->clock.length + REACHED_OF_TIME * absolute(end);
-        if (!(course->clock.time < end - point)) {
+        if (composite_reaches(c, end)) {
+            const double point = REACHED_OF_STEP * course->clock.length + REACHED_OF_TIME * absolute(end);
             return show_time(unit, end, course->clock.time <= end + point);
         }
         if (unit->one_step_per_call && course->clock.time > begin) {
             unit->made = course->clock.time - begin;
             return show_time(unit, course->clock.time, 1);
         }
-        if (course->total.passes > most) {
-            return unit_fail(unit, "a step of %6 s takes too many steps of the coupling: one call "
-                             "may move all parts together 1e7 times; use shorter communication "
-                             "steps", end - begin);
+        if (composite_refuse_many(unit, passes, end - begin)) {
+            return 1;
         }
         if (composite_go_on(unit)) {
             composite_put_gain(unit);

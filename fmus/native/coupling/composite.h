@@ -232,6 +232,10 @@ int composite_pass_jump(Unit *unit);
 int composite_meet_host(Unit *unit);
 /* Go to a time, over jumps, with the inputs as the host has set them; 1 with the reason. */
 int composite_go_to(Unit *unit, double time);
+/* Whether the last step of the coupling ends there or later. */
+bool composite_reaches(const Composite *c, double time);
+/* 1 with the reason where a step of this length has taken too many of the coupling since so many passes. */
+int composite_refuse_many(Unit *unit, double passes, double length);
 
 /* -- unbalance_changes.c ---------------------------------------------------------------------- */
 

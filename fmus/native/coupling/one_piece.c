@@ -72,6 +72,7 @@ int one_piece_make(Unit *unit)
         make(c, rate, &pieces->step);
         make(c, rate, &pieces->instant);
         pieces->is_made = true;
+        pieces->times_made++;
         pieces->key[0] = not_a_number();
     }
     return 0;
@@ -203,6 +204,7 @@ int one_piece_begin(Unit *unit)
         return 1;
     }
     c->course->loop.gain = gain_of(c);
+    c->pieces.is_begun = false;
     one_piece->active = one_piece->stands = one_piece->placed = 1.0;
     one_piece->line = -1.0;
     one_piece->largest = larger(first_displacement(c), largest_of(2 * n, place));

@@ -39,6 +39,9 @@ typedef struct {
 typedef struct {
     Machine step, instant; /* series of the step, and of the present state alone */
     bool is_made;          /* whether both are those of the parameters */
+    size_t times_made;     /* how often they have been made */
+    bool is_watched;       /* whether somebody reads what looks find, whatever is asked for */
+    bool is_begun;         /* whether the step to come has been begun: one_piece_prepare */
     int followers;         /* parts that follow their plane's place */
     double share;          /* of the tolerance, as a run has it; 0: all of it */
     double *begun_forces;  /* in the unit's memory: from outside, at the start of the step (planes, 2) [N] */
@@ -63,6 +66,9 @@ int one_piece_make(Unit *unit);
 int one_piece_begin(Unit *unit);
 /* One step from where the last one ends, or from where the parts stand; 1 with the reason. */
 int one_piece_step(Unit *unit);
+/* The first part of a step, for who expands machines side by side: its state in the machine, the angle of the
+   rotor, and whether it is to be expanded.  one_piece_step is the rest.  1 with the reason. */
+int one_piece_prepare(Unit *unit, double *angle, bool *is_wanted);
 /* Begin anew where the parts are shown, and something has jumped; 1 with the reason. */
 int one_piece_begin_anew(Unit *unit);
 
@@ -72,8 +78,12 @@ int one_piece_begin_anew(Unit *unit);
 double one_piece_step_tolerance(const Unit *unit);
 /* Order of the step that is shown. */
 int one_piece_order(const Composite *c);
-/* Make the series of the present step where there is none; 1 with the reason. */
+/* Load the state of the present step into its machine, and the angle of the rotor, where there is no series of it;
+   make the series.  1 with the reason. */
+int one_piece_load_step(Unit *unit, double *angle, bool *is_wanted);
 int one_piece_expand(Unit *unit);
+/* A time in the step, in the machine's. */
+double one_piece_time(const Composite *c, double time);
 /* Let the parts stand at a time of the step, in the machine's [1]. */
 void one_piece_stand_at(Unit *unit, double time);
 /* Let the parts stand at the time that is shown; 1 with the reason. */
@@ -104,6 +114,8 @@ int one_piece_signals(Unit *unit);
 OutputKind one_piece_outputs(Unit *unit);
 /* Write places, where nothing else is asked for; 1 with the reason. */
 int one_piece_observe_places(Unit *unit);
+/* The same at a time in the step, in the order in which they are asked for. */
+void one_piece_read_places(const Composite *c, double time, double *values);
 /* Derivatives of the states of model exchange, of each part in turn; 1 with the reason. */
 int one_piece_rates(Unit *unit, double *rates);
 

@@ -81,14 +81,14 @@ void one_piece_push(const Composite *c, Machine *m, const double *forces, double
     }
 }
 
-/* Make the series of the present step where there is none; 1 with the reason. */
-int one_piece_expand(Unit *unit)
+int one_piece_load_step(Unit *unit, double *angle, bool *is_wanted)
 {
     Composite *c = unit->own;
     Pieces *pieces = &c->pieces;
     const OnePiece *one_piece = &c->course->one_piece;
     const size_t forces = outside_count(c);
-    double *key = pieces->wanted, angle;
+    double *key = pieces->wanted;
+    *is_wanted = false;
     if (!pieces->is_made && one_piece_make(unit)) {
         return 1;
     }
@@ -109,13 +109,27 @@ int one_piece_expand(Unit *unit)
     }
     memcpy(pieces->key, pieces->wanted, pieces->key_count * sizeof(double));
     one_piece_push(c, &pieces->step, pieces->begun_forces, one_piece->pushed);
-    angle =
+    *angle =
         one_piece_load(c, &pieces->step, c->at_begin, one_piece->speed, one_piece->acceleration);
     if (c->motor) {
         one_piece_set_line(&pieces->step, (int)one_piece->line);
     }
-    machine_expand(&pieces->step, angle, one_piece_order(c));
+    *is_wanted = true;
     c->course->total.passes += 1.0;
+    return 0;
+}
+
+int one_piece_expand(Unit *unit)
+{
+    Composite *c = unit->own;
+    double angle;
+    bool is_wanted;
+    if (one_piece_load_step(unit, &angle, &is_wanted)) {
+        return 1;
+    }
+    if (is_wanted) {
+        machine_expand(&c->pieces.step, angle, one_piece_order(c));
+    }
     return 0;
 }
 
@@ -159,7 +173,7 @@ void one_piece_stand_at(Unit *unit, double time)
     }
 }
 
-static double time_within(const Composite *c, double time)
+double one_piece_time(const Composite *c, double time)
 {
     return (time - c->course->clock.begin) * c->pieces.step.rate;
 }
@@ -175,7 +189,7 @@ int one_piece_place(Unit *unit)
     if (one_piece_expand(unit)) {
         return 1;
     }
-    one_piece_stand_at(unit, time_within(c, clock->shown));
+    one_piece_stand_at(unit, one_piece_time(c, clock->shown));
     one_piece->placed = 1.0;
     return 0;
 }
@@ -184,7 +198,7 @@ int one_piece_places(Unit *unit, Pair *places)
 {
     const Composite *c = unit->own;
     const Machine *m = &c->pieces.step;
-    const double time = time_within(c, c->course->clock.shown);
+    const double time = one_piece_time(c, c->course->clock.shown);
     int k, order;
     if (one_piece_expand(unit)) {
         return 1;

@@ -221,6 +221,25 @@ int one_piece_observe_places(Unit *unit)
     return 0;
 }
 
+void one_piece_read_places(const Composite *c, double time, double *values)
+{
+    const Pieces *pieces = &c->pieces;
+    const Machine *m = &pieces->step;
+    const int order = one_piece_order(c);
+    const double within = one_piece_time(c, time);
+    Pair place = pair_zero();
+    int column = -1;
+    size_t k;
+    for (k = 0; k < pieces->planned; k++) {
+        const Output *output = pieces->plan + k;
+        if (output->column != column) {
+            column = output->column;
+            place = machine_at(m->motion + column, m->width, order, within);
+        }
+        values[k] = pair_at(place, output->number);
+    }
+}
+
 /* -- model exchange ------------------------------------------------------------------------------- */
 
 int one_piece_rates(Unit *unit, double *rates)

@@ -89,17 +89,39 @@ static int choose_length(Unit *unit, double *length)
     return 0;
 }
 
+/* Go to the end of the last step and begin the next, where that has not been done; 1 with the reason. */
+static int begin_next(Unit *unit)
+{
+    Composite *c = unit->own;
+    if (c->pieces.is_begun) {
+        c->pieces.is_begun = false;
+        return 0;
+    }
+    if (c->course->one_piece.stands == 0.0 && finish(unit)) {
+        return 1;
+    }
+    begin_step(unit);
+    return 0;
+}
+
+int one_piece_prepare(Unit *unit, double *angle, bool *is_wanted)
+{
+    Pieces *pieces = &((Composite *)unit->own)->pieces;
+    pieces->is_begun = false;
+    if (begin_next(unit)) {
+        return 1;
+    }
+    pieces->is_begun = true;
+    return one_piece_load_step(unit, angle, is_wanted);
+}
+
 int one_piece_step(Unit *unit)
 {
     const Composite *c = unit->own;
     Course *course = c->course;
     OnePiece *one_piece = &course->one_piece;
     double length, end, turned;
-    if (one_piece->stands == 0.0 && finish(unit)) {
-        return 1;
-    }
-    begin_step(unit);
-    if (choose_length(unit, &length)) {
+    if (begin_next(unit) || choose_length(unit, &length)) {
         return 1;
     }
     end = course->clock.begin + length * c->pieces.step.per_rate;

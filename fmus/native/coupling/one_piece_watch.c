@@ -10,7 +10,7 @@ bool one_piece_is_unwatched(const Unit *unit)
     const Composite *c = unit->own;
     size_t k;
     for (k = 0; k < unit->asked_count && unit->asked; k++) {
-        if (unit->asked[k] >= c->results) {
+        if (c->pieces.is_watched || unit->asked[k] >= c->results) {
             return 0;
         }
     }

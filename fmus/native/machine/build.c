@@ -3,65 +3,6 @@
 #include "base/matrix.h"
 #include "machine/machine.h"
 
-static Pair *counted_pairs(Unit *unit, size_t count, int *missing)
-{
-    Pair *made = unit_allocate(unit, count, sizeof(Pair));
-    *missing |= !made;
-    return made;
-}
-
-static double *counted_doubles(Unit *unit, size_t count, int *missing)
-{
-    double *made = unit_allocate(unit, count, sizeof(double));
-    *missing |= !made;
-    return made;
-}
-
-int machine_allocate(Unit *unit, Machine *machine, int stations, int weights, int tracks)
-{
-    enum { COEFFICIENTS = MOST_ORDER + 3 };
-    const size_t n = (size_t)stations, width = n + ((size_t)weights + 1) / 2, square = n * n;
-    const size_t unknowns = 2 * n + 1;
-    int k, missing = 0;
-    for (k = 1; k < (int)(sizeof machine->per / sizeof *machine->per); k++) {
-        machine->per[k] = 1.0 / k;
-    }
-    machine->stations = stations;
-    machine->width = (int)width;
-    machine->mass = counted_doubles(unit, square, &missing);
-    machine->stiffness = counted_pairs(unit, square, &missing);
-    machine->damping = counted_pairs(unit, square, &missing);
-    machine->cross_stiffness = counted_pairs(unit, square, &missing);
-    machine->cross_damping = counted_pairs(unit, square, &missing);
-    machine->internal_damping = counted_doubles(unit, square, &missing);
-    machine->gyroscopic = counted_doubles(unit, square, &missing);
-    machine->unbalance = counted_pairs(unit, n, &missing);
-    machine->push = counted_pairs(unit, SIGNAL_ORDERS * n, &missing);
-    machine->motion = counted_pairs(unit, COEFFICIENTS * width, &missing);
-    machine->velocity = counted_pairs(unit, COEFFICIENTS * width, &missing);
-    machine->acceleration = counted_pairs(unit, COEFFICIENTS * n, &missing);
-    machine->turning = counted_pairs(unit, COEFFICIENTS * n, &missing);
-    machine->swept = counted_pairs(unit, COEFFICIENTS * n, &missing);
-    machine->sheared = counted_pairs(unit, COEFFICIENTS * n, &missing);
-    machine->spin = counted_pairs(unit, COEFFICIENTS, &missing);
-    machine->speed = counted_doubles(unit, COEFFICIENTS, &missing);
-    machine->matrix = counted_doubles(unit, unknowns * unknowns, &missing);
-    machine->right = counted_doubles(unit, unknowns, &missing);
-    machine->tracks = unit_allocate(unit, (size_t)tracks, sizeof(MachineTrack));
-    machine->weights = unit_allocate(unit, (size_t)weights, sizeof(SeriesWeight));
-    if (missing || !machine->tracks || !machine->weights) {
-        return 1;
-    }
-    for (k = 0; k < tracks; k++) {
-        machine->tracks[k].pull = counted_pairs(unit, COEFFICIENTS, &missing);
-    }
-    for (k = 0; k < weights; k++) {
-        machine->weights[k].unit = counted_pairs(unit, COEFFICIENTS, &missing);
-        machine->weights[k].rate = counted_pairs(unit, COEFFICIENTS, &missing);
-    }
-    return missing;
-}
-
 static int any_of(const double *values, int count)
 {
     int k, found = 0;

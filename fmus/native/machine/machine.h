@@ -21,8 +21,10 @@
 #ifndef AUTOBALANCER_MACHINE_H
 #define AUTOBALANCER_MACHINE_H
 
+#include "base/number.h"
 #include "base/pair.h"
 #include "fmi/unit.h"
+#include "machine/blocks.h"
 #include "machine/weights_series.h"
 #include "rotor/motor.h"
 #include "units/rotor_unit.h"
@@ -35,10 +37,10 @@ enum { LEAST_ORDER = 8, MOST_ORDER = 36 };
 /* The weights of one balancer. */
 typedef struct {
     int first, end;    /* of the machine's weights */
-    const double *row; /* (n,) of its plane */
+    const Number *row; /* (n,) of its plane */
     Pair offset;       /* of the track's centre from the plane's, in the rotor [m] */
     int is_off;        /* whether that is not 0 */
-    double mass;       /* of all its weights [kg] */
+    Number mass;       /* of all its weights [kg] */
     Pair *pull;        /* (K + 1,) series of -i (s A + e E'') */
     Pair known;        /* of the coefficient to come, what does not wait for w': e E'' */
 } MachineTrack;
@@ -46,8 +48,8 @@ typedef struct {
 /* The motor's torque on one line, in the machine's time. */
 typedef struct {
     const Motor *motor;   /* NULL: the speed is prescribed */
-    double inertia;       /* of all that turns [kg m^2] */
-    double torque, slope; /* at speed 0, and by the speed */
+    Number inertia;       /* of all that turns [kg m^2] */
+    Number torque, slope; /* at speed 0, and by the speed */
 } MachineDrive;
 
 typedef struct {
@@ -57,12 +59,12 @@ typedef struct {
     int turns;    /* whether forces turn the rotor's velocity: internal damping or gyroscopic */
     double per[MOST_ORDER + 4]; /* 1/k */
     double rate, per_rate; /* 2^k, 2^-k: one over the unit of time [1/s] */
-    /* of the rotor, in the machine's time; pairs are of x and y */
-    double *mass;                          /* (n, n) [kg] */
+    /* of the rotor, in the machine's time; pairs are of x and y.  blocks.c lists all that is read here */
+    Number *mass;                          /* (n, n) [kg] */
     Pair *stiffness, *damping;             /* (n, n) */
     Pair *cross_stiffness, *cross_damping; /* (n, n) force along x by motion along y, along y by that along x */
     bool crossed;                          /* whether there is any */
-    double *internal_damping, *gyroscopic; /* (n, n) */
+    Number *internal_damping, *gyroscopic; /* (n, n) */
     Pair *unbalance;                       /* (n,) */
     Pair *push;                            /* (4, n) series of F, of order 0 to 3 */
     Pair gravity;
@@ -76,34 +78,49 @@ typedef struct {
     Pair *turning;      /* (K + 1, n) C_i q + G v */
     Pair *swept, *sheared; /* (K + 1, n) w q, C_i (v - i w q); with a motor */
     Pair *spin;         /* (K + 3,) E */
-    double *speed;      /* (K + 2,) w */
+    Number *speed;      /* (K + 2,) w */
     int speed_order;    /* the highest that is not 0 */
-    double *matrix;     /* (unknowns, unknowns) Cholesky's factor, with one over its diagonal; of two
+    Number *matrix;     /* (unknowns, unknowns) Cholesky's factor, with one over its diagonal; of two
                            unknowns the inverse */
-    double *right;      /* (unknowns,) */
+    Number *right;      /* (unknowns,) */
 } Machine;
 
-/* -- build.c ----------------------------------------------------------------------------------- */
+/* -- allocate.c --------------------------------------------------------------------------------- */
 
 /* Memory for a machine of these sizes, in `unit`; 1 where there is none. */
 int machine_allocate(Unit *unit, Machine *machine, int stations, int weights, int tracks);
+
+/* -- build.c ----------------------------------------------------------------------------------- */
+
 /* Begin anew, in this unit of time, with this rotor; then its balancers, and a motor. */
 void machine_take_rotor(Machine *machine, const LinearRotor *rotor, double rate);
 void machine_take_liquid(Machine *machine, const double *row, double mass);
 void machine_take_weights(Machine *machine, const double *row, const Track *track);
 void machine_take_motor(Machine *machine, const Motor *motor);
 
+/* -- blocks.c ------------------------------------------------------------------------------------ */
+
+/* What decides how a machine is computed: (SHAPE_SIZE + SHAPE_OF_TRACK tracks,); and give it to another, with as
+   much memory. */
+void machine_shape(const Machine *machine, int *shape);
+void machine_reshape(Machine *machine, const int *shape);
+/* Its blocks, and how many they are: what stays, the state that is expanded, and the coefficients up to an
+   order. */
+int machine_constants(const Machine *machine, NumberBlock *blocks);
+int machine_state(const Machine *machine, NumberBlock *blocks);
+int machine_results(const Machine *machine, int order, NumberBlock *blocks);
+
 /* -- series.c ----------------------------------------------------------------------------------- */
 
 /* Coefficients of all series up to that of order K of the motion, 2 or more, from those of order 0 of
    motion, velocity and speed, and the angle.  The speed's of order 1 is given where it is prescribed. */
-void machine_expand(Machine *machine, double angle, int order);
+void machine_expand(Machine *machine, Number angle, int order);
 
 /* -- shaft_series.c ----------------------------------------------------------------------------- */
 
 /* The right-hand side of the shaft of order k; the speed's coefficient of k + 1 from the solution. */
 void shaft_push(Machine *machine, int k);
-double shaft_take(Machine *machine, int k);
+Number shaft_take(Machine *machine, int k);
 
 /* -- pace.c ------------------------------------------------------------------------------------- */
 

@@ -4,7 +4,7 @@
 
 /* The number that multiplies each unknown in a weight's equation, by 1/(kappa R); unknowns: A as x and y of
    every station, then w'. */
-static double coupled(const Machine *m, const MachineTrack *track, const SeriesWeight *weight, int unknown)
+static Number coupled(const Machine *m, const MachineTrack *track, const SeriesWeight *weight, int unknown)
 {
     const Pair p = weight->unit[0];
     if (unknown < 2 * m->stations) {
@@ -18,11 +18,11 @@ static double coupled(const Machine *m, const MachineTrack *track, const SeriesW
 static void set_matrix(Machine *m)
 {
     const int n = m->stations, size = m->unknowns;
-    double *a = m->matrix;
+    Number *a = m->matrix;
     int i, j, t, w;
     for (i = 0; i < 2 * n; i++) {
         for (j = 0; j <= i; j++) {
-            a[i * size + j] = i % 2 == j % 2 ? m->mass[i / 2 * n + j / 2] : 0.0;
+            a[i * size + j] = i % 2 == j % 2 ? m->mass[i / 2 * n + j / 2] : number_of(0.0);
         }
     }
     if (size > 2 * n) {
@@ -38,8 +38,8 @@ static void set_matrix(Machine *m)
         for (w = track->first; w < track->end; w++) {
             const SeriesWeight *weight = m->weights + w;
             for (i = 0; i < size; i++) {
-                const double scaled = weight->share * coupled(m, track, weight, i);
-                for (j = 0; j <= i && scaled != 0.0; j++) {
+                const Number scaled = weight->share * coupled(m, track, weight, i);
+                for (j = 0; j <= i && !number_is_zero(scaled); j++) {
                     a[i * size + j] -= scaled * coupled(m, track, weight, j);
                 }
             }
@@ -50,10 +50,10 @@ static void set_matrix(Machine *m)
 static void factorise(Machine *m)
 {
     const int size = m->unknowns;
-    double *a = m->matrix;
+    Number *a = m->matrix;
     int i, j, k;
     if (size == 2) {
-        const double over = 1.0 / (a[0] * a[3] - a[2] * a[2]), xx = a[0];
+        const Number over = 1.0 / (a[0] * a[3] - a[2] * a[2]), xx = a[0];
         a[0] = a[3] * over;
         a[3] = xx * over;
         a[1] = a[2] = -a[2] * over;
@@ -61,36 +61,36 @@ static void factorise(Machine *m)
     }
     for (j = 0; j < size; j++) {
         for (i = j; i < size; i++) {
-            double sum = a[i * size + j];
+            Number sum = a[i * size + j];
             for (k = 0; k < j; k++) {
                 sum -= a[i * size + k] * a[j * size + k];
             }
-            a[i * size + j] = i == j ? 1.0 / square_root(sum) : sum * a[j * size + j];
+            a[i * size + j] = i == j ? 1.0 / number_root(sum) : sum * a[j * size + j];
         }
     }
 }
 
 /* The unknowns of an order in place of their right-hand sides. */
-static void solve(const Machine *m, double *b)
+static void solve(const Machine *m, Number *b)
 {
     const int size = m->unknowns;
-    const double *a = m->matrix;
+    const Number *a = m->matrix;
     int i, k;
     if (size == 2) {
-        const double x = b[0], y = b[1];
+        const Number x = b[0], y = b[1];
         b[0] = a[0] * x + a[1] * y;
         b[1] = a[2] * x + a[3] * y;
         return;
     }
     for (i = 0; i < size; i++) {
-        double sum = b[i];
+        Number sum = b[i];
         for (k = 0; k < i; k++) {
             sum -= a[i * size + k] * b[k];
         }
         b[i] = sum * a[i * size + i];
     }
     for (i = size - 1; i >= 0; i--) {
-        double sum = b[i];
+        Number sum = b[i];
         for (k = i + 1; k < size; k++) {
             sum -= a[k * size + i] * b[k];
         }
@@ -122,7 +122,7 @@ static Pair spun(const Machine *m, int k)
     if (!m->drive.motor && k < m->speed_order) {
         sum = pair_add_scaled(sum, m->spin[0], m->speed[k + 1]);
     }
-    return pair_scaled(pair_turned(sum), k + 1);
+    return pair_scaled(pair_turned(sum), number_of(k + 1));
 }
 
 /* Forces on the stations of order k, apart from the weights'. */
@@ -142,7 +142,7 @@ static void push_stations(Machine *m, int k, Pair spun_twice)
             sum = pair_difference(sum, pair_add_times(sprung, m->cross_damping[i * n + j], pair_swapped(v[j])));
         }
         if (m->turns) {
-            Pair turning = pair_both(0.0);
+            Pair turning = pair_zero();
             for (j = 0; j < n; j++) {
                 const Pair damped = pair_scaled(q[j], m->internal_damping[i * n + j]);
                 turning = pair_sum(turning, pair_add_scaled(damped, v[j], m->gyroscopic[i * n + j]));
@@ -164,15 +164,15 @@ static void push_stations(Machine *m, int k, Pair spun_twice)
 static void push_weights(Machine *m, int k, Pair spun_twice)
 {
     const int n = m->stations;
-    const double carried = m->drive.motor || k >= m->speed_order ? 0.0 : m->speed[k + 1] * (k + 1);
+    const Number carried = m->drive.motor || k >= m->speed_order ? number_of(0.0) : m->speed[k + 1] * (double)(k + 1);
     int t, w, i;
     for (t = 0; t < m->track_count; t++) {
         MachineTrack *track = m->tracks + t;
-        Pair force = pair_both(0.0);
+        Pair force = pair_zero();
         track->known = track->is_off ? pair_product(track->offset, spun_twice) : force;
         for (w = track->first; w < track->end; w++) {
             SeriesWeight *weight = m->weights + w;
-            const double speed = pair_at(m->velocity[k * m->width + n + w / 2], w % 2);
+            const Number speed = pair_at(m->velocity[k * m->width + n + w / 2], w % 2);
             series_weight_advance(weight, k, track->pull, track->known, speed, carried);
             force = pair_sum(force, series_weight_force(weight));
         }
@@ -192,12 +192,12 @@ static void take_stations(Machine *m, int k)
     for (i = 0; i < n; i++) {
         const Pair a = pair_of(m->right[2 * i], m->right[2 * i + 1]);
         m->acceleration[k * n + i] = a;
-        v[i] = pair_scaled(k == 0 ? pair_sum(a, m->gravity) : a, m->per[k + 1]);
-        q[i] = pair_scaled(v[i], m->per[k + 2]);
+        v[i] = pair_scaled(k == 0 ? pair_sum(a, m->gravity) : a, number_of(m->per[k + 1]));
+        q[i] = pair_scaled(v[i], number_of(m->per[k + 2]));
     }
 }
 
-static void take_weights(Machine *m, int k, double speed_gained)
+static void take_weights(Machine *m, int k, Number speed_gained)
 {
     const int n = m->stations;
     int t, w, i;
@@ -215,7 +215,7 @@ static void take_weights(Machine *m, int k, double speed_gained)
         for (w = track->first; w < track->end; w++) {
             SeriesWeight *weight = m->weights + w;
             const Pair along = pair_times(pair_turned_back(a), weight->unit[0]);
-            double pulled = pair_x(along) + pair_y(along);
+            Number pulled = pair_x(along) + pair_y(along);
             if (m->drive.motor) {
                 pulled -= weight->roll * m->right[2 * n];
             }
@@ -224,16 +224,15 @@ static void take_weights(Machine *m, int k, double speed_gained)
         }
     }
     for (w = n; w < m->width; w++) {
-        m->motion[(k + 1) * m->width + w] = pair_scaled(m->velocity[k * m->width + w], m->per[k + 1]);
+        m->motion[(k + 1) * m->width + w] = pair_scaled(m->velocity[k * m->width + w], number_of(m->per[k + 1]));
     }
 }
 
-static void start_series(Machine *m, double angle)
+static void start_series(Machine *m, Number angle)
 {
     const int n = m->stations;
-    const Complex turned = rect(1.0, angle);
-    int i, t, w;
-    m->spin[0] = pair_of(turned.re, turned.im);
+        int i, t, w;
+    m->spin[0] = pair_direction(angle);
     m->spin[1] = pair_scaled(pair_turned(m->spin[0]), m->speed[0]);
     for (t = 0; t < m->track_count; t++) {
         for (w = m->tracks[t].first; w < m->tracks[t].end; w++) {
@@ -249,14 +248,14 @@ static void start_series(Machine *m, double angle)
     factorise(m);
 }
 
-void machine_expand(Machine *m, double angle, int order)
+void machine_expand(Machine *m, Number angle, int order)
 {
     int k;
-    m->speed_order = m->drive.motor ? 0 : m->speed[1] != 0.0;
+    m->speed_order = m->drive.motor ? 0 : !number_is_zero(m->speed[1]);
     start_series(m, angle);
     for (k = 0; k <= order - 2; k++) {
         Pair spun_twice = spun(m, k);
-        double gained = !m->drive.motor && k < m->speed_order ? m->speed[k + 1] : 0.0;
+        Number gained = !m->drive.motor && k < m->speed_order ? m->speed[k + 1] : number_of(0.0);
         push_stations(m, k, spun_twice);
         push_weights(m, k, spun_twice);
         if (m->drive.motor) {
@@ -269,11 +268,11 @@ void machine_expand(Machine *m, double angle, int order)
         }
         take_weights(m, k, gained);
         if (m->drive.motor) {
-            spun_twice = pair_add_scaled(spun_twice, pair_turned(m->spin[0]), gained * (k + 1));
+            spun_twice = pair_add_scaled(spun_twice, pair_turned(m->spin[0]), gained * (double)(k + 1));
         }
-        m->spin[k + 2] = pair_scaled(spun_twice, m->per[k + 1] * m->per[k + 2]);
+        m->spin[k + 2] = pair_scaled(spun_twice, number_of(m->per[k + 1] * m->per[k + 2]));
     }
     for (k = m->stations; k < m->width; k++) { /* the last of the weights' angles */
-        m->motion[order * m->width + k] = pair_scaled(m->velocity[(order - 1) * m->width + k], m->per[order]);
+        m->motion[order * m->width + k] = pair_scaled(m->velocity[(order - 1) * m->width + k], number_of(m->per[order]));
     }
 }

@@ -2,14 +2,14 @@
 #include "machine/machine.h"
 
 /* Torque of internal damping on the shaft of order k, Im(q* C_i (v - i w q)). */
-static double damped(Machine *m, int k)
+static Number damped(Machine *m, int k)
 {
     const int n = m->stations;
     const Pair *q = m->motion, *v = m->velocity + k * m->width;
-    double torque = 0.0;
+    Number torque = number_of(0.0);
     int i, j;
     for (i = 0; i < n; i++) {
-        Pair sheared = pair_both(0.0);
+        Pair sheared = pair_zero();
         for (j = 0; j < n; j++) {
             const Pair past = pair_difference(v[j], pair_turned(m->swept[k * n + j]));
             sheared = pair_add_scaled(sheared, past, m->internal_damping[i * n + j]);
@@ -23,10 +23,10 @@ static double damped(Machine *m, int k)
 }
 
 /* Torque of the tracks' offsets without phi'' of order k, less that of a weight's mass. */
-static double off_centre(const Machine *m, const MachineTrack *track, const SeriesWeight *weight, int k)
+static Number off_centre(const Machine *m, const MachineTrack *track, const SeriesWeight *weight, int k)
 {
     const Pair free = pair_turned(pair_add_scaled(weight->turned, weight->unit[0], weight->free));
-    double sum = pair_crossed(pair_product(track->offset, m->spin[0]), free);
+    Number sum = pair_crossed(pair_product(track->offset, m->spin[0]), free);
     int j;
     for (j = 1; j <= k; j++) {
         const int second = k - j;
@@ -40,9 +40,9 @@ void shaft_push(Machine *m, int k)
 {
     const MachineDrive *drive = &m->drive;
     const int n = m->stations;
-    double torque = drive->slope * m->speed[k] + (k == 0 ? drive->torque : 0.0);
+    Number torque = drive->slope * m->speed[k] + (k == 0 ? drive->torque : number_of(0.0));
     int t, w, i, j;
-    torque += m->turns ? damped(m, k) : 0.0;
+    torque += m->turns ? damped(m, k) : number_of(0.0);
     for (j = 1; j <= k; j++) {
         for (i = 0; i < n; i++) {
             torque -= pair_crossed(pair_product(m->unbalance[i], m->spin[j]), m->acceleration[(k - j) * n + i]);
@@ -52,7 +52,7 @@ void shaft_push(Machine *m, int k)
         const MachineTrack *track = m->tracks + t;
         for (w = track->first; w < track->end; w++) {
             const SeriesWeight *weight = m->weights + w;
-            const double back = track->is_off ? off_centre(m, track, weight, k) : 0.0;
+            const Number back = track->is_off ? off_centre(m, track, weight, k) : number_of(0.0);
             torque += weight->torque * pair_at(m->velocity[k * m->width + n + w / 2], w % 2) +
                       weight->moment * (weight->roll * weight->free - back);
         }
@@ -60,9 +60,9 @@ void shaft_push(Machine *m, int k)
     m->right[2 * n] = torque;
 }
 
-double shaft_take(Machine *m, int k)
+Number shaft_take(Machine *m, int k)
 {
-    const double gained = m->right[2 * m->stations] * m->per[k + 1];
+    const Number gained = m->right[2 * m->stations] * m->per[k + 1];
     m->speed[k + 1] = gained;
     m->speed_order = k + 1;
     return gained;

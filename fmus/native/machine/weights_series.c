@@ -2,18 +2,17 @@
 
 #include "base/elementary.h"
 
-void series_weight_start(SeriesWeight *weight, double angle)
+void series_weight_start(SeriesWeight *weight, Number angle)
 {
-    const Complex unit = rect(1.0, angle);
-    weight->unit[0] = pair_of(unit.re, unit.im);
+    weight->unit[0] = pair_direction(angle);
     weight->unit[1] = pair_times(pair_turned(weight->unit[0]), weight->rate[0]);
 }
 
 /* Im(a p*) is the sum of both numbers of (-i a) p. */
-void series_weight_advance(SeriesWeight *weight, int k, const Pair *pull, Pair known, double speed, double carried)
+void series_weight_advance(SeriesWeight *weight, int k, const Pair *pull, Pair known, Number speed, Number carried)
 {
     const Pair *unit = weight->unit + k, *rate = weight->rate;
-    const Pair none = pair_both(0.0);
+    const Pair none = pair_zero();
     Pair even = none, odd = none, along = pair_times(pair_turned_back(known), weight->unit[0]), across = none;
     int j;
     for (j = 0; j + 1 < k; j += 2) { /* two sums each: one waits for the last one's end */
@@ -29,7 +28,7 @@ void series_weight_advance(SeriesWeight *weight, int k, const Pair *pull, Pair k
     }
     even = pair_add_times(even, unit[1 - j], rate[j]);
     along = pair_sum(along, across);
-    weight->turned = pair_scaled(pair_sum(even, odd), k + 1);
+    weight->turned = pair_scaled(pair_sum(even, odd), number_of(k + 1));
     weight->free = -weight->lever * ((pair_x(along) + pair_y(along)) - weight->roll * carried) -
                    weight->damping_rate * speed;
 }
@@ -40,9 +39,9 @@ Pair series_weight_force(const SeriesWeight *weight)
     return pair_scaled(pair_turned_back(moved), weight->moment);
 }
 
-void series_weight_finish(SeriesWeight *weight, int k, double acceleration, const double *per)
+void series_weight_finish(SeriesWeight *weight, int k, Number acceleration, const double *per)
 {
-    const double second = per[0] * per[1];
+    const Number second = number_of(per[0] * per[1]);
     weight->rate[k + 1] = pair_both(acceleration * per[0]);
     weight->unit[k + 2] =
         pair_scaled(pair_turned(pair_add_scaled(weight->turned, weight->unit[0], acceleration)), second);

@@ -2,34 +2,37 @@
 #ifndef AUTOBALANCER_WEIGHTS_SERIES_H
 #define AUTOBALANCER_WEIGHTS_SERIES_H
 
+#include "base/number.h"
 #include "base/pair.h"
+
+enum { WEIGHT_NUMBERS = 7 }; /* which say a weight, in SeriesWeight */
 
 /* A weight of mass m at radius R, in units of a machine's time. */
 typedef struct {
-    double moment;       /* m R [kg m] */
-    double share;        /* m/kappa [kg] */
-    double lever;        /* 1/(kappa R) [1/m] */
-    double damping_rate; /* d = b/(kappa m) */
-    double roll;         /* (kappa - 1) (R + r): how far w' carries it along [m] */
-    double inertia;      /* (kappa - 1) m (R + r)^2, on the shaft [kg m^2] */
-    double torque;       /* b R^2, on the shaft by its speed on the track */
+    Number moment;       /* m R [kg m] */
+    Number share;        /* m/kappa [kg] */
+    Number lever;        /* 1/(kappa R) [1/m] */
+    Number damping_rate; /* d = b/(kappa m) */
+    Number roll;         /* (kappa - 1) (R + r): how far w' carries it along [m] */
+    Number inertia;      /* (kappa - 1) m (R + r)^2, on the shaft [kg m^2] */
+    Number torque;       /* b R^2, on the shaft by its speed on the track */
     Pair *unit;  /* (K + 3,) series of p = e^{i phi}, fixed axes */
     Pair *rate;  /* (K + 2,) of phi', twice */
     /* of the coefficient to come: */
     Pair turned; /* what p' leads to without phi'', by i (k + 1) */
-    double free; /* phi'' on a track that is held from here on */
+    Number free; /* phi'' on a track that is held from here on */
 } SeriesWeight;
 
 /* Set p and p' at the start from the angle and phi', which is in `rate`. */
-void series_weight_start(SeriesWeight *weight, double angle);
+void series_weight_start(SeriesWeight *weight, Number angle);
 /* The parts of order k that are known before the acceleration of that order: 'turned' and 'free'.
 
    pull: series of -i a, a the track's acceleration, up to order k - 1; known: a part of that of order k;
    speed: phi' - w of order k; carried: w' of order k, where it is known. */
-void series_weight_advance(SeriesWeight *weight, int k, const Pair *pull, Pair known, double speed, double carried);
+void series_weight_advance(SeriesWeight *weight, int k, const Pair *pull, Pair known, Number speed, Number carried);
 /* Force on the track by that, a moment times p'' with the sign of a reaction. */
 Pair series_weight_force(const SeriesWeight *weight);
 /* Complete with phi'' of order k: p of order k + 2, phi' of k + 1; per: 1/(k + 1), 1/(k + 2). */
-void series_weight_finish(SeriesWeight *weight, int k, double acceleration, const double *per);
+void series_weight_finish(SeriesWeight *weight, int k, Number acceleration, const double *per);
 
 #endif

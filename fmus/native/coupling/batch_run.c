@@ -1,0 +1,245 @@
+#include "coupling/batch_run.h"
+
+#include <string.h>
+
+#include "base/elementary.h"
+#include "coupling/composite.h"
+
+/* Keep the reason of an error; `host` is where. */
+static void keep_reason(void *host, const char *name, Status status, const char *message)
+{
+    const BatchRun *run = host;
+    if (status >= STATUS_DISCARD) {
+        Text text = text_in(run->reason, BATCH_REASON);
+        text_put(&text, message);
+    }
+}
+
+int batch_run_open(BatchRun *run, const char *token, BatchCall *all)
+{
+    run->reason = all->reasons;
+    run->unit = unit_instantiate("run", token, keep_reason, run);
+    if (!run->unit) {
+        return 1;
+    }
+    run->unit->asked = all->batch->outputs;
+    run->unit->asked_count = all->batch->asked;
+    return 0;
+}
+
+/* -- rows ------------------------------------------------------------------------------------------ */
+
+/* Numbers that a point leaves. */
+static size_t width(const Batch *batch)
+{
+    return batch->asked + (batch->own_steps != 0);
+}
+
+static double *row_of(const BatchRun *run, const BatchCall *all, size_t point)
+{
+    return all->signals + (run->number * (all->batch->points + 1) + point) * width(all->batch);
+}
+
+/* The run is over, or has failed: nothing is known behind what has been written. */
+static void close_rows(const BatchRun *run, BatchCall *all)
+{
+    double *row = row_of(run, all, run->reached);
+    const double *end = row_of(run, all, all->batch->points + 1);
+    while (row < end) {
+        *row++ = not_a_number();
+    }
+}
+
+/* Outputs that are read at the end. */
+static int read_last(BatchRun *run, const BatchCall *all)
+{
+    const Batch *batch = all->batch;
+    Unit *unit = run->unit;
+    int wrong;
+    unit->asked = batch->last_outputs;
+    unit->asked_count = batch->asked_last;
+    unit->stale = unit->stale < OBSERVED ? OBSERVED : unit->stale;
+    wrong = unit_get_reals(unit, batch->last_outputs, batch->asked_last, all->last + run->number * batch->asked_last);
+    unit->asked = batch->outputs;
+    unit->asked_count = batch->asked;
+    return wrong != STATUS_OK;
+}
+
+static void leave_last(const BatchRun *run, const BatchCall *all)
+{
+    const size_t count = all->batch->asked_last;
+    fill_doubles(count, not_a_number(), all->last + run->number * count);
+}
+
+static void close_run(BatchRun *run, BatchCall *all)
+{
+    run->is_live = false;
+    close_rows(run, all);
+    if (run->reason[0] || (all->batch->asked_last && read_last(run, all))) {
+        leave_last(run, all);
+    }
+    all->failed += run->reason[0] != '\0';
+}
+
+void batch_refuse_all(BatchCall *all)
+{
+    BatchRun run = {0};
+    for (; run.number < all->runs; run.number++) {
+        run.reason = all->reasons + run.number * BATCH_REASON;
+        memmove(run.reason, all->reasons, BATCH_REASON);
+        close_run(&run, all);
+    }
+}
+
+/* -- a run by itself --------------------------------------------------------------------------------- */
+
+static int begin_run(BatchRun *run, const BatchCall *all)
+{
+    const Batch *batch = all->batch;
+    const int own = batch->own_steps != 0;
+    double *row = row_of(run, all, 0);
+    Unit *unit = run->unit;
+    unit_reset(unit);
+    unit->one_step_per_call = own;
+    if (unit_set_reals(unit, batch->references, batch->changed, all->values + run->number * batch->changed) ||
+        unit_setup(unit, 0.0, infinity()) || unit_exit_initialisation(unit) ||
+        unit_get_reals(unit, batch->outputs, batch->asked, row + own)) {
+        return 1;
+    }
+    row[0] = own ? unit->time : row[0];
+    run->reached = 1;
+    return 0;
+}
+
+/* Run to the end, from point to point. */
+static void run_alone(BatchRun *run, const BatchCall *all)
+{
+    const Batch *batch = all->batch;
+    const int own = batch->own_steps != 0;
+    const double end = run->end, sliver = TIME_ROUNDING * end;
+    Unit *unit = run->unit;
+    const int level = unit_level(unit, batch->outputs, batch->asked);
+    for (; run->reached <= batch->points && !(own && unit->time > end - sliver); run->reached++) {
+        const double time = own ? end : end * ((double)run->reached / (double)batch->points);
+        double *row = row_of(run, all, run->reached);
+        if (unit_step(unit, unit->point, time - unit->time) ||
+            unit_read(unit, level, batch->outputs, batch->asked, row + own)) {
+            return;
+        }
+        row[0] = own ? unit->time : row[0];
+    }
+}
+
+/* Whether a run that has begun can go on side by side with others. */
+static bool is_for_lanes(const Unit *unit, const Batch *batch)
+{
+    const Composite *c = unit->own;
+    return unit->equations == &COMPOSITE_EQUATIONS && c->course->one_piece.active > 0.0 && !batch->own_steps;
+}
+
+/* Whether outputs at the end need that the motion is looked at up to then. */
+static bool is_watched(const Unit *unit, const Batch *batch)
+{
+    const Composite *c = unit->own;
+    size_t k;
+    for (k = 0; k < batch->asked_last; k++) {
+        if (batch->last_outputs[k] >= c->results + VIBRATION) {
+            return true;
+        }
+    }
+    return false;
+}
+
+void batch_run_next(BatchRun *run, BatchCall *all)
+{
+    const Batch *batch = all->batch;
+    while (!run->is_live && all->next < all->runs) {
+        run->number = all->next++;
+        run->reason = all->reasons + run->number * BATCH_REASON;
+        run->end = all->ends[run->number];
+        run->reached = 0;
+        run->passes = 0.0;
+        if (begin_run(run, all)) {
+            close_run(run, all);
+        } else if (is_for_lanes(run->unit, batch)) {
+            Composite *c = run->unit->own;
+            c->pieces.is_watched = is_watched(run->unit, batch);
+            run->is_live = true;
+        } else {
+            run_alone(run, all);
+            close_run(run, all);
+        }
+    }
+}
+
+/* -- side by side with others ------------------------------------------------------------------------ */
+
+void batch_run_fail(BatchRun *run, BatchCall *all)
+{
+    char words[64];
+    Text what = text_in(words, sizeof words);
+    text_format(&what, "step of %v s failed", run->end / (double)all->batch->points);
+    composite_put_gain(run->unit);
+    unit_report(run->unit, STATUS_ERROR, words);
+    close_run(run, all);
+}
+
+/* Outputs at a time in the step. */
+static int read_row(Unit *unit, const Batch *batch, double time, double *row)
+{
+    const Composite *c = unit->own;
+    unit_go_to(unit, time);
+    if (one_piece_outputs(unit) == OUTPUTS_ARE_PLACES) {
+        one_piece_read_places(c, time, row);
+        return 0;
+    }
+    unit->stale = OBSERVED;
+    return unit_get_reals(unit, batch->outputs, batch->asked, row) != STATUS_OK;
+}
+
+/* Pass a jump; 1 with the reason. */
+static int pass_jump(Unit *unit, double time)
+{
+    if (one_piece_show(unit, time)) {
+        return 1;
+    }
+    unit_go_to(unit, time);
+    return composite_pass_jump(unit);
+}
+
+bool batch_run_read(BatchRun *run, BatchCall *all)
+{
+    const Batch *batch = all->batch;
+    Unit *unit = run->unit;
+    const Composite *c = unit->own;
+    while (run->reached <= batch->points) {
+        const double point = run->end * ((double)run->reached / (double)batch->points);
+        const double jump = composite_next_jump(c);
+        if (!composite_reaches(c, smaller(point, jump))) {
+            if (!composite_refuse_many(unit, run->passes, run->end / (double)batch->points)) {
+                return true;
+            }
+            batch_run_fail(run, all);
+            return false;
+        }
+        if (jump <= point) {
+            if (pass_jump(unit, jump)) {
+                batch_run_fail(run, all);
+                return false;
+            }
+            continue;
+        }
+        if (one_piece_show(unit, point)) {
+            batch_run_fail(run, all);
+            return false;
+        }
+        if (read_row(unit, batch, point, row_of(run, all, run->reached))) {
+            close_run(run, all); /* the reason has been kept */
+            return false;
+        }
+        run->passes = c->course->total.passes;
+        run->reached++;
+    }
+    close_run(run, all);
+    return false;
+}

@@ -1,0 +1,181 @@
+/* Machines in one piece that go on side by side: each with its own time and steps, their series expanded
+   together.  A lane whose run is over takes the next one. */
+#include <string.h>
+
+#include "coupling/batch_run.h"
+#include "coupling/composite.h"
+
+/* The step to come of a run, as lanes are told of it. */
+typedef struct {
+    NumberBlock *constants, *state, *results;
+    int *shape, order;
+    size_t shape_size;
+    double angle;
+    bool is_wanted; /* its series is to be expanded */
+} Loaded;
+
+/* The lanes, and which machine each of them holds. */
+typedef struct {
+    Lanes *lanes;
+    const BatchRun *holds[LANES];
+    size_t times_made[LANES];
+} Held;
+
+/* -- a run -------------------------------------------------------------------------------------------- */
+
+static int allocate_blocks(Unit *unit, Loaded *loaded)
+{
+    const Machine *m = &((const Composite *)unit->own)->pieces.step;
+    const size_t tracks = (size_t)m->track_count, weights = (size_t)m->weight_count;
+    loaded->shape_size = (SHAPE_SIZE + SHAPE_OF_TRACK * tracks) * sizeof(int);
+    loaded->shape = unit_allocate(unit, 1, loaded->shape_size);
+    loaded->constants = unit_allocate(unit, BLOCKS + BLOCKS_OF_TRACK * tracks + weights, sizeof(NumberBlock));
+    loaded->state = unit_allocate(unit, BLOCKS, sizeof(NumberBlock));
+    loaded->results = unit_allocate(unit, BLOCKS, sizeof(NumberBlock));
+    return !loaded->shape || !loaded->constants || !loaded->state || !loaded->results;
+}
+
+/* Begin the next step of a run; 1 with the reason. */
+static int load_next(Unit *unit, Loaded *loaded)
+{
+    const Composite *c = unit->own;
+    const Machine *m = &c->pieces.step;
+    if (one_piece_prepare(unit, &loaded->angle, &loaded->is_wanted)) {
+        return 1;
+    }
+    if (!loaded->results && allocate_blocks(unit, loaded)) {
+        return unit_fail(unit, "there is no memory left");
+    }
+    loaded->order = one_piece_order(c);
+    machine_shape(m, loaded->shape);
+    machine_constants(m, loaded->constants);
+    machine_state(m, loaded->state);
+    machine_results(m, loaded->order, loaded->results);
+    return 0;
+}
+
+/* Go on to where a step of this run or of the next one begins; whether there is one. */
+static bool reach_step(BatchRun *run, Loaded *loaded, BatchCall *all)
+{
+    for (;;) {
+        if (!run->is_live) {
+            batch_run_next(run, all);
+        }
+        if (!run->is_live) {
+            return false;
+        }
+        if (!batch_run_read(run, all)) {
+            continue;
+        }
+        if (!load_next(run->unit, loaded)) {
+            return true;
+        }
+        batch_run_fail(run, all);
+    }
+}
+
+/* -- all ---------------------------------------------------------------------------------------------- */
+
+static Machine *machine_of(const BatchRun *run)
+{
+    return &((Composite *)run->unit->own)->pieces.step;
+}
+
+#ifdef HAS_LANES
+
+/* Expand these together; 1 where there is no memory for it. */
+static int expand_together(const BatchRun *const *runs, const Loaded *const *loaded, int count, Held *held)
+{
+    LaneMachine machines[LANES];
+    int lane;
+    if (!held->lanes) {
+        const Machine *m = machine_of(runs[0]);
+        held->lanes = lanes_allocate(runs[0]->unit, m->stations, m->weight_count, m->track_count);
+        if (!held->lanes) {
+            return 1;
+        }
+    }
+    for (lane = 0; lane < LANES; lane++) {
+        const BatchRun *run = lane < count ? runs[lane] : NULL;
+        const size_t times_made = run ? ((const Composite *)run->unit->own)->pieces.times_made : 0;
+        if (run) {
+            LaneMachine *machine = machines + lane;
+            machine->shape = loaded[lane]->shape;
+            machine->motor = machine_of(run)->drive.motor;
+            machine->constants = loaded[lane]->constants;
+            machine->state = loaded[lane]->state;
+            machine->results = loaded[lane]->results;
+            machine->angle = loaded[lane]->angle;
+            machine->is_new = held->holds[lane] != run || held->times_made[lane] != times_made;
+        }
+        held->holds[lane] = run;
+        held->times_made[lane] = times_made;
+    }
+    lanes_expand(held->lanes, machines, count, loaded[0]->order);
+    return 0;
+}
+
+#else
+
+static int expand_together(const BatchRun *const *runs, const Loaded *const *loaded, int count, Held *held)
+{
+    return 1;
+}
+
+#endif
+
+static bool is_alike(const Loaded *a, const Loaded *b)
+{
+    return a->order == b->order && !memcmp(a->shape, b->shape, a->shape_size);
+}
+
+/* Expand what is wanted: together those that are computed alike. */
+static void expand_all(const BatchRun *runs, Loaded *loaded, int count, Held *held)
+{
+    int first, k;
+    for (first = 0; first < count; first++) {
+        const BatchRun *together[LANES];
+        const Loaded *steps[LANES];
+        int found = 0;
+        for (k = first; k < count && loaded[first].is_wanted; k++) {
+            if (loaded[k].is_wanted && is_alike(loaded + first, loaded + k)) {
+                together[found] = runs + k;
+                steps[found++] = loaded + k;
+            }
+        }
+        if (found > 1 && expand_together(together, steps, found, held)) {
+            found = 1;
+        }
+        if (found == 1) {
+            machine_expand(machine_of(runs + first), loaded[first].angle, loaded[first].order);
+        }
+        for (k = 0; k < found; k++) {
+            loaded[together[k] - runs].is_wanted = false;
+        }
+    }
+}
+
+void side_by_side_run(BatchRun *runs, int count, BatchCall *all)
+{
+    Loaded loaded[LANES];
+    Held held;
+    int k;
+    memset(loaded, 0, sizeof loaded);
+    memset(&held, 0, sizeof held);
+    for (;;) {
+        bool goes_on = false;
+        for (k = 0; k < count; k++) {
+            loaded[k].is_wanted = false;
+            goes_on |= reach_step(runs + k, loaded + k, all);
+        }
+        if (!goes_on) {
+            return;
+        }
+        expand_all(runs, loaded, count, &held);
+        for (k = 0; k < count; k++) {
+            if (runs[k].is_live && one_piece_step(runs[k].unit)) {
+                batch_run_fail(runs + k, all);
+            }
+        }
+    }
+}

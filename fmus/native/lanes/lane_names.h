@@ -1,0 +1,21 @@
+/* Names of what is compiled twice; a function that is missing here is defined twice for the linker. */
+#ifndef AUTOBALANCER_LANE_NAMES_H
+#define AUTOBALANCER_LANE_NAMES_H
+
+#define SIDE_BY_SIDE
+
+#define machine_allocate lane_machine_allocate
+#define machine_constants lane_machine_constants
+#define machine_expand lane_machine_expand
+#define machine_reshape lane_machine_reshape
+#define machine_results lane_machine_results
+#define machine_shape lane_machine_shape
+#define machine_state lane_machine_state
+#define series_weight_advance lane_series_weight_advance
+#define series_weight_finish lane_series_weight_finish
+#define series_weight_force lane_series_weight_force
+#define series_weight_start lane_series_weight_start
+#define shaft_push lane_shaft_push
+#define shaft_take lane_shaft_take
+
+#endif

@@ -1,0 +1,46 @@
+/* In place of base/number.h: a number of several machines that go on side by side, each in a lane of its own.
+   Every operation is rounded lane by lane, so that each machine has the bits that it has alone. */
+#ifndef AUTOBALANCER_NUMBER_H
+#define AUTOBALANCER_NUMBER_H
+
+#include "base/elementary.h"
+#include "lanes/lanes.h"
+
+/* Clang and GCC alone: the libraries are compiled by Clang, and sources of FMUs have no lanes. */
+typedef double Number __attribute__((vector_size(8 * LANES), aligned(16)));
+
+static inline Number number_of(double value)
+{
+    return value - (Number){0.0};
+}
+
+/* Whether it is 0 in every machine. */
+static inline int number_is_zero(Number a)
+{
+    int lane, zero = 1;
+    for (lane = 0; lane < LANES; lane++) {
+        zero &= a[lane] == 0.0;
+    }
+    return zero;
+}
+
+static inline Number number_root(Number a)
+{
+    int lane;
+    for (lane = 0; lane < LANES; lane++) {
+        a[lane] = square_root(a[lane]);
+    }
+    return a;
+}
+
+static inline void number_direction(Number angle, Number *cosine, Number *sine)
+{
+    int lane;
+    for (lane = 0; lane < LANES; lane++) {
+        const Complex turned = rect(1.0, angle[lane]);
+        (*cosine)[lane] = turned.re;
+        (*sine)[lane] = turned.im;
+    }
+}
+
+#endif

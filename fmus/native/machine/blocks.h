@@ -1,0 +1,16 @@
+/* What a machine's series are made of, and the series, as blocks of numbers: how a machine goes into a lane. */
+#ifndef AUTOBALANCER_BLOCKS_H
+#define AUTOBALANCER_BLOCKS_H
+
+#include <stddef.h>
+
+/* Numbers that stand one behind the other; in lanes each is several doubles. */
+typedef struct {
+    double *first;
+    size_t count;
+} NumberBlock;
+
+enum { BLOCKS = 10, BLOCKS_OF_TRACK = 3 }; /* at most, and one for each weight */
+enum { SHAPE_SIZE = 8, SHAPE_OF_TRACK = 3 };
+
+#endif

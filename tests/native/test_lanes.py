@@ -1,0 +1,80 @@
+"""Machines side by side in vector lanes have the bits that each has alone."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from autobalancer.fmus.composite.batch import BatchRuns
+from autobalancer.harness import load_scene
+from autobalancer.harness.master.one_file import composition
+from autobalancer.harness.master.schedule import end_time
+
+CLOSE = {"coupling.scheme": "auto", "coupling.steps_per_rev": None, "coupling.tolerance": 1e-5}
+# by scene: what differs; some of it changes order, length or kind of the computation
+TABLES = {
+    "two_balls": {
+        "weights.drag": (0.004, 0.05),
+        "rotor.stiffness_y": (20.0, 90.0),
+        "coupling.tolerance": (1e-8, 1e-3),
+    },
+    "three_mass_shaft": {"left.drag": (0.005, 0.02)},
+    "run_up": {"weights.drag": (0.1, 0.5)},
+    "filimonikhina": {"rotor.unbalance": (0.01, 0.3)},
+    "balls_and_liquid": {"balls.drag": (1e-5, 1e-4)},
+    "sommerfeld": {"rotor.unbalance": (1e-4, 1e-3)},
+}
+RUNS, POINTS = 11, 90
+
+
+def batch(name: str, table: dict[str, tuple[float, float]], side: int, **changes: object):
+    """Outputs of runs with random values, those at the end, and why runs have failed."""
+    scene = load_scene(name).replace({**CLOSE, "run.revolutions": 6, **changes})
+    made, rng = composition(scene), np.random.default_rng(3)
+    values = np.column_stack([rng.uniform(*limits, RUNS) for limits in table.values()])
+    asked = [f"rotor.{v}" for v in ("x", "y") if f"rotor.{v}" in made.layout.index]
+    asked = asked or ["rotor.station[1].x", "rotor.station[2].y"]
+    last = ["coupling.steps", "vibration", "rotor.angle"]
+    runs = BatchRuns(made, list(table), asked, POINTS, last=last, side_by_side=side)
+    return runs.with_last(values, np.full(RUNS, end_time(scene)))
+
+
+@pytest.mark.parametrize("name", TABLES)
+def test_machines_side_by_side_have_the_bits_of_one_alone(name):
+    alone = batch(name, TABLES[name], 1)
+    assert alone[2] == [""] * RUNS
+    assert len({row.tobytes() for row in alone[0]}) == RUNS
+    for side in (2, 3, 4):
+        beside = batch(name, TABLES[name], side)
+        assert beside[0].tobytes() == alone[0].tobytes()
+        assert beside[1].tobytes() == alone[1].tobytes()
+
+
+def test_a_run_that_fails_leaves_its_lane_to_the_next():
+    """Negative drag is refused, too fast a growth is not finite; the others go on as alone."""
+    table = {"weights.drag": (-0.05, 0.05)}
+    signals, last, reasons = batch("two_balls", table, 4)
+    alone = batch("two_balls", table, 1)
+    failed = [bool(reason) for reason in reasons]
+    assert 0 < sum(failed) < RUNS
+    assert reasons == alone[2]
+    assert np.isnan(signals).any(axis=(1, 2)).tolist() == failed
+    assert np.isnan(last).any(axis=1).tolist() == failed
+    assert signals.tobytes() == alone[0].tobytes()
+
+
+def test_lanes_of_other_kinds_go_on_beside_each_other():
+    """An offset track, or a speed that changes, is computed otherwise than none."""
+    table = {"weights.track_offset_xi": (-1e-3, 1e-3), "weights.drag": (0.01, 0.02)}
+    scene = load_scene("two_balls").replace({**CLOSE, "run.revolutions": 6})
+    rng = np.random.default_rng(5)
+    values = np.column_stack([rng.uniform(*limits, RUNS) for limits in table.values()])
+    values[::3, 0] = 0.0
+    ends = np.full(RUNS, end_time(scene))
+    found = [
+        BatchRuns(composition(scene), list(table), ["rotor.x"], POINTS, side_by_side=side)(
+            values, ends
+        )[0]
+        for side in (1, 4)
+    ]
+    assert found[0].tobytes() == found[1].tobytes()
