@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from contextlib import ExitStack
 from typing import TYPE_CHECKING
 
-from ..errors import SimulationError
+from ..errors import SimulationError, UserError
 from .closing import Closing
 from .recorder import REPORTED, Recorder
 from .schemes.explicit import Scheme
@@ -55,7 +55,7 @@ class Coupled(Closing):
         try:
             self._cover(step)
         except SimulationError as error:
-            if not self.coupled:
+            if not self.coupled or isinstance(error, UserError):  # a unit of others is to blame
                 raise
             raise SimulationError(f"{error}; {self._about_loop(error)}") from error
 

@@ -17,7 +17,7 @@ from fmpy.model_description import ModelDescription
 from ...errors import UnitError
 
 LARGEST_CONTENT = 2_000_000_000  # bytes, unpacked
-LARGEST_RATIO = 200  # unpacked over packed, of files that are large
+LARGEST_RATIO = 200  # unpacked over packed, of a file that is large
 LARGE = 100_000_000  # bytes
 MOST_FILES = 100_000
 LARGEST_DESCRIPTION = 200_000_000  # bytes of modelDescription.xml
@@ -76,7 +76,9 @@ def _refuse_dangerous(path: Path, archive: zipfile.ZipFile) -> None:
                 f"{path}: holds {info.filename!r}, a path outside the archive: it is not unpacked"
             )
     size, packed = (sum(getattr(i, a) for i in infos) for a in ("file_size", "compress_size"))
-    bomb = size > LARGE and size > LARGEST_RATIO * max(1, packed)
+    bomb = any(
+        i.file_size > LARGE and i.file_size > LARGEST_RATIO * max(1, i.compress_size) for i in infos
+    )
     if bomb or size > LARGEST_CONTENT or len(infos) > MOST_FILES:
         raise UnitError(
             f"{path}: would unpack to {size:.3g} bytes in {len(infos)} files from {packed:.3g} "

@@ -95,6 +95,7 @@ class ForeignUnit(Closing):
                 "unit: give it a copy of the file under another name"
             )
         self._running = False  # initialised, and has not failed
+        self._has_failed = False
         self._folder = unpacked(path)
         if self._once:
             _only_once.add(self._once)
@@ -195,7 +196,7 @@ class ForeignUnit(Closing):
 
     def free(self, state: c_void_p) -> None:
         """Release a saved state, which is null afterwards."""
-        if state and self.fmu is not None:
+        if state and self.fmu is not None and not self._has_failed:
             self._checked("freeing a state", self._state("Free"), self.fmu.component, byref(state))
             state.value = None
 
@@ -260,7 +261,7 @@ class ForeignUnit(Closing):
             reason = f"{what} failed ({status})"
         except Exception as error:  # a function that the library lacks, or of ctypes
             reason = f"{what} failed: {error}"
-        self._running = False
+        self._running, self._has_failed = False, True
         raise UnitFailure(f"{self.name} ({self.path.name}) at t = {self.time:g} s: {reason}"
                           f"{self._said()}")  # fmt: skip
 
@@ -280,6 +281,8 @@ class ForeignUnit(Closing):
         fmu, self.fmu = self.fmu, None
         if fmu is None or not fmu.component:
             return
+        if self._has_failed and self.is_python:
+            return  # pythonfmu's loader would release what it has released after the exception
         acts = [*([fmu.terminate] if self._running else []), fmu.freeInstance]
         self._running = False
         freeing = threading.Thread(target=_quietly, args=acts, daemon=True)
@@ -352,7 +355,7 @@ class Fmi2Unit(ForeignUnit):
             place.encode("utf-8", "surrogateescape"),
             byref(callbacks),
             0,
-            0,
+            1,
         )
         if not self.fmu.component:
             self.fmu.freeLibrary()
@@ -394,7 +397,7 @@ class Fmi3Unit(ForeignUnit):
             instanceName=self.name,
         )
         try:
-            self.fmu.instantiate(logMessage=self._heard)
+            self.fmu.instantiate(loggingOn=True, logMessage=self._heard)
         except Exception as error:
             self.fmu.freeLibrary()
             self.fmu = None

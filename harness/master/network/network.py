@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from ...errors import SimulationError
 from ...scene.unit import split_port
 from ..foreign.abilities import CUBIC, HELD, LINEAR, abilities, kind_of
+from ..foreign.instance import UnitFailure
 from ..names import derivatives
 from ..signals import Cubics, Knots
 from .order import order_of
@@ -123,7 +124,7 @@ class Member:
             knots[self._asked, 1] = self.unit.derivatives(self._asked_names)
         if not np.isfinite(knots).all():
             bad = self._names[int(np.argmin(np.isfinite(knots).all(axis=1)))]
-            raise SimulationError(
+            raise UnitFailure(
                 f"{bad} is no finite number at t = {self.unit.time:g} s: {self.unit.path.name} "
                 "has failed without saying so, or steps are too long for the coupling"
             )
