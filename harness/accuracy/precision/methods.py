@@ -86,6 +86,8 @@ class Method:
     def family(self) -> str:
         """The method without its step or tolerance, in words."""
         words = [self.name]
+        if self.one_file and self.tolerance is not None:  # coupled or in one piece, as the scene is
+            return "own steps in one file"
         if self.order is not None:
             words.append({0: "held", 1: "linear", 3: "cubic"}[self.order])
         if self.tolerance is not None and not self.in_one_piece:
