@@ -86,7 +86,7 @@ def _functions() -> ctypes.CDLL:
 
 
 class Run:
-    """A run that is started as often as wanted; a thread has its own.
+    """A run that is started any number of times; a thread has its own.
 
     Args:
         composition: what is run, from the start values it has.

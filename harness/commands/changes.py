@@ -56,6 +56,6 @@ def _settings(texts: list[str] | None) -> list[str] | None:
 
 
 def set_option(example: str) -> Any:
-    """`--set KEY=VALUE`, as often as wanted."""
+    """`--set KEY=VALUE`, any number of times."""
     help = f"Replace a value: {example}"
     return typer.Option("--set", metavar="KEY=VALUE", help=help, callback=_settings)

@@ -42,7 +42,7 @@ FINER_FIRST = 4  # times as many steps in a first run where fewer were too few
 
 
 class CoSimulation(Coupled):
-    """The units of a scene, loaded and connected; restarted and stepped as often as wanted.
+    """The units of a scene, loaded and connected; restarted and stepped any number of times.
 
     With a tolerance a run has the fewest steps, and the runs after it divide these
     (`global_error.Controlled`).  With given steps nothing estimates what the signals miss.

@@ -121,7 +121,7 @@ class Controlled:
         self._first_attempt = 0  # which share of the tolerance the first run's steps may err
 
     def run(self, progress: Progress | None) -> Recorder:
-        """Run as often as it takes; what the last run recorded.
+        """Run until the error is small enough; return what the last run recorded.
 
         Raises:
             SimulationError: as `CoSimulation.run`.

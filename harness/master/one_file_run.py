@@ -43,7 +43,7 @@ Group = tuple[NDArray[np.uintc], NDArray[np.float64]]
 
 
 class OneFileRun(Closing):
-    """The coupling in C of a scene; restarted and stepped as often as wanted.
+    """The coupling in C of a scene; restarted and stepped any number of times.
 
     Args:
         scene: what to simulate.

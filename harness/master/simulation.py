@@ -33,7 +33,7 @@ class Repeated(NamedTuple):
 
 
 class Simulation(Protocol):
-    """The coupled units of a scene, restarted and run as often as wanted.
+    """The coupled units of a scene, restarted and run any number of times.
 
     Attributes:
         units: what is recorded of them, by name.

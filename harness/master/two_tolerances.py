@@ -50,7 +50,7 @@ class TwoTolerances:
         self.error, self.unknown = math.inf, ""
 
     def run(self, progress: Progress | None) -> Recorder:
-        """Run as often as it takes; what the last run recorded.
+        """Run until the error is small enough; return what the last run recorded.
 
         Raises:
             SimulationError: as `OneFileRun.record`.

@@ -40,7 +40,7 @@ WHOLE = 1e-9  # relative: a number of steps so near to a whole one is one
 
 
 class UnitRun(NetworkRun):
-    """The units of a system, loaded and connected; restarted and stepped as often as wanted.
+    """The units of a system, loaded and connected; restarted and stepped any number of times.
 
     Args:
         system: what to simulate; `scene` as an attribute.

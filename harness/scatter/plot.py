@@ -13,7 +13,8 @@ from ..output.plot import Drawing, metres, save
 from ..scene.grade import GRADES
 from .study import Scatter
 
-BINS = 60
+BINS, FEWEST_BINS = 60, 10
+MACHINES_PER_BIN = 5
 WIDE = 30.0  # largest over smallest residual: from here on the axis is logarithmic
 
 
@@ -29,9 +30,9 @@ def plot_scatter(scatter: Scatter, path: Path | None) -> Path | Drawing:
     residual = scatter.residual[scatter.ran]
     factor, unit = metres(float(residual.max()))
     low, high = factor * float(residual.min()), factor * float(residual.max())
-    bins: Any = BINS
+    bins: Any = min(BINS, max(FEWEST_BINS, len(residual) // MACHINES_PER_BIN))
     if high > WIDE * low > 0.0:
-        bins = np.geomspace(low, high, BINS + 1)
+        bins = np.geomspace(low, high, bins + 1)
         left.set_xscale("log")
     left.hist(residual * factor, bins=bins, color="C0")
     for name, style in (("0.5", "-"), ("0.95", "--"), ("0.99", ":")):
@@ -61,6 +62,8 @@ def _grades(axes: Any, scatter: Scatter) -> None:
         axes.annotate(f"G{g:g}", (g, 0.02), rotation=90, va="bottom", ha="right", fontsize="small")
     if low > 0.0:
         axes.set_xscale("log")
+        axes.set_xticks(shown, [f"{g:g}" for g in shown])  # powers of ten say nothing here
+        axes.minorticks_off()
     axes.set(
         xlabel="grade just met [mm/s]", ylabel="share of the machines that ran", ylim=(0.0, 1.02)
     )

@@ -126,7 +126,7 @@ def linear_motion(scene: Scene, times: NDArray[np.float64]) -> Series:
 
 
 def stated_error(result: Result) -> float:
-    """By how much of its motion a run says it errs for too coarse steps; 0 if it does not."""
+    """Error that a run states for too coarse steps, of its motion; 0 if it states none."""
     return result.estimated_error if result.estimated_error >= STATED_ERROR else 0.0
 
 

@@ -96,7 +96,7 @@ def test_turns_taken_for_neutral_that_do_not_come_back_are_refused(monkeypatch, 
     monkeypatch.setattr(PulledBack, "places", places)
     monkeypatch.setattr("autobalancer.harness.stability.main_motion.Revolution", PulledBack)
     if refused:
-        with pytest.raises(SimulationError, match="change no moment still change"):
+        with pytest.raises(SimulationError, match="without a change of their moment"):
             MainMotion(scene)
     else:
         MainMotion(scene).close()
