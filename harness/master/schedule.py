@@ -37,7 +37,7 @@ def meets_events(scene: Scene) -> bool:
 
 
 def brief_step(scene: Scene) -> float:
-    """Step in which the error of an event, its pulse or a jump of the drive is below that of a step [s]."""
+    """Step in which an event, its pulse or a jump of the drive has less error than a step [s]."""
     share = min(
         1.0,
         max(

@@ -228,10 +228,6 @@ class Coupling(Table):
         return self
 
 
-# as Coupling(), but it builds no schema at import
-DEFAULT_COUPLING = Coupling.model_construct(tolerance=DEFAULT_TOLERANCE)
-
-
 class Initial(Table):
     """The rotor at the start: every station alike.  Default: at rest, under gravity in the sag."""
 
@@ -262,7 +258,7 @@ class Run(Table):
     record: tuple[Text, ...] | None = None
     """Signals, as `unit.variable`; `[]` records nothing; default: the rotor's `x` and `y`, angles
     and `moment_xi`, `moment_eta` of weights, `clearance` of a liquid."""
-    initial: Initial = Initial.model_construct()  # builds no schema at import
+    initial: Initial = Initial()
     """State of the rotor at the start."""
 
     @model_validator(mode="after")

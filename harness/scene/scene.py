@@ -31,7 +31,7 @@ from .quantities import Flag, Table
 from .replace import in_full, plain, replaced
 from .rotor import Rotor
 from .rules import TABLES, across, plane_count
-from .run import DEFAULT_COUPLING, FEWEST_REVOLUTIONS, Coupling, Operation, Run
+from .run import FEWEST_REVOLUTIONS, Coupling, Operation, Run
 from .trace import with_corners
 from .unit import Connection, Unit, connection_problems, split_port, with_start_values
 
@@ -53,7 +53,7 @@ class Scene(Described):
     """A list of tables, by kind."""
     operation: Operation
     """How the rotor is driven, and gravity."""
-    coupling: Coupling = DEFAULT_COUPLING
+    coupling: Coupling = Coupling()
     """How the units exchange signals."""
     run: Run = Field(default_factory=Run)
     """How long, from where, and what is recorded."""

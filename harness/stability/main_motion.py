@@ -189,10 +189,10 @@ class MainMotion(Closing):
         error = np.abs(ends - self.neutral).max()
         if not error <= NEUTRAL_RETURN:
             raise SimulationError(
-                f"{self.units.scene.name}: weights that turn without a change of their moment should "
-                f"stay turned, but change by {error:.2g} of the turn in one revolution at "
-                f"{self._speed:g} rad/s: a unit acts by more than its static moment, or the coupling "
-                "is too coarse: use more coupling.steps_per_rev"
+                f"{self.units.scene.name}: weights that turn without a change of their moment "
+                f"should stay turned, but change by {error:.2g} of the turn in one revolution at "
+                f"{self._speed:g} rad/s: a unit acts by more than its static moment, or the "
+                "coupling is too coarse: use more coupling.steps_per_rev"
             )
 
     def multipliers(self, speed: float) -> NDArray[np.complex128]:

@@ -14,7 +14,7 @@ from autobalancer.models.monolith import simulate
 from autobalancer.models.reference.coupled import Start
 from autobalancer.models.rotor import LinearRotor, Slider
 from autobalancer.models.weights import Weights
-from tests.native.equations import Drive
+from tests.native.equations import Excitation
 
 pytestmark = pytest.mark.slow
 
@@ -53,8 +53,8 @@ def test_sliders_are_those_of_the_units_step(friction_of, gravity, ramp):
     held, found = method.at_start(state), [state]
     for begin, end in pairwise(times):
         angle, speed = 0.3 + profile.angle(begin), profile.speed(begin)
-        drive = Drive(np.zeros((4, 1), complex), angle, speed, (ramp, 0.0, 0.0, 0.0))
-        state, held = method.advance(state, held, drive, end - begin)
+        excitation = Excitation(np.zeros((4, 1), complex), angle, speed, (ramp, 0.0, 0.0, 0.0))
+        state, held = method.advance(state, held, excitation, end - begin)
         found.append(state)
     places = np.stack([run.x, run.y], axis=2).reshape(len(times), -1)
     assert np.abs(places - np.array(found)[:, :4]).max() < 1e-8 * np.abs(places).max()

@@ -15,7 +15,7 @@ from autobalancer.models.harmonic_balance import (
 )
 from autobalancer.models.papers.influence import influence
 from autobalancer.models.rotor import LinearRotor, Slider
-from tests.native.equations import Drive
+from tests.native.equations import Excitation
 
 pytestmark = pytest.mark.slow
 
@@ -67,8 +67,8 @@ def test_long_runs_with_sticking_and_slipping_end_there(friction_of, rubbed, spe
     state, steps = np.zeros(4), 40
     held, largest = method.at_start(state), 0.0
     for k in range(60 * steps):
-        drive = Drive(np.zeros((4, 1), complex), math.tau * k / steps, speed)
-        state, held = method.advance(state, held, drive, math.tau / speed / steps)
+        excitation = Excitation(np.zeros((4, 1), complex), math.tau * k / steps, speed)
+        state, held = method.advance(state, held, excitation, math.tau / speed / steps)
         if k >= 59 * steps:
             largest = max(largest, math.hypot(state[0], state[1]))
     expected = largest_displacement(unbalance_response(rubbed, [speed]))

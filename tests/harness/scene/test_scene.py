@@ -9,7 +9,6 @@ import pytest
 from autobalancer.harness import Scene, bundled_scenes, load_scene
 from autobalancer.harness.errors import SceneError
 from autobalancer.harness.master.plan import plan
-from autobalancer.harness.scene.run import Coupling
 from autobalancer.models.papers.window import LiquidWindow
 
 LIQUID_CASES = [name for name in bundled_scenes() if name.startswith("liquid_")]
@@ -208,9 +207,3 @@ def test_the_eccentricity_of_a_race_is_two_parts_in_the_rotor():
     assert scene.assembly().weights[0].offset == 3e-5 - 4e-5j
     start = {name: value for unit in plan(scene).units for name, value in unit.start.items()}
     assert (start["track_offset_xi"], start["track_offset_eta"]) == (3e-5, -4e-5)
-
-
-def test_a_scene_without_the_table_is_coupled_as_by_an_empty_one():
-    empty, default = Coupling(), Scene.model_fields["coupling"].default
-    assert default == empty
-    assert default.model_fields_set == empty.model_fields_set
