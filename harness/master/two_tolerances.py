@@ -4,21 +4,29 @@ The first run chooses the points of the record; the second, whose steps may err 
 is the result.  The first one's error is the larger by far, so that the difference of the two bounds
 that of the second.  If it exceeds the tolerance, a third run compares with the second, and so on
 until steps err as little as rounding.
+
+Impacts can amplify a difference that nobody can measure.  Where weights can collide, two more runs
+therefore start a little to one side and to the other (`neighbours`).  What the result differs from
+these by is part of its error.  If they also differ from each other, the error is not known.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ...models.constants import SERIES_SHARE
+from ..errors import SimulationError
 from .compared import motion_signals
-from .global_error import largest_difference
+from .expectation import expectation
+from .global_error import AGREE, ASYMPTOTIC, REFINED, largest_difference
+from .neighbours import RESOLVED, turned
 from .recorder import Recorder, Signal, divided
 from .scales import least_motion
+from .schedule import SLIVER
 
 if TYPE_CHECKING:
     from ..output.workers import Progress
@@ -27,6 +35,8 @@ if TYPE_CHECKING:
 PARTS = 4  # of the way between two points of the first run, for a smooth record
 FINER = 0.01  # what a step of a run may err, over that of the run before
 ROUNDING = 1e-16  # what a step errs by at least
+EVERY = 8  # points of the first run are those of runs to compare with
+ELSEWHERE = "runs with weights that start 1e-8 rad elsewhere end {:.1g} away"
 
 
 class TwoTolerances:
@@ -69,8 +79,37 @@ class TwoTolerances:
             self.error = largest_difference(before, compared, scale)
             finest = SERIES_SHARE * self.tolerance * share * FINER < ROUNDING
             if self.error <= self.tolerance or finest:
+                own = {name: each[::EVERY] for name, each in compared.items()}
+                self._compare_with_neighbours(share, grid[::EVERY], own, scale)
                 return recorder
             before = compared
+
+    def _compare_with_neighbours(
+        self, share: float, points: Signal, own: Mapping[str, Signal], scale: Mapping[str, float]
+    ) -> None:
+        """Add what runs of neighbouring motions differ by, where weights can collide."""
+        scene, by_steps, others = self._run.scene, self.error, []
+        if not expectation(scene, meets_events=True).can_collide:
+            return
+        for sign in (1.0, -1.0):
+            with self._run.like(turned(scene, sign * RESOLVED) or scene) as near:
+                recorder = Recorder(near.units, list(own))
+                try:
+                    near.start_in_one_piece(share, points)
+                    near.record(recorder, None)
+                except SimulationError as error:
+                    self.unknown = f"a neighbouring motion cannot be computed: {error}"
+                    return
+                times, found = recorder.columns()
+                at = np.searchsorted(times, points * (1.0 - SLIVER))
+                others.append({name: each[at] for name, each in found.items()})
+        self.error = max([by_steps, *(largest_difference(own, each, scale) for each in others)])
+        between = largest_difference(others[0], others[-1], scale)
+        if self.error > self.tolerance:
+            if self.error > by_steps and between > AGREE * self.error:
+                self.unknown = ELSEWHERE.format(self.error)
+            elif self.error >= ASYMPTOTIC:
+                self.unknown = REFINED.format(self.error)
 
     def _recorded(
         self, share: float, grid: Signal | None, done: int, progress: Progress | None

@@ -109,7 +109,7 @@ STRUCTURES = (
 _RETURNS = {
     c_double: (
         "sine cosine natural_exp arc_sine hypotenuse modulo ieee_remainder nearest scaled_by_power"
-        " find_first_fall"
+        " find_first_fall find_polynomial_fall"
     ),
     Complex: "rect track_static_moment hat_half pulse_ahead impact_on_plane",
     c_size_t: (

@@ -64,19 +64,28 @@ static void fill_inertia(const Impact *impact, double *matrix)
     }
 }
 
-/* Jumps of the rates by unit impulses, and what they make of the opening speeds; 1: B is singular. */
-static int fill_responses(Impact *impact)
+/* Jumps of the rates by unit impulses; 1: B is singular. */
+static int fill_jumps(Impact *impact)
 {
     const int n = impact->count, c = impact->contacts;
     double *jumps = impact->jumps;
-    int i, j;
+    int j;
     fill_inertia(impact, impact->openings);
     fill_doubles((size_t)n * (size_t)c, 0.0, jumps);
     for (j = 0; j < c; j++) {
         jumps[impact->pairs[j].behind * c + j] -= 1.0;
         jumps[impact->pairs[j].ahead * c + j] += 1.0;
     }
-    if (matrix_solve(1, n, c, impact->openings, jumps)) {
+    return matrix_solve(1, n, c, impact->openings, jumps);
+}
+
+/* What unit impulses make of the opening speeds; 1: B is singular. */
+static int fill_responses(Impact *impact)
+{
+    const int c = impact->contacts;
+    const double *jumps = impact->jumps;
+    int i, j;
+    if (impact->mobility && fill_jumps(impact)) {
         return 1;
     }
     for (i = 0; i < c; i++) {

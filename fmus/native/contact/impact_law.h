@@ -42,7 +42,7 @@ typedef struct {
 
 /* The weights of all tracks on one rotor, and the pairs of them that touch. */
 typedef struct {
-    const double *mobility; /* (p, p) of the planes [1/kg] */
+    const double *mobility; /* (p, p) of the planes [1/kg]; NULL: `jumps` is given */
     int planes;             /* p */
     int count;              /* weights, n, */
     int contacts;           /* and pairs that touch, c */

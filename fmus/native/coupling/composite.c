@@ -23,13 +23,13 @@ static size_t signal_doubles(size_t count)
 
 size_t composite_memory(Composite *c, double *memory)
 {
-    enum { BLOCKS = 12 };
+    enum { BLOCKS = 13 };
     const size_t e = (size_t)c->unknowns, p = (size_t)c->planes, outer = outside_count(c);
     const size_t square = UNKNOWN_REALS * UNKNOWN_REALS * e * e;
     const size_t counts[BLOCKS] = {
         sizeof(Course) / sizeof(double), outer, signal_doubles(e), signal_doubles(p),
         square, square, p * sizeof(Swung) / sizeof(double), c->state_count,
-        c->state_count, verdict_doubles(c), outer, c->state_count};
+        c->state_count, verdict_doubles(c), outer, one_piece_phase_doubles(c), c->state_count};
     size_t at[BLOCKS], total = 0, state;
     int k;
     for (k = 0; k < BLOCKS; k++) {
@@ -58,7 +58,8 @@ size_t composite_memory(Composite *c, double *memory)
         c->at_end = memory + at[8];
         c->extent = memory + at[9];
         c->pieces.begun_forces = memory + at[10];
-        c->states = memory + at[11];
+        c->pieces.phases = memory + at[11];
+        c->states = memory + at[12];
     }
     return total;
 }

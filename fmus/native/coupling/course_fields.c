@@ -90,6 +90,9 @@ static void declare_one_piece(Fields *fields, const Composite *c)
     fields_whole(fields, "one_piece.line", &one_piece->line, 1, -1.0, last_line);
     fields_flag(fields, "one_piece.placed", &one_piece->placed);
     fields_whole(fields, "one_piece.looks, .looked", &one_piece->looks, 2, 0.0, MOST_LOOKS);
+    fields_whole(fields, "one_piece.event", &one_piece->event, 1, 0.0, EVENT_KINDS - 1.0);
+    fields_whole(fields, "one_piece.which", &one_piece->which, 1, 0.0, MOST_COUNTED);
+    fields_flag(fields, "one_piece.undecided", &one_piece->undecided);
     fields_whole(fields, "one_piece.leaves", &one_piece->leaves, 1, -1.0, 1.0);
 }
 
@@ -162,6 +165,7 @@ void composite_fields(const Unit *unit, Fields *fields)
     declare_states(fields, c);
     fields_number(fields, "extent", fields_here(fields), verdict_doubles(c));
     fields_number(fields, "force at the start of a step", fields_here(fields), outside_count(c));
+    fields_whole(fields, "way and wall of a weight", fields_here(fields), one_piece_phase_doubles(c), -1.0, 1.0);
     declare_states(fields, c);
     for (k = 0; k < c->part_count; k++) {
         declare_values(fields, c->parts + k);

@@ -24,7 +24,7 @@ int one_piece_allocate(Unit *unit)
     }
     pieces->looked_at = unit_allocate(unit, 2 * (size_t)sizes->stations, sizeof(double));
     pieces->places = unit_allocate(unit, (size_t)sizes->stations + ((size_t)weights + 1) / 2, sizeof(Pair));
-    pieces->key_count = NUMBERS + outside_count(c) + c->state_count;
+    pieces->key_count = NUMBERS + outside_count(c) + one_piece_phase_doubles(c) + c->state_count;
     pieces->most_planned = unit->layout.real_count;
     pieces->planned = unit->layout.real_count + 1; /* none yet */
     pieces->planned_outputs = unit_allocate(unit, pieces->most_planned, sizeof(unsigned));
@@ -33,7 +33,7 @@ int one_piece_allocate(Unit *unit)
     pieces->wanted = unit_allocate(unit, pieces->key_count, sizeof(double));
     return !pieces->planned_outputs || !pieces->plan || !pieces->looked_at || !pieces->places || !pieces->key || !pieces->wanted ||
            machine_allocate(unit, &pieces->step, sizes->stations, weights, tracks) ||
-           machine_allocate(unit, &pieces->instant, sizes->stations, weights, tracks);
+           machine_allocate(unit, &pieces->instant, sizes->stations, weights, tracks) || one_piece_allocate_phases(unit);
 }
 
 /* -- the machine ----------------------------------------------------------------------------- */
@@ -57,6 +57,9 @@ static void make(const Composite *c, double rate, Machine *machine)
     if (c->motor) {
         machine_take_motor(machine, c->motor->unit->own);
     }
+    if (c->pieces.is_eventful) {
+        one_piece_make_phase(c, machine);
+    }
 }
 
 int one_piece_make(Unit *unit)
@@ -69,6 +72,9 @@ int one_piece_make(Unit *unit)
     if (!pieces->is_made) {
         /* a power of two rounds nothing, so that it does not matter which */
         const double rate = scaled_by_power(1.0, binary_exponent(c->course->drive.fastest));
+        pieces->is_eventful = one_piece_is_eventful(c);
+        pieces->step.phase = pieces->is_eventful ? pieces->step_phase : NULL;
+        pieces->instant.phase = pieces->is_eventful ? pieces->instant_phase : NULL;
         make(c, rate, &pieces->step);
         make(c, rate, &pieces->instant);
         pieces->is_made = true;
@@ -116,21 +122,11 @@ static double fastest_of(const Composite *c)
     return fastest;
 }
 
-static bool is_eventful(const Composite *c)
-{
-    int k, found = composite_rotor(c)->slider_count > 0;
-    for (k = 1; k < c->parts_without_motor; k++) {
-        const Balls *balls = part_balls(c->parts + k);
-        found |= balls && balls->track.eventful;
-    }
-    return found;
-}
-
 bool one_piece_covers(Unit *unit)
 {
     const Composite *c = unit->own;
-    if (is_eventful(c)) {
-        return 0;
+    if (one_piece_is_eventful(c) && unit->for_model_exchange) {
+        return false;
     }
     return unit->for_model_exchange ||
            (c->unknowns && unit->real[c->tolerance] > 0.0 &&
@@ -206,6 +202,7 @@ int one_piece_begin(Unit *unit)
     c->course->loop.gain = gain_of(c);
     c->pieces.is_begun = false;
     one_piece->active = one_piece->stands = one_piece->placed = 1.0;
+    one_piece->undecided = c->pieces.is_eventful;
     one_piece->line = -1.0;
     one_piece->largest = larger(first_displacement(c), largest_of(2 * n, place));
     if (!(one_piece->largest > 0.0)) {

@@ -9,6 +9,7 @@
 #include <stdbool.h>
 
 #include "machine/machine.h"
+#include "machine/phase.h"
 
 enum { SPEED_OF_MOTOR = 2 }; /* of the outputs that its unit computes: behind it all are of its state alone */
 
@@ -24,6 +25,8 @@ typedef struct {
     double line;       /* of the motor's torque */
     double placed;     /* whether the parts stand where the clock says they are shown */
     double looks, looked; /* times at which the step is looked at, and how many are behind */
+    double event, which; /* what ends the step, and of which weight or slider: EventKind */
+    double undecided;  /* whether it is open which weights touch, and what sticks, where the parts stand */
     double leaves;     /* where the speed leaves that at the end of the step: 1 upwards, -1 downwards */
 } OnePiece;
 
@@ -44,6 +47,10 @@ typedef struct {
     bool is_begun;         /* whether the step to come has been begun: one_piece_prepare */
     int followers;         /* parts that follow their plane's place */
     double share;          /* of the tolerance, as a run has it; 0: all of it */
+    double *phases;        /* in the unit's memory: of every weight the way it slides and its wall */
+    double *impact;        /* scratch of impacts */
+    struct Phase *step_phase, *instant_phase; /* of both machines, where they are eventful */
+    bool is_eventful;      /* weights can touch or stick, or supports stick */
     double *begun_forces;  /* in the unit's memory: from outside, at the start of the step (planes, 2) [N] */
     double *looked_at;     /* (n, 2) scratch: displacements */
     Pair *places;          /* (width,) scratch */
@@ -96,6 +103,32 @@ double one_piece_load(const Composite *c, Machine *machine, const double *states
 /* The line of the motor's torque, in the machine's time. */
 void one_piece_set_line(Machine *machine, int line);
 void one_piece_push(const Composite *c, Machine *machine, const double *forces, double time);
+
+/* -- one_piece_phase.c --------------------------------------------------------------------------- */
+
+/* Of each weight in what a state has of phases. */
+enum { PHASE_OF_WEIGHT = 2, SLIP_OF_WEIGHT = 0, SIDE_OF_WEIGHT = 1 };
+
+/* Numbers in a state that say the phase, beside those in the memories of the parts. */
+size_t one_piece_phase_doubles(const Composite *c);
+/* Memory for a machine's phases; 1 where there is none. */
+int one_piece_allocate_phases(Unit *unit);
+/* Whether weights can touch or stick, or supports stick. */
+bool one_piece_is_eventful(const Composite *c);
+/* What does not change of a machine's phases; then that of a state of the parts. */
+void one_piece_make_phase(const Composite *c, Machine *machine);
+void one_piece_load_phase(const Composite *c, Machine *machine, const double *states);
+/* The forces of sliders at a time of a step of this order, in the rotor's memory. */
+void one_piece_place_sliders(const Composite *c, int order, double time);
+
+/* -- one_piece_events.c -------------------------------------------------------------------------- */
+
+/* Let weights that meet where the parts stand collide, and decide who touches and sticks; 1 with the reason. */
+int one_piece_meet(Unit *unit);
+/* The first event of the step shortens it. */
+void one_piece_find_event(Unit *unit, double *length);
+/* The parts stand at the event that ends the step. */
+void one_piece_pass_event(Unit *unit);
 
 /* -- one_piece_watch.c --------------------------------------------------------------------------- */
 

@@ -86,7 +86,7 @@ int one_piece_load_step(Unit *unit, double *angle, bool *is_wanted)
     Composite *c = unit->own;
     Pieces *pieces = &c->pieces;
     const OnePiece *one_piece = &c->course->one_piece;
-    const size_t forces = outside_count(c);
+    const size_t forces = outside_count(c), phases = one_piece_phase_doubles(c);
     double *key = pieces->wanted;
     *is_wanted = false;
     if (!pieces->is_made && one_piece_make(unit)) {
@@ -99,7 +99,8 @@ int one_piece_load_step(Unit *unit, double *angle, bool *is_wanted)
     *key++ = one_piece->order;
     *key++ = one_piece->pushed;
     memcpy(key, pieces->begun_forces, forces * sizeof(double));
-    memcpy(key + forces, c->at_begin, c->state_count * sizeof(double));
+    memcpy(key + forces, pieces->phases, phases * sizeof(double));
+    memcpy(key + forces + phases, c->at_begin, c->state_count * sizeof(double));
     if (!memcmp(pieces->wanted, pieces->key, pieces->key_count * sizeof(double))) {
         return 0;
     }
@@ -113,6 +114,9 @@ int one_piece_load_step(Unit *unit, double *angle, bool *is_wanted)
         one_piece_load(c, &pieces->step, c->at_begin, one_piece->speed, one_piece->acceleration);
     if (c->motor) {
         one_piece_set_line(&pieces->step, (int)one_piece->line);
+    }
+    if (pieces->is_eventful) {
+        one_piece_load_phase(c, &pieces->step, c->at_begin);
     }
     *is_wanted = true;
     c->course->total.passes += 1.0;
@@ -166,6 +170,9 @@ void one_piece_stand_at(Unit *unit, double time)
                 pair_at(machine_at(m->velocity + column, width, order - 1, time), i % 2) * m->rate;
         }
     }
+    if (c->pieces.is_eventful) {
+        one_piece_place_sliders(c, order, time);
+    }
     if (c->motor) {
         angle_turn(c->motor->unit->memory, turned);
         c->motor->unit->memory[ANGLE_SIZE] = speed;
@@ -207,16 +214,5 @@ int one_piece_places(Unit *unit, Pair *places)
     for (k = 0; k < m->width; k++) {
         places[k] = machine_at(m->motion + k, m->width, order, time);
     }
-    return 0;
-}
-
-int one_piece_begin_anew(Unit *unit)
-{
-    OnePiece *one_piece = &((Composite *)unit->own)->course->one_piece;
-    if (one_piece->stands == 0.0 && one_piece_place(unit)) {
-        return 1;
-    }
-    one_piece->stands = 1.0;
-    one_piece->line = -1.0;
     return 0;
 }

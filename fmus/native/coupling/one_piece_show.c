@@ -26,6 +26,12 @@ static int expand_instant(Unit *unit, int order)
     }
     one_piece_push(c, m, c->outer_forces, unit->time - c->course->drive.pushed_at);
     angle = one_piece_load(c, m, c->states, speed, acceleration);
+    if (c->pieces.is_eventful) {
+        one_piece_load_phase(c, m, c->states);
+        if (c->course->one_piece.undecided > 0.0 && phase_decide(m, angle)) {
+            return unit_fail(unit, PHASE_UNDECIDED " at t = %6 s", unit_host_time(unit, unit->time));
+        }
+    }
     machine_expand(m, angle, order);
     return 0;
 }

@@ -5,7 +5,8 @@
 #include "constants.h"
 #include "coupling/composite.h"
 
-enum { FEWEST_LOOKS_OF_STEP = 8 };
+enum { FEWEST_LOOKS_OF_STEP = 8, MOST_EVENTS_AT_ONCE = 30 };
+#define SHORTEST_STEP 1e-15   /* of the time, and of the machine's unit of it */
 #define SHORTEST_LENGTH 1e-12 /* of a step to a corner: less is none */
 
 /* Ends of a line of the motor's torque, in the machine's time; the outer ones go on for ever. */
@@ -32,6 +33,27 @@ static int finish(Unit *unit)
         c->motor->unit->memory[ANGLE_SIZE] = motor->points[2 * corner];
         one_piece->line = smaller(one_piece->line + one_piece->leaves, motor->count - 2.0);
     }
+    if (c->pieces.is_eventful) {
+        one_piece_pass_event(unit);
+    }
+    return 0;
+}
+
+int one_piece_begin_anew(Unit *unit)
+{
+    const Composite *c = unit->own;
+    const Clock *clock = &c->course->clock;
+    OnePiece *one_piece = &c->course->one_piece;
+    if (one_piece->stands == 0.0) {
+        const bool ends = one_piece->event != NO_EVENT && clock->shown >= clock->time;
+        if (ends ? finish(unit) : one_piece_place(unit)) {
+            return 1;
+        }
+    }
+    one_piece->stands = 1.0;
+    one_piece->line = -1.0;
+    one_piece->event = NO_EVENT;
+    one_piece->undecided = c->pieces.is_eventful;
     return 0;
 }
 
@@ -48,6 +70,7 @@ static void begin_step(Unit *unit)
     course->clock.begin = course->clock.shown = course->clock.time;
     one_piece->order = machine_order(one_piece_step_tolerance(unit));
     one_piece->stands = course->clock.within = one_piece->leaves = one_piece->looked = 0.0;
+    one_piece->event = NO_EVENT;
     one_piece->placed = 1.0;
     one_piece->changes_behind = course->drive.changes_behind;
     one_piece->pushed = course->clock.time - course->drive.pushed_at;
@@ -86,6 +109,10 @@ static int choose_length(Unit *unit, double *length)
         one_piece->line += leaves; /* the speed is at the corner and goes on beyond it */
     }
     one_piece->leaves = leaves;
+    if (c->pieces.is_eventful) {
+        one_piece_find_event(unit, length);
+        one_piece->leaves = one_piece->event != NO_EVENT ? 0.0 : one_piece->leaves;
+    }
     return 0;
 }
 
@@ -104,10 +131,45 @@ static int begin_next(Unit *unit)
     return 0;
 }
 
+/* Begin the next step behind the events where it begins; its length in the machine's time and its end.
+   1 with the reason. */
+static int open_step(Unit *unit, double *length, double *end)
+{
+    const Composite *c = unit->own;
+    Course *course = c->course;
+    const Machine *m = &c->pieces.step;
+    int k;
+    if (begin_next(unit)) {
+        return 1;
+    }
+    for (k = 0; k < MOST_EVENTS_AT_ONCE; k++) {
+        if ((c->pieces.is_eventful && one_piece_meet(unit)) || choose_length(unit, length)) {
+            return 1;
+        }
+        *end = course->clock.begin + *length * m->per_rate;
+        if (*end > course->clock.begin) {
+            return 0;
+        }
+        if (course->one_piece.event == NO_EVENT) {
+            return unit_fail(unit, "the motion at t = %6 s is not finite, or too fast for the time to go on",
+                             unit_host_time(unit, course->clock.begin));
+        }
+        one_piece_pass_event(unit);
+        begin_step(unit);
+    }
+    /* what the event changes is less than rounding: a step that the time can show goes beyond it */
+    *end = course->clock.begin + SHORTEST_STEP * (absolute(course->clock.begin) + m->per_rate);
+    *length = (*end - course->clock.begin) * m->rate;
+    return 0;
+}
+
 int one_piece_prepare(Unit *unit, double *angle, bool *is_wanted)
 {
     Pieces *pieces = &((Composite *)unit->own)->pieces;
-    pieces->is_begun = false;
+    pieces->is_begun = *is_wanted = false;
+    if (one_piece_is_eventful(unit->own)) {
+        return 0; /* it goes on alone */
+    }
     if (begin_next(unit)) {
         return 1;
     }
@@ -121,13 +183,8 @@ int one_piece_step(Unit *unit)
     Course *course = c->course;
     OnePiece *one_piece = &course->one_piece;
     double length, end, turned;
-    if (begin_next(unit) || choose_length(unit, &length)) {
+    if (open_step(unit, &length, &end)) {
         return 1;
-    }
-    end = course->clock.begin + length * c->pieces.step.per_rate;
-    if (!(end > course->clock.begin)) {
-        return unit_fail(unit, "the motion at t = %6 s is not finite, or too fast for the time to go on",
-                         unit_host_time(unit, course->clock.begin));
     }
     course->clock.time = end;
     course->clock.length = end - course->clock.begin; /* rounded as the time is */

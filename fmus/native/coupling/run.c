@@ -123,19 +123,24 @@ static void stand(Unit *unit, double time)
     unit->stale = OBSERVED;
 }
 
-/* The next output point that is chosen in one piece, where none is given: equal parts of its own steps. */
+/* The next output point that is chosen in one piece, where none is given: equal parts of its own steps, of
+   which those that events have made very short have none. */
 static int choose_point(Unit *unit, const Stretch *stretch, double *point)
 {
     const double SAME_POINT = 1e-6; /* of a part: time is rounded */
+    const double NEAREST_POINT = 1e-3; /* of the longest distance of points */
     const Clock *clock = &((const Composite *)unit->own)->course->clock;
-    double parts, part;
-    if (!(unit->time < clock->time - TIME_ROUNDING * (clock->time + clock->length)) && composite_go_on(unit)) {
-        return 1;
-    }
-    parts = larger(1.0, nearest(clock->length / stretch->longest + 0.5));
-    part = clock->length / parts;
-    parts = nearest((unit->time - clock->begin) / part - 0.5 + SAME_POINT) + 1.0;
-    *point = clock->begin + parts * part;
+    const double begin = unit->time;
+    double time = begin, parts, part;
+    do {
+        if (!(time < clock->time - TIME_ROUNDING * (clock->time + clock->length)) && composite_go_on(unit)) {
+            return 1;
+        }
+        parts = larger(1.0, nearest(clock->length / stretch->longest + 0.5));
+        part = clock->length / parts;
+        parts = nearest((larger(time, clock->begin) - clock->begin) / part - 0.5 + SAME_POINT) + 1.0;
+        *point = time = clock->begin + parts * part;
+    } while (time - begin < NEAREST_POINT * stretch->longest && time < stretch->end);
     return 0;
 }
 

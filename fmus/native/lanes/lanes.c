@@ -6,6 +6,7 @@
 #include "machine/blocks.c"
 #include "machine/series.c"
 #include "machine/shaft_series.c"
+#include "machine/unknowns.c"
 #include "machine/weights_series.c"
 
 struct Lanes {

@@ -83,6 +83,7 @@ typedef struct {
     Number *matrix;     /* (unknowns, unknowns) Cholesky's factor, with one over its diagonal; of two
                            unknowns the inverse */
     Number *right;      /* (unknowns,) */
+    struct Phase *phase; /* of phase.h, where weights can touch or stick, or supports stick; NULL: they cannot */
 } Machine;
 
 /* -- allocate.c --------------------------------------------------------------------------------- */
@@ -115,6 +116,22 @@ int machine_results(const Machine *machine, int order, NumberBlock *blocks);
 /* Coefficients of all series up to that of order K of the motion, 2 or more, from those of order 0 of
    motion, velocity and speed, and the angle.  The speed's of order 1 is given where it is prescribed. */
 void machine_expand(Machine *machine, Number angle, int order);
+/* The part of it before the first coefficients: directions, and the factors of the matrix. */
+void machine_start(Machine *machine, Number angle);
+/* The unknowns of an order in place of their right-hand sides. */
+void machine_solve(const Machine *machine, Number *right);
+
+/* -- unknowns.c -------------------------------------------------------------------------------------- */
+
+/* The number that multiplies each unknown in a weight's equation, by 1/(kappa R); unknowns: A as x and y of
+   every station, then w'. */
+Number machine_coupled(const Machine *machine, const MachineTrack *track, const SeriesWeight *weight, int unknown);
+/* The matrix without what the weights take with them: its lower half. */
+void machine_set_carrier(Machine *machine);
+/* Complete the pull of a track from the solution of order k; its acceleration less what was known. */
+Pair machine_take_pull(Machine *machine, MachineTrack *track, int k);
+/* Complete a weight with its phi'' of order k. */
+void machine_take_weight(Machine *machine, int weight, int k, Number acceleration, Number speed_gained);
 
 /* -- shaft_series.c ----------------------------------------------------------------------------- */
 

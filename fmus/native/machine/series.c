@@ -1,52 +1,31 @@
 /* The recurrence of a machine's series. */
 #include "base/elementary.h"
 #include "machine/machine.h"
+#ifndef SIDE_BY_SIDE /* machines with events go on alone */
+#include "machine/phase.h"
+#endif
 
-/* The number that multiplies each unknown in a weight's equation, by 1/(kappa R); unknowns: A as x and y of
-   every station, then w'. */
-static Number coupled(const Machine *m, const MachineTrack *track, const SeriesWeight *weight, int unknown)
+/* Take off M and I what the weights take with them. */
+static void take_off_weights(Machine *m)
 {
-    const Pair p = weight->unit[0];
-    if (unknown < 2 * m->stations) {
-        return track->row[unknown / 2] * (unknown % 2 ? pair_x(p) : -pair_y(p));
-    }
-    /* Re((e E)* p) */
-    return pair_crossed(p, pair_turned(pair_product(track->offset, m->spin[0]))) - weight->roll;
-}
-
-/* M and I less what the weights take with them, of two unknowns inverted, of more factorised. */
-static void set_matrix(Machine *m)
-{
-    const int n = m->stations, size = m->unknowns;
+    const int size = m->unknowns;
     Number *a = m->matrix;
     int i, j, t, w;
-    for (i = 0; i < 2 * n; i++) {
-        for (j = 0; j <= i; j++) {
-            a[i * size + j] = i % 2 == j % 2 ? m->mass[i / 2 * n + j / 2] : number_of(0.0);
-        }
-    }
-    if (size > 2 * n) {
-        for (j = 0; j < n; j++) {
-            const Pair pulled = pair_turned(pair_product(m->unbalance[j], m->spin[0]));
-            a[2 * n * size + 2 * j] = pair_x(pulled);
-            a[2 * n * size + 2 * j + 1] = pair_y(pulled);
-        }
-        a[2 * n * size + 2 * n] = m->drive.inertia;
-    }
     for (t = 0; t < m->track_count; t++) {
         const MachineTrack *track = m->tracks + t;
         for (w = track->first; w < track->end; w++) {
             const SeriesWeight *weight = m->weights + w;
             for (i = 0; i < size; i++) {
-                const Number scaled = weight->share * coupled(m, track, weight, i);
+                const Number scaled = weight->share * machine_coupled(m, track, weight, i);
                 for (j = 0; j <= i && !number_is_zero(scaled); j++) {
-                    a[i * size + j] -= scaled * coupled(m, track, weight, j);
+                    a[i * size + j] -= scaled * machine_coupled(m, track, weight, j);
                 }
             }
         }
     }
 }
 
+/* Of two unknowns the inverse, of more the factors. */
 static void factorise(Machine *m)
 {
     const int size = m->unknowns;
@@ -70,12 +49,17 @@ static void factorise(Machine *m)
     }
 }
 
-/* The unknowns of an order in place of their right-hand sides. */
-static void solve(const Machine *m, Number *b)
+void machine_solve(const Machine *m, Number *b)
 {
     const int size = m->unknowns;
     const Number *a = m->matrix;
     int i, k;
+#ifndef SIDE_BY_SIDE
+    if (m->phase) {
+        phase_solve(m, b);
+        return;
+    }
+#endif
     if (size == 2) {
         const Number x = b[0], y = b[1];
         b[0] = a[0] * x + a[1] * y;
@@ -163,6 +147,12 @@ static void push_stations(Machine *m, int k, Pair spun_twice)
 
 static void push_weights(Machine *m, int k, Pair spun_twice)
 {
+#ifndef SIDE_BY_SIDE
+    if (m->phase) {
+        phase_push_weights(m, k, spun_twice);
+        return;
+    }
+#endif
     const int n = m->stations;
     const Number carried = m->drive.motor || k >= m->speed_order ? number_of(0.0) : m->speed[k + 1] * (double)(k + 1);
     int t, w, i;
@@ -199,19 +189,17 @@ static void take_stations(Machine *m, int k)
 
 static void take_weights(Machine *m, int k, Number speed_gained)
 {
+#ifndef SIDE_BY_SIDE
+    if (m->phase) {
+        phase_take(m, k, speed_gained);
+        return;
+    }
+#endif
     const int n = m->stations;
-    int t, w, i;
+    int t, w;
     for (t = 0; t < m->track_count; t++) {
         MachineTrack *track = m->tracks + t;
-        Pair a = track->known;
-        for (i = 0; i < n; i++) {
-            a = pair_add_scaled(a, m->acceleration[k * n + i], track->row[i]);
-        }
-        if (m->drive.motor && track->is_off) {
-            a = pair_add_scaled(a, pair_product(track->offset, pair_turned(m->spin[0])), m->right[2 * n]);
-        }
-        track->pull[k] = pair_turned_back(a);
-        a = pair_difference(a, track->known); /* which is in 'free' already */
+        const Pair a = machine_take_pull(m, track, k); /* the rest is in 'free' already */
         for (w = track->first; w < track->end; w++) {
             SeriesWeight *weight = m->weights + w;
             const Pair along = pair_times(pair_turned_back(a), weight->unit[0]);
@@ -219,19 +207,23 @@ static void take_weights(Machine *m, int k, Number speed_gained)
             if (m->drive.motor) {
                 pulled -= weight->roll * m->right[2 * n];
             }
-            series_weight_finish(weight, k, weight->free - weight->lever * pulled, m->per + k + 1);
-            pair_set(&m->velocity[(k + 1) * m->width + n + w / 2], w % 2, pair_x(weight->rate[k + 1]) - speed_gained);
+            machine_take_weight(m, w, k, weight->free - weight->lever * pulled, speed_gained);
         }
     }
-    for (w = n; w < m->width; w++) {
+}
+
+static void take_angles(Machine *m, int k)
+{
+    int w;
+    for (w = m->stations; w < m->width; w++) {
         m->motion[(k + 1) * m->width + w] = pair_scaled(m->velocity[k * m->width + w], number_of(m->per[k + 1]));
     }
 }
 
-static void start_series(Machine *m, Number angle)
+void machine_start(Machine *m, Number angle)
 {
     const int n = m->stations;
-        int i, t, w;
+    int i, t, w;
     m->spin[0] = pair_direction(angle);
     m->spin[1] = pair_scaled(pair_turned(m->spin[0]), m->speed[0]);
     for (t = 0; t < m->track_count; t++) {
@@ -244,15 +236,35 @@ static void start_series(Machine *m, Number angle)
     for (i = 0; i < n; i++) {
         m->motion[m->width + i] = m->velocity[i];
     }
-    set_matrix(m);
+    machine_set_carrier(m);
+#ifndef SIDE_BY_SIDE
+    if (m->phase) {
+        phase_factorise(m);
+        return;
+    }
+#endif
+    take_off_weights(m);
     factorise(m);
+}
+
+/* What holds together, and what sticks, once all else is known. */
+static void push_events(Machine *m, int k)
+{
+#ifndef SIDE_BY_SIDE
+    if (m->phase && m->drive.motor) {
+        phase_push_shaft(m, k);
+    }
+    if (m->phase) {
+        phase_push_sliders(m, k);
+    }
+#endif
 }
 
 void machine_expand(Machine *m, Number angle, int order)
 {
     int k;
     m->speed_order = m->drive.motor ? 0 : !number_is_zero(m->speed[1]);
-    start_series(m, angle);
+    machine_start(m, angle);
     for (k = 0; k <= order - 2; k++) {
         Pair spun_twice = spun(m, k);
         Number gained = !m->drive.motor && k < m->speed_order ? m->speed[k + 1] : number_of(0.0);
@@ -261,12 +273,14 @@ void machine_expand(Machine *m, Number angle, int order)
         if (m->drive.motor) {
             shaft_push(m, k);
         }
-        solve(m, m->right);
+        push_events(m, k);
+        machine_solve(m, m->right);
         take_stations(m, k);
         if (m->drive.motor) {
             gained = shaft_take(m, k);
         }
         take_weights(m, k, gained);
+        take_angles(m, k);
         if (m->drive.motor) {
             spun_twice = pair_add_scaled(spun_twice, pair_turned(m->spin[0]), gained * (double)(k + 1));
         }

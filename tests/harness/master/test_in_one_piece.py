@@ -3,13 +3,16 @@
 import numpy as np
 import pytest
 
-from autobalancer.harness import load_scene
+from autobalancer.harness import Scene, load_scene
+from autobalancer.harness.master.compared import motion_signals
 from autobalancer.harness.master.one_file_run import OneFileRun
 from autobalancer.harness.result.run import cosimulate
-from tests.studies.one_piece import FAMILIES, compared, drawn
+from autobalancer.models.monolith import simulate
+from tests.studies.one_piece import EVENTFUL, FAMILIES, compared, drawn
+from tests.studies.truth.draw import draw
 
 
-@pytest.mark.parametrize("family", FAMILIES)
+@pytest.mark.parametrize("family", [*FAMILIES, *EVENTFUL])
 def test_random_machines_keep_their_tolerance_and_state_their_error(family):
     known = 0
     for number in range(24):
@@ -26,14 +29,14 @@ def test_random_machines_keep_their_tolerance_and_state_their_error(family):
     ("changes", "one_piece"),
     [
         ({}, True),
-        ({"weights.weight_radius": 0.1}, False),
-        ({"weights.rolling_resistance": 1e-3}, False),
-        ({"rotor.friction": [{"limit": 0.1}]}, False),
+        ({"weights.weight_radius": 0.1}, True),
+        ({"weights.rolling_resistance": 1e-3}, True),
+        ({"rotor.friction": [{"limit": 0.1}]}, True),
         ({"rotor.stiffness": [1.0, 1e5], "rotor.damping": [0.5, 1.0]}, False),
         ({"weights.drag": 200.0}, False),
     ],
 )
-def test_machines_with_events_and_stiff_ones_are_coupled_by_signals(changes, one_piece):
+def test_all_machines_but_stiff_ones_go_on_in_one_piece(changes, one_piece):
     scene = load_scene("two_balls").replace({"coupling.tolerance": 1e-4, **changes})
     with OneFileRun(scene) as run:
         assert run.in_one_piece == one_piece
@@ -56,3 +59,20 @@ def test_both_engines_find_the_same_motion(name):
         size = np.abs(given[signal]).max()
         assert len(times) >= 2
         assert np.abs(result[signal][at] - given[signal][there]).max() <= 3e-6 * size
+
+
+@pytest.mark.parametrize(
+    ("family", "numbers"),
+    [("finite", (2, 4, 5)), ("impacts", (0, 2, 9)), ("sticking", (0, 4, 9)), ("friction", (0, 4))],
+)
+def test_events_are_those_of_an_independent_integration(family, numbers):
+    """By SciPy, whose equations share nothing with the series but the physics."""
+    for number in numbers:
+        scene = Scene.from_document(draw(family, 5, number)).replace({"coupling.tolerance": 1e-6})
+        result = cosimulate(scene)
+        drive, start = scene.operation.drive(), scene.run.initial.motion()
+        right = simulate(scene.assembly(), drive, result.time, initial=start, rtol=1e-11)
+        for name in motion_signals(scene):
+            expected = right.signal(name)
+            size = max(np.abs(expected).max(), 1.0 if name.endswith("angle") else 0.0)
+            assert np.abs(result[name] - expected).max() <= 1e-6 * size

@@ -6,8 +6,7 @@
 EXPORT int collide_now(void *instance)
 {
     Unit *unit = instance;
-    int struck;
-    const int wrong = impacts_strike(unit, 0.0, &struck);
+    const int wrong = composite_go_on(unit); /* begins a step behind the impact */
     unit->stale = OBSERVED; /* speeds are read anew from the memories of the parts */
-    return wrong ? -1 : struck;
+    return wrong ? -1 : 1;
 }

@@ -1,0 +1,160 @@
+/* The phase of a machine in one piece: what the memories of its parts say of who touches and what sticks. */
+#include "base/elementary.h"
+#include "constants.h"
+#include "contact/spacing.h"
+#include "coupling/composite.h"
+
+static int weights_of(const Composite *c)
+{
+    int k, count = 0;
+    for (k = 1; k < c->parts_without_motor; k++) {
+        const Balls *balls = part_balls(c->parts + k);
+        count += balls ? c->parts[k].unit->layout.sizes.weights : 0;
+    }
+    return count;
+}
+
+size_t one_piece_phase_doubles(const Composite *c)
+{
+    return PHASE_OF_WEIGHT * (size_t)weights_of(c);
+}
+
+int one_piece_allocate_phases(Unit *unit)
+{
+    Composite *c = unit->own;
+    Pieces *pieces = &c->pieces;
+    const Sizes *sizes = &c->parts->unit->layout.sizes;
+    const int weights = weights_of(c);
+    pieces->impact = unit_allocate(unit, phase_impact_doubles(sizes->stations, weights), sizeof(double));
+    pieces->step_phase = phase_allocate(unit, sizes->stations, weights, 2 * sizes->sliders);
+    pieces->instant_phase = phase_allocate(unit, sizes->stations, weights, 2 * sizes->sliders);
+    return !pieces->impact || !pieces->step_phase || !pieces->instant_phase;
+}
+
+bool one_piece_is_eventful(const Composite *c)
+{
+    int k;
+    bool found = composite_rotor(c)->slider_count > 0;
+    for (k = 1; k < c->parts_without_motor; k++) {
+        const Balls *balls = part_balls(c->parts + k);
+        found |= balls && balls->track.eventful;
+    }
+    return found;
+}
+
+/* -- a machine's phase ------------------------------------------------------------------------- */
+
+void one_piece_make_phase(const Composite *c, Machine *m)
+{
+    const Rotor *rotor = composite_rotor(c);
+    const double t = m->per_rate;
+    struct Phase *phase = m->phase;
+    int k, w, track = 0, i = 0;
+    for (k = 1; k < c->parts_without_motor; k++) {
+        const Balls *balls = part_balls(c->parts + k);
+        for (w = 0; balls && w < balls->count; w++, i++) {
+            PhaseWeight *own = phase->weights + i;
+            own->track = track;
+            own->lasts = balls->track.full;
+            own->restitution = balls->track.restitution;
+            own->radius = balls->track.weights.track_radius;
+            own->grip = balls->track.rolling_resistance;
+        }
+        track += balls != NULL;
+    }
+    phase->slider_count = 0;
+    for (k = 0; k < rotor->slider_count; k++) {
+        const Slider *slider = rotor->sliders + k;
+        PhaseSlider *own = phase->sliders + phase->slider_count;
+        if (slider->limit > 0.0) {
+            own->number = k;
+            own->place = slider_place(slider);
+            own->limit = slider->limit * t * t;
+            own->stiffness = slider->stiffness * t * t;
+            phase->slider_count++;
+        }
+    }
+}
+
+/* Weights of a track, the first of them `first` of the machine, as each stands before the next. */
+static void order_track(const Machine *m, const Track *track, int first)
+{
+    PhaseWeight *all = m->phase->weights + first;
+    const int n = track->weights.count;
+    int j, k;
+    for (k = 0; k < n; k++) {
+        const double at = modulo(phase_angle(m, first + k), TAU);
+        double nearest_ahead = infinity();
+        int ahead = -1;
+        /* who is ahead: among equals the next by number */
+        for (j = 1; j < n && track->solid; j++) {
+            const int other = (k + j) % n;
+            const double there = modulo(phase_angle(m, first + other), TAU);
+            const int wraps = there < at || (there == at && other < k);
+            const double apart = there - at + (wraps ? TAU : 0.0);
+            if (apart < nearest_ahead) {
+                nearest_ahead = apart;
+                ahead = other;
+            }
+        }
+        all[k].ahead = ahead < 0 ? -1 : first + ahead;
+        if (ahead >= 0) {
+            const Weights one = weights_single(&track->weights, k), next = weights_single(&track->weights, ahead);
+            all[k].spacing = track->weights.each
+                                 ? 2.0 * half_angle(0.5 * (one.radius + next.radius), one.track_radius)
+                                 : 2.0 * track->alpha;
+        }
+    }
+}
+
+static const double *memory_in(const Composite *c, const Part *part, const double *states)
+{
+    return states + (part->unit->memory - c->states);
+}
+
+void one_piece_load_phase(const Composite *c, Machine *m, const double *states)
+{
+    struct Phase *phase = m->phase;
+    const double *slider_states = states + (rotor_slider_states(c->parts->unit) - c->states);
+    const double *kept = c->pieces.phases;
+    int k, w, i = 0;
+    for (k = 1; k < c->parts_without_motor; k++) {
+        const Balls *balls = part_balls(c->parts + k);
+        const double *contacts = balls ? memory_in(c, c->parts + k, states) + 2 * balls->count : NULL;
+        if (balls) {
+            order_track(m, &balls->track, i);
+        }
+        for (w = 0; balls && w < balls->count; w++, i++, kept += PHASE_OF_WEIGHT) {
+            PhaseWeight *own = phase->weights + i;
+            const double rate = phase_rate(m, i);
+            own->joined = own->ahead >= 0 && (own->lasts || contacts[w] != 0.0);
+            own->slip = own->grip > 0.0 ? (rate != 0.0 ? copy_sign(1.0, rate) : kept[SLIP_OF_WEIGHT]) : 0.0;
+            own->side = kept[SIDE_OF_WEIGHT] < 0.0 ? -1.0 : 1.0;
+        }
+    }
+    for (k = 0; k < phase->slider_count; k++) {
+        PhaseSlider *own = phase->sliders + k;
+        own->slip = slider_states[2 * own->number + SLIPS];
+        own->force = slider_states[2 * own->number + HOLDS] * m->per_rate * m->per_rate;
+        if (own->slip != 0.0) {
+            own->force = -own->slip * own->limit;
+        }
+    }
+    phase_group(m);
+}
+
+void one_piece_place_sliders(const Composite *c, int order, double time)
+{
+    const Machine *m = &c->pieces.step;
+    double *slider_states = rotor_slider_states(c->parts->unit);
+    const int last = order - 2;
+    int k, j;
+    for (k = 0; k < m->phase->slider_count; k++) {
+        const PhaseSlider *own = m->phase->sliders + k;
+        double force = own->hold[last];
+        for (j = last - 1; j >= 0; j--) {
+            force = force * time + own->hold[j];
+        }
+        slider_states[2 * own->number + HOLDS] = force * m->rate * m->rate;
+    }
+}

@@ -1,0 +1,154 @@
+/* What ends a phase: the first fall of any of the functions that it keeps above 0, polynomials all of them. */
+#include <string.h>
+
+#include "base/elementary.h"
+#include "base/polynomial_fall.h"
+#include "machine/phase.h"
+
+#define GAP_SLACK 1e-14  /* rad: a gap closes when it is less than 0 by more than this */
+#define RATE_SLACK 1e-15 /* of what a weight turns by in the machine's time: a rate that is rounding */
+#define LIMIT_SLACK 2e-12 /* of a slider's limit: more than what is decided by */
+#define FORCE_SLACK 2.0 /* times the rounding of forces, which is decided by */
+
+/* The search: the machine's step, and the first event so far. */
+typedef struct {
+    Machine *machine;
+    int order;
+    double until;
+    PhaseEvent event;
+} Search;
+
+static double *cleared(const Search *search)
+{
+    double *series = search->machine->phase->series;
+    memset(series, 0, (size_t)(search->order + 1) * sizeof *series);
+    return series;
+}
+
+/* The series in the scratch, of this order, falls: an event. */
+static void look(Search *search, int order, EventKind kind, int which)
+{
+    const double time = find_polynomial_fall(search->machine->phase->series, order, search->until);
+    if (time >= 0.0 && (time < search->until || search->event.kind == NO_EVENT)) {
+        search->until = time;
+        search->event.kind = kind;
+        search->event.which = which;
+    }
+}
+
+static void look_at_gap(Search *search, int w)
+{
+    const Machine *m = search->machine;
+    const PhaseWeight *own = m->phase->weights + w;
+    double *series = m->phase->series;
+    int k;
+    for (k = 1; k <= search->order; k++) {
+        const Pair *motion = m->motion + k * m->width + m->stations;
+        series[k] = pair_at(motion[own->ahead / 2], own->ahead % 2) - pair_at(motion[w / 2], w % 2);
+    }
+    series[0] = larger(0.0, phase_gap(m, w)) + GAP_SLACK;
+    look(search, search->order, GAP_SHUTS, w);
+}
+
+static void look_at_load(Search *search, int w)
+{
+    const Machine *m = search->machine;
+    const PhaseWeight *own = m->phase->weights + w;
+    const int order = search->order - 2;
+    double *series = m->phase->series;
+    int k;
+    for (k = 0; k <= order; k++) {
+        series[k] = own->side * own->load[k];
+    }
+    series[0] = larger(0.0, series[0]) + FORCE_SLACK * phase_load_slack(m, w);
+    look(search, order, WALL_CHANGES, w);
+}
+
+static void look_at_rate(Search *search, const PhaseGroup *group)
+{
+    const Machine *m = search->machine;
+    const int w = group->first, order = search->order - 1;
+    const double slip = m->phase->weights[w].slip;
+    double *series = m->phase->series;
+    int k;
+    for (k = 0; k <= order; k++) {
+        series[k] = slip * pair_at(m->velocity[k * m->width + m->stations + w / 2], w % 2);
+    }
+    series[0] = larger(0.0, series[0]) + RATE_SLACK * absolute(m->speed[0]);
+    look(search, order, WEIGHT_STOPS, w);
+}
+
+static void look_at_group(Search *search, int g)
+{
+    Machine *m = search->machine;
+    const struct Phase *phase = m->phase;
+    const PhaseGroup *group = phase->groups + g;
+    const int order = search->order - 2, whole = phase->weights[group->first].lasts;
+    const double slack = phase_slack(m, group);
+    int k, ahead, w = group->first;
+    for (k = 1; k <= group->size; k++, w = phase->weights[w].ahead) {
+        for (ahead = 0; ahead < 2 && group->rests && (k == group->size || !whole); ahead++) {
+            double *series = cleared(search);
+            phase_hold(m, group, k, ahead, order, series);
+            series[0] = larger(0.0, series[0]) + FORCE_SLACK * slack;
+            look(search, order, WEIGHT_LETS_GO, w);
+        }
+        if (!group->rests && k < group->size && !whole) {
+            double *series = cleared(search);
+            phase_press(m, group, k, order, series);
+            series[0] = larger(0.0, series[0]) + FORCE_SLACK * slack;
+            look(search, order, CONTACT_PULLS, w);
+        }
+    }
+    if (!group->rests && phase->weights[group->first].slip != 0.0) {
+        look_at_rate(search, group);
+    }
+}
+
+static void look_at_slider(Search *search, int which)
+{
+    const Machine *m = search->machine;
+    const PhaseSlider *slider = m->phase->sliders + which;
+    const int place = slider->place, order = search->order - 2;
+    double *series = m->phase->series, way;
+    int k;
+    if (slider->slip != 0.0) {
+        for (k = 0; k <= search->order - 1; k++) {
+            series[k] = slider->slip * pair_at(m->velocity[k * m->width + place / 2], place % 2);
+        }
+        series[0] = larger(0.0, series[0]);
+        look(search, search->order - 1, SLIDER_STOPS, which);
+        return;
+    }
+    for (way = -1.0; way <= 1.0; way += 2.0) {
+        for (k = 0; k <= order; k++) {
+            series[k] = way * slider->hold[k];
+        }
+        series[0] = larger(0.0, series[0] + slider->limit) + LIMIT_SLACK * slider->limit;
+        look(search, order, SLIDER_LETS_GO, which);
+    }
+}
+
+PhaseEvent phase_first_event(Machine *m, int order, double *length)
+{
+    const struct Phase *phase = m->phase;
+    Search search = {m, order, *length, {NO_EVENT, 0}};
+    int k;
+    for (k = 0; k < m->weight_count; k++) {
+        const PhaseWeight *own = phase->weights + k;
+        if (own->ahead >= 0 && !own->joined) {
+            look_at_gap(&search, k);
+        }
+        if (own->grip > 0.0) {
+            look_at_load(&search, k);
+        }
+    }
+    for (k = 0; k < phase->group_count; k++) {
+        look_at_group(&search, k);
+    }
+    for (k = 0; k < phase->slider_count; k++) {
+        look_at_slider(&search, k);
+    }
+    *length = search.until;
+    return search.event;
+}

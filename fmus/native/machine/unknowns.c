@@ -1,0 +1,54 @@
+/* The unknowns of a machine's series: what they are multiplied by, and what follows from them. */
+#include "machine/machine.h"
+
+Number machine_coupled(const Machine *m, const MachineTrack *track, const SeriesWeight *weight, int unknown)
+{
+    const Pair p = weight->unit[0];
+    if (unknown < 2 * m->stations) {
+        return track->row[unknown / 2] * (unknown % 2 ? pair_x(p) : -pair_y(p));
+    }
+    /* Re((e E)* p) */
+    return pair_crossed(p, pair_turned(pair_product(track->offset, m->spin[0]))) - weight->roll;
+}
+
+void machine_set_carrier(Machine *m)
+{
+    const int n = m->stations, size = m->unknowns;
+    Number *a = m->matrix;
+    int i, j;
+    for (i = 0; i < 2 * n; i++) {
+        for (j = 0; j <= i; j++) {
+            a[i * size + j] = i % 2 == j % 2 ? m->mass[i / 2 * n + j / 2] : number_of(0.0);
+        }
+    }
+    if (size > 2 * n) {
+        for (j = 0; j < n; j++) {
+            const Pair pulled = pair_turned(pair_product(m->unbalance[j], m->spin[0]));
+            a[2 * n * size + 2 * j] = pair_x(pulled);
+            a[2 * n * size + 2 * j + 1] = pair_y(pulled);
+        }
+        a[2 * n * size + 2 * n] = m->drive.inertia;
+    }
+}
+
+Pair machine_take_pull(Machine *m, MachineTrack *track, int k)
+{
+    const int n = m->stations;
+    Pair a = track->known;
+    int i;
+    for (i = 0; i < n; i++) {
+        a = pair_add_scaled(a, m->acceleration[k * n + i], track->row[i]);
+    }
+    if (m->drive.motor && track->is_off) {
+        a = pair_add_scaled(a, pair_product(track->offset, pair_turned(m->spin[0])), m->right[2 * n]);
+    }
+    track->pull[k] = pair_turned_back(a);
+    return pair_difference(a, track->known);
+}
+
+void machine_take_weight(Machine *m, int w, int k, Number acceleration, Number speed_gained)
+{
+    SeriesWeight *weight = m->weights + w;
+    series_weight_finish(weight, k, acceleration, m->per + k + 1);
+    pair_set(&m->velocity[(k + 1) * m->width + m->stations + w / 2], w % 2, pair_x(weight->rate[k + 1]) - speed_gained);
+}
