@@ -127,6 +127,7 @@ class SizedUnit:
         flat: whether descriptions name variables by letters, digits and underscores alone.
         states: names of the outputs that are continuous states of model exchange, in their order;
             none: it has no model exchange.
+        indicators: what the event indicators of model exchange tell, in their order.
     """
 
     unit: Unit
@@ -135,6 +136,7 @@ class SizedUnit:
     hidden: frozenset[str] = frozenset()
     flat: bool = False
     states: tuple[str, ...] = ()
+    indicators: tuple[str, ...] = ()
 
     @property
     def name(self) -> str:

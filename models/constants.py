@@ -58,6 +58,7 @@ REFUSED_ERROR = 0.3  # of the motion: within the estimate's factor of three, all
 
 # Model exchange
 FIRST_DERIVATIVE = 2_000_000  # value reference of the first state's: above all that a layout has
+FIRST_INDICATOR = 3_000_000  # and of the first event indicator's
 NOMINAL_DISPLACEMENT = 1e-4  # m; of a machine of some kilograms at some hundred radians per second
 NOMINAL_VELOCITY = 1e-2  # m/s
 NOMINAL_ANGULAR_VELOCITY = 1e2  # rad/s

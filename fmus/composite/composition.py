@@ -58,10 +58,24 @@ class Part:
         return observed[: times * size.get(repeat, 0) + more]
 
     @property
-    def is_smooth(self) -> bool:
-        """Whether it has no events: neither dry friction nor contact nor rolling resistance."""
-        resisted = self.start.get("weight_radius") or self.start.get("rolling_resistance")
-        return not (resisted or self.unit.options.get("sliders"))
+    def indicators(self) -> list[str]:
+        """What its event indicators of model exchange tell, in the order of the library."""
+        found = []
+        for k in range(1, self.unit.options.get("sliders", 0) + 1):
+            found += [f"slider {k} sticks or slips along {axis}" for axis in "xy"]
+        weights = range(1, self.unit.options.get("weights", 0) + 1)
+        if self.start.get("weight_radius") and len(weights) > 1:
+            found += [f"weight {k} meets or leaves the one ahead" for k in weights]
+        for k in weights if self.start.get("rolling_resistance") else ():
+            found += [f"weight {k} stops or starts", f"weight {k} changes the wall it leans on"]
+        return [f"{self.name}: {text}" for text in found]
+
+    @property
+    def has_springs(self) -> bool:
+        """Whether it has sliders behind springs, whose force is no state of model exchange."""
+        return any(
+            v for k, v in self.start.items() if re.fullmatch(r"slider\[\d+\]\.stiffness_[xy]", k)
+        )
 
 
 @dataclass(frozen=True)
@@ -151,9 +165,12 @@ class Composition:
             step=self.step,
         )
         hidden = frozenset(v.name for v in declared if self._hides(v))
-        smooth = all(part.is_smooth for part in self.parts)
-        states = [f"{p.name}.{v}" for p in self.parts for v in p.states if smooth]
-        return SizedUnit(unit, self.sizes, Layout(name, declared), hidden, self.flat, tuple(states))
+        layout = Layout(name, declared)
+        if any(part.has_springs for part in self.parts):
+            return SizedUnit(unit, self.sizes, layout, hidden, self.flat)
+        states = tuple(f"{p.name}.{v}" for p in self.parts for v in p.states)
+        indicators = tuple(text for part in self.parts for text in part.indicators)
+        return SizedUnit(unit, self.sizes, layout, hidden, self.flat, states, indicators)
 
     def _hides(self, variable: Variable) -> bool:
         """Whether descriptions leave a variable out: what the coupling sets itself, figures."""

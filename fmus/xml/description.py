@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 from xml.etree.ElementTree import Element, SubElement, indent, tostring
 
-from ...models.constants import FIRST_DERIVATIVE
+from ...models.constants import FIRST_DERIVATIVE, FIRST_INDICATOR
 from ..unit import SizedUnit, Unit
 from ..variables import Variable
 from .types import bounds, described, type_name
@@ -120,6 +120,16 @@ def derivatives(unit: SizedUnit) -> dict[str, Variable]:
         rate = replace(rate, description=text, derivative_of=state)
         found[str(FIRST_DERIVATIVE + k)] = rate
     return found
+
+
+def indicators(unit: SizedUnit) -> dict[str, Variable]:
+    """Event indicators of model exchange by value reference; in FMI 2.0 they are no variables."""
+    return {
+        str(FIRST_INDICATOR + k): Variable(
+            f"event_indicator[{k + 1}]", "local", "1", description=f"Falls through 0 where {text}"
+        )
+        for k, text in enumerate(unit.indicators)
+    }
 
 
 def unknown(

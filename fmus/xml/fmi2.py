@@ -32,7 +32,7 @@ def model_description(
     root.attrib.update(common.header(unit, name, release))
     rates = common.derivatives(unit)
     if rates:
-        root.set("numberOfEventIndicators", "0")
+        root.set("numberOfEventIndicators", str(len(unit.indicators)))
     for interface in common.interfaces(root, unit, name, can, 2):
         interface.set("canNotUseMemoryManagementFunctions", "true")
         if can.sources:

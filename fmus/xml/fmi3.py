@@ -40,10 +40,10 @@ def model_description(
     """
     root = Element("fmiModelDescription", {"fmiVersion": "3.0", "instantiationToken": token})
     root.attrib.update(common.header(unit, name, release))
-    rates = common.derivatives(unit)
+    rates, indicators = common.derivatives(unit), common.indicators(unit)
     *_, steps = common.interfaces(root, unit, name, can, 3)
     steps.set("mightReturnEarlyFromDoStep", flag(can.early_return))
-    types = type_names((_TIME, *unit.layout.reals, *rates.values()))
+    types = type_names((_TIME, *unit.layout.reals, *rates.values(), *indicators.values()))
     unit_definitions(root, types)
     definitions = SubElement(root, "TypeDefinitions")
     for kind in types:
@@ -53,8 +53,8 @@ def model_description(
     references = {
         k: str(v) for k, v in value_references(unit.layout).items() if k not in unit.hidden
     }
-    references |= {v.name: k for k, v in rates.items()}
-    shown = (_TIME, *unit.shown, *rates.values())
+    references |= {v.name: k for k, v in (rates | indicators).items()}
+    shown = (_TIME, *unit.shown, *rates.values(), *indicators.values())
     variables = SubElement(root, "ModelVariables")
     for v in shown:
         about = common.scalar(v, unit.label(v.name), references[v.name])
@@ -63,9 +63,11 @@ def model_description(
     structure = SubElement(root, "ModelStructure")
     for tag, kinds in _UNKNOWN.items():
         for v in shown:
-            if v.causality in kinds:
+            if v.causality in kinds and v not in indicators.values():
                 found = common.unknown(unit, v, references, tag == "InitialUnknown")
                 SubElement(structure, tag, {"valueReference": references[v.name], **found})
+    for reference in indicators:
+        SubElement(structure, "EventIndicator", {"valueReference": reference})
     annotation = SubElement(SubElement(root, "Annotations"), "Annotation", {"type": "autobalancer"})
     common.built(annotation, unit)
     return common.text_of(root)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ctypes
+import math
 from dataclasses import replace
 
 import fmpy
@@ -14,9 +15,10 @@ from fmpy.validation import validate_fmu
 from scipy.integrate import solve_ivp
 
 from autobalancer.fmus.composite.build import build_composite
-from autobalancer.harness import load_scene
+from autobalancer.harness import Scene, load_scene
 from autobalancer.harness.master.one_file import composition
 from tests.native.packaging import Host
+from tests.studies.truth.draw import draw
 
 TIGHT = 1e-12
 CHANGE = {"time": 0.1234, "number": 1.0, "amount": 2e-3, "angle": 1.0}
@@ -64,10 +66,11 @@ def states_of(path):
 
 
 def simulated(path, stop, kind, names, **settings):
-    """Rows at 200 points; at a time event the solver writes two."""
+    """Rows at 200 points; at an event the solver writes two more."""
     step = {"output_interval": stop / 200, "stop_time": stop}
     run = fmpy.simulate_fmu(str(path), fmi_type=kind, output=names, **step, **settings)
-    rows = np.unique(np.round(run["time"] / step["output_interval"]), return_index=True)[1]
+    points = step["output_interval"] * np.arange(201)
+    rows = [int(np.abs(run["time"] - point).argmin()) for point in points]
     return np.array([run[n][rows] for n in names]).T
 
 
@@ -180,10 +183,73 @@ def test_the_vibration_of_model_exchange_is_that_of_co_simulation(tmp_path):
     assert solved[-1] == pytest.approx(steps[-1], rel=1e-4)
 
 
-@pytest.mark.parametrize("scene", ["finite_weights", "bristol_friction"])
-def test_machines_with_events_are_for_co_simulation_alone(tmp_path, scene):
-    made = composition(load_scene(scene))
-    path = build_composite(made, tmp_path, name="one", platforms=[platform_tuple])
+# impacts and contacts, rolling and sticking, dry friction
+@pytest.mark.parametrize(
+    ("family", "number", "fmi", "indicators"),
+    [("impacts", 2, 2, 3), ("sticking", 0, 2, 4), ("sticking", 1, 3, 4), ("friction", 5, 3, 2)],
+)
+def test_a_solver_of_the_tool_finds_every_event(tmp_path, family, number, fmi, indicators):
+    """By indicators that are distances: its motion is that of co-simulation."""
+    scene = Scene.from_document(draw(family, 5, number))
+    path = build_composite(
+        composition(scene), tmp_path, name="one", fmi=fmi, platforms=[platform_tuple]
+    )
+    assert validate_fmu(str(path)) == []
+    description = fmpy.read_model_description(str(path))
+    assert description.numberOfEventIndicators == indicators
+    names = [v.name for v in states_of(path)]
+    stop = 2.0 * math.pi * scene.revolutions / scene.profile().top
+    exact = {"coupling.tolerance": 1e-11}
+    steps = simulated(path, stop, "CoSimulation", names, start_values=exact)
+    solved = simulated(path, stop, "ModelExchange", names, solver="CVode", relative_tolerance=1e-11)
+    largest = abs(steps).max(axis=0)
+    assert (abs(solved - steps).max(axis=0) <= 1e-6 * largest).all()
+
+
+def test_an_impact_changes_states_and_no_time_event(tmp_path):
+    """The indicator is the gap; behind it the weights part at e times their closing speed."""
+    meeting = {
+        "weights.weight_radius": 0.1,
+        "weights.restitution": 0.5,
+        "weights.angles": [1.0, 2.0],
+    }
+    scene = load_scene("two_balls").replace({**meeting, "weights.speeds": [0.3, -0.3]})
+    path = build_composite(composition(scene), tmp_path, name="one", platforms=[platform_tuple])
+    host = Exchange(path)
+    indicators = np.zeros(2)
+    pointer = indicators.ctypes.data_as(fmpy.fmi2.POINTER(fmpy.fmi2.fmi2Real))
+
+    def meet():
+        host.slave.enterEventMode()
+        more, end, nominals, changed, timed, _ = host.slave.newDiscreteStates()
+        assert (more, end, nominals, timed) == (0, 0, 0, 0)
+        host.slave.enterContinuousTimeMode()
+        return bool(changed)
+
+    names = [v.name for v in states_of(path)]
+    angles, speeds = (
+        [names.index(f"weights.weight[{k}].{v}") for k in (1, 2)] for v in ("angle", "speed")
+    )
+    assert not meet()
+    states = host.read("getContinuousStates")
+    host.slave.getEventIndicators(pointer, 2)
+    radius = scene.balancer[0].track_radius
+    touching = 2.0 * math.asin(0.1 / radius)
+    assert indicators[0] == pytest.approx(1.0 - touching, abs=1e-13)
+    states[angles] = 1.0, 1.0 + touching - 1e-12
+    host.place(0.1, states)
+    host.slave.getEventIndicators(pointer, 2)
+    assert indicators[0] < 0.0
+    assert meet()
+    behind = host.read("getContinuousStates")
+    assert behind[speeds[1]] - behind[speeds[0]] == pytest.approx(0.5 * 0.6, rel=1e-12)
+    host.slave.getEventIndicators(pointer, 2)
+    assert indicators[0] >= -1e-15
+
+
+def test_sliders_with_springs_are_for_co_simulation_alone(tmp_path):
+    scene = load_scene("two_balls").replace({"rotor.friction": [{"limit": 0.1, "stiffness": 10.0}]})
+    path = build_composite(composition(scene), tmp_path, name="one", platforms=[platform_tuple])
     description = fmpy.read_model_description(str(path))
     assert description.modelExchange is None
     assert not description.derivatives

@@ -145,7 +145,7 @@ static int composite_parameters(Unit *unit)
     }
     c->made_with = 0;
     c->pieces.is_made = false;
-    return (unit->for_model_exchange && composite_eventful(unit)) || composite_follow_changes(unit);
+    return (unit->for_model_exchange && composite_refuse_events(unit)) || composite_follow_changes(unit);
 }
 
 static int composite_begin(Unit *unit)

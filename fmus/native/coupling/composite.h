@@ -285,8 +285,11 @@ void composite_put_gain(Unit *unit);
 int composite_part_failed(Unit *unit, const Part *part);
 /* Name of a signal: what a step assumes, and behind it the accelerations of the planes. */
 void composite_name_signal(const Composite *c, int k, Text *text);
-/* The reason, and 1, where a part has events, which model exchange leaves out. */
-int composite_eventful(Unit *unit);
+/* Whether weights could meet, or had rolling resistance, with the values that the file was built with. */
+bool part_meets_as_built(const Unit *unit, const Part *part);
+bool part_sticks_as_built(const Unit *unit, const Part *part);
+/* The reason, and 1, where model exchange has no event indicators for what can happen. */
+int composite_refuse_events(Unit *unit);
 /* One step of a part. */
 int composite_advance(Unit *unit, Part *part, double step);
 

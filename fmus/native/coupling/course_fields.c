@@ -92,6 +92,7 @@ static void declare_one_piece(Fields *fields, const Composite *c)
     fields_whole(fields, "one_piece.looks, .looked", &one_piece->looks, 2, 0.0, MOST_LOOKS);
     fields_whole(fields, "one_piece.event", &one_piece->event, 1, 0.0, EVENT_KINDS - 1.0);
     fields_whole(fields, "one_piece.which", &one_piece->which, 1, 0.0, MOST_COUNTED);
+    fields_flag(fields, "one_piece.decided", &one_piece->decided);
     fields_flag(fields, "one_piece.undecided", &one_piece->undecided);
     fields_whole(fields, "one_piece.leaves", &one_piece->leaves, 1, -1.0, 1.0);
 }

@@ -4,6 +4,7 @@
 
 #include "base/elementary.h"
 #include "coupling/composite.h"
+#include "coupling/exchange_events.h"
 #include "units/angle.h"
 
 Status exchange_begin(Unit *unit)
@@ -89,7 +90,7 @@ static int find_derivatives(Unit *unit, double *rates)
         wrong = unit->for_model_exchange ? composite_meet_host(unit) : one_piece_place(unit);
         return wrong || one_piece_rates(unit, rates) || refuse_infinite(unit, rates, exchange_count(unit));
     }
-    wrong = wrong || unit_refresh(unit, OBSERVED) || composite_eventful(unit);
+    wrong = wrong || unit_refresh(unit, OBSERVED) || composite_refuse_events(unit);
     count = wrong ? 0 : states(unit, GET_DERIVATIVES, rates, &wrong);
     return wrong || refuse_infinite(unit, rates, count);
 }
@@ -110,7 +111,27 @@ static bool is_due(const Unit *unit, double time)
     return time <= unit->time * (1.0 + TIME_ROUNDING) || unit_host_time(unit, time) <= unit->point;
 }
 
-/* Pass the time events that are due; when the next is. */
+/* The time is that of the host, and inputs are known. */
+static int meet_host(Unit *unit)
+{
+    int wrong = unit_refresh(unit, COMPUTED);
+    if (!wrong && !(((const Composite *)unit->own)->course->clock.started > 0.0)) {
+        wrong = unit_refresh(unit, OBSERVED);
+    }
+    return wrong || composite_meet_host(unit);
+}
+
+Status exchange_indicator(Unit *unit, size_t indicator, double *value)
+{
+    double *values = ((const Composite *)unit->own)->saved_reals;
+    if (meet_host(unit) || exchange_events_look(unit, values)) {
+        return unit_report(unit, STATUS_ERROR, "reading failed");
+    }
+    *value = values[indicator];
+    return STATUS_OK;
+}
+
+/* Pass the events that are due; when the next is that a time is known of, and whether states have changed. */
 static int pass_events(Unit *unit, double *next)
 {
     const Composite *c = unit->own;
@@ -125,6 +146,15 @@ static int pass_events(Unit *unit, double *next)
         }
     }
     *next = unit_host_time(unit, jump);
+    next[1] = 0.0;
+    if (exchange_indicators(unit)) {
+        bool changed = false;
+        if (meet_host(unit) || exchange_events_pass(unit, &changed)) {
+            return 1;
+        }
+        next[1] = changed;
+        unit->stale = COMPUTED;
+    }
     return 0;
 }
 
@@ -152,6 +182,8 @@ static int call_on(Unit *unit, ExchangeCall call, double *values)
         return pass_events(unit, values);
     case COMPLETE_STEP:
         return complete_step(unit);
+    case GET_INDICATORS:
+        return meet_host(unit) || exchange_events_look(unit, values);
     case ENTER_MODE:
         return 0;
     case SET_TIME:
@@ -171,14 +203,17 @@ static int call_on(Unit *unit, ExchangeCall call, double *values)
 
 Status exchange_call(Unit *unit, const char *function, ExchangeCall call, double *values, size_t count)
 {
-    const size_t expected = call <= SET_STATES ? exchange_count(unit) : call <= PASS_EVENTS;
+    const size_t expected = call <= SET_STATES       ? exchange_count(unit)
+                            : call == GET_INDICATORS ? exchange_indicators(unit)
+                            : call == PASS_EVENTS    ? 2
+                                                     : call == SET_TIME;
     size_t k;
     if (!unit->for_model_exchange) {
         return unit_refuse(unit, function, "the instance is for co-simulation");
     }
     if (count != expected) {
-        return unit_refuse(unit, function, "there must be as many values as continuous states, and "
-                           "none of event indicators");
+        return unit_refuse(unit, function, "there must be as many values as continuous states, or as "
+                           "event indicators");
     }
     for (k = 0; k < count && (call == SET_STATES || call == SET_TIME); k++) {
         if (!is_finite(values[k])) {

@@ -125,9 +125,6 @@ static double fastest_of(const Composite *c)
 bool one_piece_covers(Unit *unit)
 {
     const Composite *c = unit->own;
-    if (one_piece_is_eventful(c) && unit->for_model_exchange) {
-        return false;
-    }
     return unit->for_model_exchange ||
            (c->unknowns && unit->real[c->tolerance] > 0.0 &&
             fastest_of(c) <= MOST_FASTEST_RATE * c->course->drive.fastest);

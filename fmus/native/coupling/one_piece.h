@@ -26,6 +26,7 @@ typedef struct {
     double placed;     /* whether the parts stand where the clock says they are shown */
     double looks, looked; /* times at which the step is looked at, and how many are behind */
     double event, which; /* what ends the step, and of which weight or slider: EventKind */
+    double decided;    /* whether that has been decided since the start, */
     double undecided;  /* whether it is open which weights touch, and what sticks, where the parts stand */
     double leaves;     /* where the speed leaves that at the end of the step: 1 upwards, -1 downwards */
 } OnePiece;
@@ -127,6 +128,9 @@ void one_piece_place_sliders(const Composite *c, int order, double time);
 int one_piece_meet(Unit *unit);
 /* The first event of the step shortens it. */
 void one_piece_find_event(Unit *unit, double *length);
+/* A weight, or a slider that slips, has come to rest where the parts stand. */
+void one_piece_stop_weight(const Composite *c, int weight);
+void one_piece_stop_slider(const Composite *c, int slider);
 /* The parts stand at the event that ends the step. */
 void one_piece_pass_event(Unit *unit);
 
@@ -140,6 +144,9 @@ int one_piece_look_on(Unit *unit, double time);
 int one_piece_show(Unit *unit, double time);
 
 /* -- one_piece_show.c ----------------------------------------------------------------------------- */
+
+/* Expand the state in the parts' memories, in itself and not from its step, in `instant`; 1 with the reason. */
+int one_piece_expand_instant(Unit *unit, int order);
 
 /* Compute the outputs of the parts that others need: accelerations, forces and torques; 1 with the reason. */
 int one_piece_signals(Unit *unit);

@@ -89,7 +89,8 @@ int one_piece_meet(Unit *unit)
         }
         c->course->event.ended = c->course->clock.time;
     } else if (phase_decide(m, angle)) {
-        return unit_fail(unit, PHASE_UNDECIDED " at t = %6 s", unit_host_time(unit, c->course->clock.time));
+        return unit_fail(unit, "no solution was found for which weights touch and which weights and supports stick at t = %6 s",
+                             unit_host_time(unit, c->course->clock.time));
     }
     store(c);
     c->pieces.key[0] = not_a_number();
@@ -98,6 +99,7 @@ int one_piece_meet(Unit *unit)
     }
     memcpy(c->at_begin, c->states, c->state_count * sizeof(double));
     one_piece->undecided = 0.0;
+    one_piece->decided = 1.0;
     return 0;
 }
 
@@ -126,20 +128,25 @@ static const Part *part_of_weight(const Composite *c, int *weight)
     return c->parts + k;
 }
 
+void one_piece_stop_weight(const Composite *c, int weight)
+{
+    int number = weight;
+    const Part *part = part_of_weight(c, &number);
+    part->unit->memory[part_balls(part)->count + number] = 0.0;
+    c->pieces.phases[PHASE_OF_WEIGHT * weight + SLIP_OF_WEIGHT] = 0.0;
+}
+
 static void stop_group(const Composite *c, int weight)
 {
     const struct Phase *phase = c->pieces.step.phase;
     const PhaseGroup *group = phase->groups + phase->weights[weight].group;
     int j, w = group->first;
     for (j = 0; j < group->size; j++, w = phase->weights[w].ahead) {
-        int number = w;
-        const Part *part = part_of_weight(c, &number);
-        part->unit->memory[part_balls(part)->count + number] = 0.0;
-        c->pieces.phases[PHASE_OF_WEIGHT * w + SLIP_OF_WEIGHT] = 0.0;
+        one_piece_stop_weight(c, w);
     }
 }
 
-static void stop_slider(const Composite *c, int which)
+void one_piece_stop_slider(const Composite *c, int which)
 {
     const PhaseSlider *own = c->pieces.step.phase->sliders + which;
     double *slider_states = rotor_slider_states(c->parts->unit) + 2 * own->number;
@@ -159,7 +166,7 @@ void one_piece_pass_event(Unit *unit)
     if (one_piece->event == WEIGHT_STOPS && which < c->pieces.step.weight_count) {
         stop_group(c, which);
     } else if (one_piece->event == SLIDER_STOPS && which < phase->slider_count) {
-        stop_slider(c, which);
+        one_piece_stop_slider(c, which);
     }
     one_piece->undecided = one_piece->event != NO_EVENT ? 1.0 : one_piece->undecided;
     one_piece->event = NO_EVENT;

@@ -117,6 +117,7 @@ void one_piece_load_phase(const Composite *c, Machine *m, const double *states)
     struct Phase *phase = m->phase;
     const double *slider_states = states + (rotor_slider_states(c->parts->unit) - c->states);
     const double *kept = c->pieces.phases;
+    const bool follows_rate = !c->parts->unit->for_model_exchange || !c->course->one_piece.decided;
     int k, w, i = 0;
     for (k = 1; k < c->parts_without_motor; k++) {
         const Balls *balls = part_balls(c->parts + k);
@@ -128,7 +129,10 @@ void one_piece_load_phase(const Composite *c, Machine *m, const double *states)
             PhaseWeight *own = phase->weights + i;
             const double rate = phase_rate(m, i);
             own->joined = own->ahead >= 0 && (own->lasts || contacts[w] != 0.0);
-            own->slip = own->grip > 0.0 ? (rate != 0.0 ? copy_sign(1.0, rate) : kept[SLIP_OF_WEIGHT]) : 0.0;
+            /* a solver of the host may go beyond where it turns round */
+            own->slip = own->grip == 0.0                  ? 0.0
+                        : rate == 0.0 || !follows_rate    ? kept[SLIP_OF_WEIGHT]
+                                                          : copy_sign(1.0, rate);
             own->side = kept[SIDE_OF_WEIGHT] < 0.0 ? -1.0 : 1.0;
         }
     }

@@ -9,8 +9,7 @@ enum { ACCELERATION_ORDER = 2, SLOPE_ORDER = 3 }; /* of the motion, that show A,
 
 /* -- the present state's machine ------------------------------------------------------------------- */
 
-/* Expand the state in the parts' memories, in itself and not from its step. */
-static int expand_instant(Unit *unit, int order)
+int one_piece_expand_instant(Unit *unit, int order)
 {
     Composite *c = unit->own;
     Machine *m = &c->pieces.instant;
@@ -29,7 +28,8 @@ static int expand_instant(Unit *unit, int order)
     if (c->pieces.is_eventful) {
         one_piece_load_phase(c, m, c->states);
         if (c->course->one_piece.undecided > 0.0 && phase_decide(m, angle)) {
-            return unit_fail(unit, PHASE_UNDECIDED " at t = %6 s", unit_host_time(unit, unit->time));
+            return unit_fail(unit, "no solution was found for which weights touch and which weights and supports stick at t = %6 s",
+                             unit_host_time(unit, unit->time));
         }
     }
     machine_expand(m, angle, order);
@@ -98,7 +98,7 @@ int one_piece_signals(Unit *unit)
     Composite *c = unit->own;
     Knot spin;
     int k;
-    if (one_piece_place(unit) || expand_instant(unit, SLOPE_ORDER)) {
+    if (one_piece_place(unit) || one_piece_expand_instant(unit, SLOPE_ORDER)) {
         return 1;
     }
     tell_spin(c);
@@ -255,7 +255,7 @@ int one_piece_rates(Unit *unit, double *rates)
     const int n = m->stations;
     const double square = m->rate * m->rate;
     int k, w, i = 0;
-    if (expand_instant(unit, ACCELERATION_ORDER)) {
+    if (one_piece_expand_instant(unit, ACCELERATION_ORDER)) {
         return 1;
     }
     *rates++ = m->speed[0] * m->rate;

@@ -44,17 +44,42 @@ int composite_advance(Unit *unit, Part *part, double step)
                                                 own->name, unit_host_time(unit, own->time), step, own->reason.at);
 }
 
-int composite_eventful(Unit *unit)
+/* Start value of a parameter as the file was built. */
+static double built_with(const Unit *unit, const Part *part, size_t parameter)
+{
+    return unit->starts[part->first + parameter];
+}
+
+bool part_meets_as_built(const Unit *unit, const Part *part)
+{
+    return part_balls(part) && part->unit->layout.sizes.weights > 1 && built_with(unit, part, WEIGHT_RADIUS) > 0.0;
+}
+
+bool part_sticks_as_built(const Unit *unit, const Part *part)
+{
+    return part_balls(part) && built_with(unit, part, ROLLING) > 0.0;
+}
+
+int composite_refuse_events(Unit *unit)
 {
     const Composite *c = unit->own;
+    const Rotor *rotor = composite_rotor(c);
     int k;
-    for (k = 0; k < c->part_count; k++) {
-        const Unit *part = c->parts[k].unit;
-        const Balls *balls = part_balls(c->parts + k);
-        if (part->layout.sizes.sliders || (balls && balls->track.eventful)) {
-            return unit_fail(unit, "%s: model exchange is for machines without dry friction, "
-                             "contact of weights and rolling resistance; use co-simulation",
-                             part->name);
+    for (k = 0; k < rotor->slider_count; k++) {
+        if (rotor->sliders[k].stiffness > 0.0) {
+            return unit_fail(unit, "%s: model exchange has no sliders with a spring; use co-simulation",
+                             c->parts->unit->name);
+        }
+    }
+    for (k = 1; k < c->parts_without_motor; k++) {
+        const Part *part = c->parts + k;
+        const Balls *balls = part_balls(part);
+        const double *real = part->unit->real;
+        if (balls && ((real[WEIGHT_RADIUS] > 0.0 && balls->count > 1 && !part_meets_as_built(unit, part)) ||
+                      (real[ROLLING] > 0.0 && !part_sticks_as_built(unit, part)))) {
+            return unit_fail(unit, "%s.weight_radius, .rolling_resistance: model exchange has event indicators for "
+                             "what is above 0 in the file; build it with these values, or use co-simulation",
+                             part->unit->name);
         }
     }
     return 0;

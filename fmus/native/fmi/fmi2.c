@@ -173,14 +173,15 @@ FRONT_EXCHANGE_VALUES(fmi2GetDerivatives, GET_DERIVATIVES)
 
 EXPORT fmi2Status fmi2NewDiscreteStates(fmi2Component c, fmi2EventInfo *info)
 {
-    double next = infinity();
+    double next[2] = {0.0, 0.0};
     const Status status =
-        front_exchange(c, "fmi2NewDiscreteStates", PASS_EVENTS, info ? &next : NULL, 1);
+        front_exchange(c, "fmi2NewDiscreteStates", PASS_EVENTS, info ? next : NULL, 2);
     if (!status) {
         const fmi2EventInfo none = {0, 0, 0, 0, 0, 0.0};
         *info = none;
-        info->nextEventTimeDefined = is_finite(next);
-        info->nextEventTime = is_finite(next) ? next : 0.0;
+        info->valuesOfContinuousStatesChanged = next[1] > 0.0;
+        info->nextEventTimeDefined = is_finite(*next);
+        info->nextEventTime = is_finite(*next) ? *next : 0.0;
     }
     return status;
 }

@@ -239,7 +239,7 @@ static fmi3Status count_of(fmi3Instance instance, const char *function, size_t *
 {
     const Status status = front_arrays(instance, function, ANY_PHASE, 1, count, count);
     if (!status) {
-        *count = states ? exchange_count(instance) : 0;
+        *count = states ? exchange_count(instance) : exchange_indicators(instance);
     }
     return status;
 }
@@ -259,17 +259,19 @@ EXPORT fmi3Status fmi3UpdateDiscreteStates(fmi3Instance instance, fmi3Boolean *u
                                            fmi3Boolean *values_changed, fmi3Boolean *next_defined,
                                            fmi3Float64 *next_time)
 {
-    double next = infinity();
-    const Status status = front_exchange(instance, "fmi3UpdateDiscreteStates", PASS_EVENTS, &next, 1);
+    double next[2] = {0.0, 0.0};
+    const Status status = front_exchange(instance, "fmi3UpdateDiscreteStates", PASS_EVENTS, next, 2);
     FRONT_CLEAR(update_needed)
     FRONT_CLEAR(terminate)
     FRONT_CLEAR(nominals_changed)
-    FRONT_CLEAR(values_changed)
+    if (values_changed) {
+        *values_changed = next[1] > 0.0;
+    }
     if (next_defined) {
-        *next_defined = is_finite(next);
+        *next_defined = is_finite(*next);
     }
     if (next_time) {
-        *next_time = is_finite(next) ? next : 0.0;
+        *next_time = is_finite(*next) ? *next : 0.0;
     }
     return status;
 }

@@ -90,7 +90,7 @@ Status front_exchange(Unit *unit, const char *function, ExchangeCall call, doubl
     FRONT_EXCHANGE_VALUES(fmi##SetContinuousStates, SET_STATES)                                   \
     FRONT_EXCHANGE_VALUES(fmi##GetContinuousStates, GET_STATES)                                   \
     FRONT_EXCHANGE_VALUES(fmi##GetNominalsOfContinuousStates, GET_NOMINALS)                       \
-    FRONT_EXCHANGE_VALUES(fmi##GetEventIndicators, ENTER_MODE)
+    FRONT_EXCHANGE_VALUES(fmi##GetEventIndicators, GET_INDICATORS)
 
 /* Of model exchange: calls without values, and with one of each continuous state. */
 #define FRONT_EXCHANGE(function, call)                                                            \

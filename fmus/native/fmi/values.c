@@ -103,9 +103,16 @@ Status unit_read(Unit *unit, int level, const unsigned *references, size_t count
 
 Status unit_get_reals(Unit *unit, const unsigned *references, size_t count, double *values)
 {
-    const size_t states = exchange_count(unit);
+    const size_t states = exchange_count(unit), indicators = exchange_indicators(unit);
     size_t k;
-    for (k = 0; k < count; k++) { /* derivatives of states stand behind all that the layout has */
+    for (k = 0; k < count; k++) { /* derivatives of states and indicators stand behind all that the layout has */
+        if (references[k] - FIRST_INDICATOR < indicators) {
+            const Status status = unit_get_reals(unit, references, k, values);
+            return status   ? status
+                   : exchange_indicator(unit, references[k] - FIRST_INDICATOR, values + k)
+                       ? STATUS_ERROR
+                       : unit_get_reals(unit, references + k + 1, count - k - 1, values + k + 1);
+        }
         if (references[k] - FIRST_DERIVATIVE < states) {
             const Status status = unit_get_reals(unit, references, k, values);
             return status   ? status

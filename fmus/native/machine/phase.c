@@ -61,7 +61,7 @@ static int is_linked(const struct Phase *phase, int weight)
 static int is_resting(const Machine *m, int weight)
 {
     const PhaseWeight *one = m->phase->weights + weight;
-    return one->grip > 0.0 && one->slip == 0.0 && phase_rate(m, weight) == 0.0;
+    return one->grip > 0.0 && one->slip == 0.0;
 }
 
 /* A group of the weight and all that are linked ahead of it. */
@@ -75,7 +75,8 @@ static void add_group(Machine *m, int weight)
     group->rests = is_resting(m, weight);
     group->share = m->weights[weight].share;
     phase->weights[weight].group = phase->group_count++;
-    while (is_linked(phase, last) && phase->weights[last].ahead != weight) {
+    /* the size ends what a state that was forged may link */
+    while (is_linked(phase, last) && phase->weights[last].ahead != weight && group->size < m->weight_count) {
         last = phase->weights[last].ahead;
         group->size++;
         group->share += m->weights[last].share;

@@ -108,7 +108,6 @@ void phase_hold(const Machine *machine, const PhaseGroup *group, int count, int 
 /* Which contacts last, which weights and sliders start to move, so that nothing pulls, holds more than it can, or
    goes through another; by the accelerations of the whole machine at this angle.  1: none was found. */
 int phase_decide(Machine *machine, double angle);
-#define PHASE_UNDECIDED "no solution was found for which weights touch and which weights and supports stick"
 /* Acceleration of a weight on its track, behind that. */
 double phase_acceleration(const Machine *machine, int weight);
 

@@ -227,7 +227,7 @@ int phase_collide(Machine *m, double angle, double *memory, Failure *failure)
         set_contacts(m, &impact);
         free_sliders(m);
         if (phase_decide(m, angle)) {
-            return fail(failure, PHASE_UNDECIDED);
+            return fail(failure, "no solution was found for which weights touch and what sticks behind an impact");
         }
     } while (end_bounces(m, &impact));
     return 0;
