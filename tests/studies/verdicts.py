@@ -104,7 +104,9 @@ def is_undecided(verdict: Verdict) -> bool:
 def check(scene: Scene, verdict: Verdict, end: float, by: str) -> tuple[str, tuple[float, ...]]:
     """What is wrong about a verdict, and the vibration by window."""
     outcome = verdict.outcome
-    if outcome in (Outcome.SPEED_CHANGES, Outcome.CANNOT_TELL, Outcome.STANDSTILL):
+    if outcome in (Outcome.CANNOT_TELL, Outcome.STANDSTILL):
+        return "", ()
+    if outcome is Outcome.SPEED_CHANGES and (verdict.revolutions is None or not _motor(scene)):
         return "", ()
     if outcome is Outcome.OVER_CAPACITY and not any(m.offset for m in scene.assembly().weights):
         held = sum(b.count * b.mass * b.track_radius for b in scene.balancer if hasattr(b, "mass"))
@@ -112,12 +114,18 @@ def check(scene: Scene, verdict: Verdict, end: float, by: str) -> tuple[str, tup
         return ("within the capacity" if total <= held and len(scene.balancer) == 1 else ""), ()
     stop, judged = plateau(scene, verdict, end)
     advised = verdict.revolutions
+    if advised is not None and advised > MOST_REVOLUTIONS:
+        return "", ()
     last = stop + LONGER * judged
-    if advised is not None and advised <= MOST_REVOLUTIONS:
+    if advised is not None:
         last = scene.profile().time_of(math.tau * advised)
     ways = continued(scene, verdict, stop, last, by)
     told = tuple(ways.synchronous[ways.at_end :].tolist())
     return wrong_about(verdict, ways, judged), told
+
+
+def _motor(scene: Scene) -> bool:
+    return scene.operation.motor is not None
 
 
 def plateau(scene: Scene, verdict: Verdict, end: float) -> tuple[float, float]:
@@ -132,6 +140,8 @@ def continued(scene: Scene, verdict: Verdict, stop: float, last: float, by: str)
     """The motion from the start on, at the last speed for longer, by window."""
     going_on = held_at(scene, stop, last)
     speed = verdict.speed or scene.profile().end
+    if verdict.outcome is Outcome.SPEED_CHANGES:  # advice ends where the motor keeps its speed
+        speed = scene.profile().end
     period = math.tau / speed
     width = min(WINDOW * period, 0.5 * stop)
     ends = np.linspace(stop, last, 40) if last > stop else np.array([stop])
@@ -222,7 +232,7 @@ def wrong_about(verdict: Verdict, ways: Continued, judged: float) -> str:
         if size.max() > ROOM * BALANCED or size[-1] > 1.02 * BALANCED:
             return f"balanced, and continued the vibration is up to {100.0 * size.max():.3g} %"
         return ""
-    if outcome is Outcome.NOT_SETTLED:
+    if outcome in (Outcome.NOT_SETTLED, Outcome.SPEED_CHANGES):
         if verdict.revolutions is not None:
             return "" if is_balanced or len(size) == 1 else (
                 f"advised length reached, and the vibration is {100.0 * size[-1]:.3g} %"

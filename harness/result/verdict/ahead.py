@@ -18,7 +18,10 @@ TIME_CONSTANTS = 25.0  # of the balanced motion, and as many of the weights' dra
 SPARE = 20.0  # revolutions on top
 MOST_PASSES = 100_000.0  # of a look ahead: about a second
 FEWEST_PASSES = 30.0  # in a revolution, by which the cost of a very short run is guessed
-MOST_OF_MOTOR = 4.0  # times the run of a motor, which turns faster later
+SHORT = 3.0  # revolutions of such a run
+# times the inertia times the speed without load over the largest torque: by then a motor that
+# passes its resonances keeps its speed to some 1e-5
+OF_MOTOR = 12.0
 FEWEST_LONGER = 1.5  # times the run: a shorter look ahead tells nothing
 TOLERANCE = 1e-3  # of a look ahead: what becomes of a run needs no more
 
@@ -44,15 +47,24 @@ def look_ahead(run: Ran, stretch: Stretch, known: Known | None) -> Ran | None:
     all_turns = max(run.scene.profile().angle(end) / math.tau, 1e-9)
     if scene.operation.motor:  # which turns slower than without load, and faster later
         all_turns = max(motor_angle(run.time, run.signals["motor.speed"])[-1] / math.tau, 1e-9)
-    longer = min(wanted, MOST_PASSES / max(FEWEST_PASSES, run.passes / all_turns))
     if scene.operation.motor:
-        longer = min(longer, MOST_OF_MOTOR * turned)
+        wanted = max(wanted, turned + _turns_of_motor(scene))
+    passes = max(run.passes / all_turns, FEWEST_PASSES if all_turns < SHORT else 0.0)
+    longer = min(wanted, MOST_PASSES / passes)
     if longer < FEWEST_LONGER * turned:
         return None
     changes: dict[str, float] = {"run.revolutions": longer}
     if scene.coupling.tolerance is not None:
         changes["coupling.tolerance"] = max(scene.coupling.tolerance, TOLERANCE)
     return run_again(scene.replace(changes), list(run.signals))
+
+
+def _turns_of_motor(scene: Scene) -> float:
+    """Revolutions after which a motor keeps its speed, if no resonance holds it."""
+    motor = scene.operation.motor
+    assert motor is not None
+    torque = max(torque for _, torque in motor.points)
+    return OF_MOTOR * motor.inertia * motor.top_speed**2 / (math.tau * torque)
 
 
 def _kept(scene: Scene, stretch: Stretch, end: float) -> Scene:

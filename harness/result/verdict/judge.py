@@ -213,6 +213,12 @@ class _Run:
             return verdict
         ahead = _Run(found, self.called)
         later = ahead.judge(ahead.stretches[-1])
+        if not last.steady and later.outcome in _OPEN and ahead.stretches[-1].steady:
+            later = ahead.looked_ahead(later, ahead.stretches[-1])  # from a speed that is kept
+            if later.revolutions is not None:
+                number = later.revolutions
+                reason = f"{verdict.reason}: set run.revolutions = {number}"
+                return replace(verdict, reason=reason, revolutions=number, remedy="")
         if later.outcome is Outcome.BALANCED:
             if later.after is not None and later.after <= last.end and last.steady:
                 return replace(

@@ -233,6 +233,21 @@ def test_a_motor_is_judged_at_its_own_speed():
     assert "the speed still rises" in found.reason
 
 
+def test_a_motor_that_still_speeds_up_is_told_a_length_at_whose_end_it_is_balanced():
+    """The motor and then the weights settle in two runs that look ahead."""
+    motor = {"inertia": 0.6, "stall_torque": 30.0, "no_load_speed": 150.0}
+    scene = Scene(
+        rotor=ROTOR | {"unbalance": 0.02},
+        balancer=[BALLS],
+        operation={"motor": motor},
+        run={"revolutions": 30},
+    )
+    found = verdict(scene)
+    assert found.outcome is Outcome.SPEED_CHANGES
+    assert f"set run.revolutions = {found.revolutions}" in found.reason
+    assert verdict(scene.replace({"run.revolutions": found.revolutions})).balanced
+
+
 def test_numbers_are_readable():
     assert "vibration below 0.0001 mm (below 0.0001 mm/s rms), below 0.01 %" in said(1e-12, 1e-12)
     assert "100 %" in said(9.99e-4, 0.01)
