@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import atexit
+import shutil
 from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -60,7 +62,7 @@ class System(description.System):
 
 
 def load_system(source: str | Path) -> System:
-    """Read a system of units: a scene file without a rotor, or an FMU that runs alone.
+    """Read a system of units: a scene file without a rotor, an SSP, or an FMU that runs alone.
 
     Raises:
         SceneError: the file is missing or wrong; one line for every problem.
@@ -76,4 +78,11 @@ def load_system(source: str | Path) -> System:
         from autobalancer.harness.master.foreign.alone import document_of
 
         return System._of(document_of(path), path, str(source))
+    if path.suffix == ".ssp" and path.is_file():
+        from autobalancer.harness.master.foreign.ssp import unpacked_system
+
+        document, folder = unpacked_system(path)
+        # changed copies name the FMUs from this folder too
+        atexit.register(shutil.rmtree, folder, ignore_errors=True)
+        return System._of(document, folder / path.with_suffix("").name, str(source))
     return System.load(source)

@@ -66,7 +66,7 @@ def command(
         float, options.quantity("s", "Length of the movie, s.", "--movie-seconds")
     ] = 8.0,
 ) -> None:
-    """Run a scene, a system of FMUs of any origin, or one FMU.
+    """Run a scene, a system of FMUs of any origin, an SSP, or one FMU.
 
     Pictures are png, svg or pdf.
     """

@@ -1,4 +1,4 @@
-"""`autobalancer run` of a system of units: a scene file without a rotor, or one FMU."""
+"""`autobalancer run` of a system of units: a scene file without a rotor, an SSP, or one FMU."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from ..scene.changes import parse_change
 if TYPE_CHECKING:
     from ..api.system import System
 
-ENDINGS = (".fmu",)
+ENDINGS = (".fmu", ".ssp")
 
 
 def system_of(source: str, changes: list[str] | None) -> System | None:

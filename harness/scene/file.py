@@ -23,6 +23,7 @@ LARGEST_FILE = 10_000_000  # bytes; the longest bundled scene has three thousand
 COMMANDS_OF = {  # files that are no scene: what does something with them
     ".fmu": "is an FMU, and a scene is a TOML file: `autobalancer run FILE.fmu` runs it alone, "
     "[[unit]] in a scene connects it, and `run SCENE --fmus DIR` uses it as a part",
+    ".ssp": "is an SSP, and a scene is a TOML file: `autobalancer run FILE.ssp` runs it",
 }
 _POSITION = re.compile(r"^(?P<what>.*) \(at (?P<where>.*)\)$", re.DOTALL)
 _REPAIRS: tuple[tuple[str, str | Callable[[re.Match[str]], str]], ...] = (

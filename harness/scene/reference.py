@@ -17,8 +17,8 @@ from .scene import Scene
 from .system import System
 
 SYSTEM = (
-    "A file without `[rotor]` is a system: FMUs of any origin and their connections alone. "
-    "`autobalancer run FILE` runs it."
+    "A file without `[rotor]` is a system: FMUs of any origin and their connections alone, see "
+    "[my own FMU](../how-to/own_fmu.md). `autobalancer run FILE` runs it."
 )
 HEAD = ("| key | unit | default | allowed | meaning |", "|---|---|---|---|---|")
 

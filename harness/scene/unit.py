@@ -10,6 +10,7 @@ from typing import Annotated, Any
 from pydantic import AfterValidator, Field
 
 from ..errors import SceneError
+from .file import BUNDLED
 from .messages import did_you_mean
 from .quantities import LARGEST, Flag, Real, Table, Text
 
@@ -64,9 +65,9 @@ def split_port(port: str) -> tuple[str, str]:
 
 
 def fmu_path(fmu: str, scene: Path | None) -> Path:
-    """The file of a unit, which a scene file names from its own folder."""
-    path = Path(fmu)
-    return path if path.is_absolute() or scene is None else scene.parent / path
+    """The file of a unit, which a scene file names from its own folder; not a bundled scene."""
+    is_user_file = scene is not None and scene.parent != BUNDLED
+    return scene.parent / fmu if scene is not None and is_user_file else Path(fmu)
 
 
 def connection_problems(

@@ -45,7 +45,7 @@ def _description(path: Path, _changed: int) -> ModelDescription:
         raise UnitError(f"{path}: is a directory; give the path of an FMU file")
     try:
         with zipfile.ZipFile(path) as archive:
-            _refuse_dangerous(path, archive)
+            refuse_dangerous(path, archive)
             names = archive.namelist()
             if _DESCRIPTION not in names:
                 raise UnitError(f"{path}: has no {_DESCRIPTION}: is not an FMU")
@@ -66,7 +66,7 @@ def _description(path: Path, _changed: int) -> ModelDescription:
     return description
 
 
-def _refuse_dangerous(path: Path, archive: zipfile.ZipFile) -> None:
+def refuse_dangerous(path: Path, archive: zipfile.ZipFile) -> None:
     """Raise UnitError for what would write outside its folder, or fill the disk."""
     infos = archive.infolist()
     for info in infos:

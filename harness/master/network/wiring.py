@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+import re
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
@@ -146,7 +147,10 @@ def wired(units: Mapping[str, Any], wires: Sequence[Wire]) -> Wiring:
     """
     found = Wiring(inlets={name: [] for name in units}, copied={name: [] for name in units})
     by_target: dict[str, list[tuple[str, float]]] = {}
+    fed = {wire.target for wire in wires}
     for wire in wires:
+        if _is_slope_of(wire.target, fed):
+            continue  # it goes with the value
         source_unit, source = split_port(wire.source)
         target_unit, target = split_port(wire.target)
         sender, taker = units[source_unit], units[target_unit]
@@ -178,6 +182,13 @@ def wired(units: Mapping[str, Any], wires: Sequence[Wire]) -> Wiring:
         for signal in found.signals
     ]
     return found
+
+
+def _is_slope_of(target: str, fed: Collection[str]) -> bool:
+    """Whether an input is the derivative of another that is fed, such as `der(F)` of `F`."""
+    unit, name = split_port(target)
+    found = re.fullmatch(r"der\((.*?)(?:,\s*\d+)?\)", name)
+    return found is not None and f"{unit}.{found[1]}" in fed
 
 
 def _checked(
