@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from autobalancer.harness import Scene, load_scene
+from autobalancer.harness import Scene, cosimulate, load_scene
 from autobalancer.harness.master.one_file import composition
 from autobalancer.harness.master.schedule import as_run
 
@@ -92,3 +92,14 @@ def test_steps_are_taken_again_that_a_unit_cannot_follow(instance):
         runs.append(np.array(rows))
     sizes = np.abs(runs[1]).max(axis=0)
     assert (np.abs(runs[0] - runs[1]).max(axis=0) < 0.05 * sizes).all()
+
+
+def test_what_is_read_beside_an_output_does_not_change_it():
+    """A clearance follows from a place; with a force beside it the machine is expanded anew."""
+    keys = {"coupling.steps_per_rev": None, "coupling.tolerance": 1e-5, "run.revolutions": 10}
+    scene = load_scene("balls_and_liquid").replace(keys)
+    names = ["rotor.x", "liquid.clearance"]
+    alone = cosimulate(scene, record=names)
+    beside = cosimulate(scene, record=[*names, "balls.F_xi"])
+    assert alone["liquid.clearance"].tolist() == beside["liquid.clearance"].tolist()
+    assert np.ptp(alone["liquid.clearance"]) > 1e-3

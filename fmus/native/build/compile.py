@@ -24,7 +24,17 @@ from pathlib import Path
 from ...unit import alternatives
 from ...xml.archive import source, write
 from .layout import constants, header
-from .targets import COMPILE, LANES_COMPILE, LINK, PAGE, PLATFORMS, TARGETS, Platform
+from .targets import (
+    COMPILE,
+    FAST,
+    FAST_COMPILE,
+    LANES_COMPILE,
+    LINK,
+    PAGE,
+    PLATFORMS,
+    TARGETS,
+    Platform,
+)
 
 COMPILER = "0.17.1"  # version of ziglang: part of the stamp, another writes other bytes
 
@@ -128,16 +138,32 @@ def _times(folder: Path | str) -> Iterator[tuple[str, int, int]]:
 def one_source(folder: str = "") -> str:
     """The C sources one behind the other, each behind what it includes, with the folder's own."""
     written, _ = _complete()
+    return _joined(written, _sources(written, folder))
+
+
+def _sources(written: dict[str, str], folder: str) -> list[str]:
     others = {platform.folder for platform in TARGETS.values()} - {folder, ""} | {LANES}
-    sources = [n for n in written if n.endswith(".c") and n.split("/")[0] not in others]
-    return _joined(written, sources)
+    return [n for n in written if n.endswith(".c") and n.split("/")[0] not in others]
 
 
-def lanes_source() -> str:
-    """The series once more, with numbers of several machines: no part of an FMU's sources."""
+def parts_of_library(platform: Platform) -> dict[str, tuple[str, tuple[str, ...]]]:
+    """Text and options of each object of a library, by name; together they are `one_source`.
+
+    `lanes`, which an FMU's sources do not have, is the series once more, of several machines.
+    """
     written, _ = _complete()
-    written["base/number.h"] = written[f"{LANES}/lane_number.h"]
-    return _joined(written, [f"{LANES}/lanes.c"])
+    sources = _sources(written, platform.folder)
+    fast = [name for name in sources if name.startswith(FAST)]
+    common = (*COMPILE, *platform.compiler, *(["-DHAS_LANES"] if platform.lanes else []))
+    parts = {
+        "autobalancer": (_joined(written, [n for n in sources if n not in fast]), common),
+        "series": (_joined(written, fast), (*common, *FAST_COMPILE)),
+    }
+    if platform.lanes:
+        side_by_side = {**written, "base/number.h": written[f"{LANES}/lane_number.h"]}
+        text = _joined(side_by_side, [f"{LANES}/lanes.c"])
+        parts[LANES] = (text, (*common, *LANES_COMPILE))
+    return parts
 
 
 def _joined(written: dict[str, str], sources: Iterable[str]) -> str:
@@ -166,7 +192,15 @@ def _complete() -> tuple[dict[str, str], str]:
     """Sources with what is generated, the variables of the units and the stamp; and the stamp."""
     written = {**texts(), "layout.h": header(), "constants.h": constants()}
     total = hashlib.sha256()
-    for text in (COMPILER, *COMPILE, *LANES_COMPILE, *LINK, *map(repr, TARGETS.values())):
+    for text in (
+        COMPILER,
+        *COMPILE,
+        *FAST,
+        *FAST_COMPILE,
+        *LANES_COMPILE,
+        *LINK,
+        *map(repr, TARGETS.values()),
+    ):
         total.update(text.encode() + b"\0")
     for name, text in written.items():
         total.update(f"{name}\0{len(text)}\0{text}".encode())
@@ -194,15 +228,11 @@ def compile(names: list[str]) -> None:
 def _compiled(platform: Platform, folder: Path) -> bytes:
     """Bytes of a library; the compiler runs in the folder of the source, so no path is in them."""
     target = ("cc", "-target", platform.target)
-    write(folder / SOURCE, one_source(platform.folder).encode())
-    linked = ["autobalancer.o"]
-    options = (*COMPILE, *platform.compiler, *(["-DHAS_LANES"] if platform.lanes else []))
-    _zig(folder, *target, *options, "-c", SOURCE, "-o", *linked)
-    if platform.lanes:
-        write(folder / "lanes.c", lanes_source().encode())
-        linked.append("lanes.o")
-        options = (*COMPILE, *LANES_COMPILE, *platform.compiler)
-        _zig(folder, *target, *options, "-c", "lanes.c", "-o", linked[-1])
+    linked = []
+    for name, (text, options) in parts_of_library(platform).items():
+        write(folder / f"{name}.c", text.encode())
+        linked.append(f"{name}.o")
+        _zig(folder, *target, *options, "-c", f"{name}.c", "-o", linked[-1])
     if platform.library.endswith(".dll"):
         # what names msvcrt.dll has: zig's own import libraries take a minute to make
         write(folder / "msvcrt.def", texts()["windows/msvcrt.def"].encode())

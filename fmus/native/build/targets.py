@@ -12,12 +12,16 @@ from platform import machine
 COMPILE = (
     *("-std=c99", "-ffp-contract=off", "-fno-math-errno", "-Wall", "-Wextra", "-Wpedantic"),
     "-Wno-unused-parameter",  # signatures are those of FMI or of a table
+    "-Wno-unused-function",  # a text has functions for others; a test looks at all of them
     *("-O2", "-mllvm", "-inline-threshold=30"),
     *("-fno-unroll-loops", "-fno-vectorize", "-fno-slp-vectorize"),
     *("-fPIC", "-fvisibility=hidden", "-D_FORTIFY_SOURCE=0", "-g0"),
 )
-# machines side by side: small functions of long vectors must all be put in line
-LANES_COMPILE = ("-mllvm", "-inline-threshold=225", "-Wno-psabi", "-Wno-unused-function")
+# the series of machines, where the time goes: in line what is worth it
+FAST = ("machine/", "coupling/one_piece_s", "base/elementary")  # begin of their names
+FAST_COMPILE = ("-mllvm", "-inline-threshold=225")
+# machines side by side
+LANES_COMPILE = ("-mllvm", "-inline-threshold=225", "-Wno-psabi")
 # nothing unwinds the stack of C; Windows wants its tables, and with them needs no frame pointers
 _NO_TABLES = ("-fno-asynchronous-unwind-tables", "-fno-unwind-tables")
 _NO_FRAMES = ("-fomit-frame-pointer",)

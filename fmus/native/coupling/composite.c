@@ -726,9 +726,15 @@ static void observe_results(Unit *unit)
 /* Let the parts of a machine in one piece stand where outputs of this kind can be read; 1 with the reason. */
 static int stand_for(Unit *unit, OutputKind kind)
 {
-    return kind == OUTPUTS_ARE_PLACES ? one_piece_observe_places(unit)
-           : kind == OUTPUTS_OF_STATE ? one_piece_place(unit)
-                                      : one_piece_signals(unit);
+    const Composite *c = unit->own;
+    switch (kind) {
+    case OUTPUTS_ARE_PLACES:
+        return one_piece_observe_places(unit);
+    case OUTPUTS_OF_STATE:
+        return one_piece_place(unit) || one_piece_place_followers(unit, c->parts->unit->memory + MOTION, unit->time);
+    default:
+        return one_piece_signals(unit);
+    }
 }
 
 static void composite_observe(Unit *unit)

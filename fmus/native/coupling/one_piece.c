@@ -177,8 +177,8 @@ static double first_displacement(const Composite *c)
     int k;
     for (k = 0; k < n; k++) {
         const Pair heavy = pair_scaled(m->gravity, mass);
-        moment += hypotenuse(pair_x(m->unbalance[k]), pair_y(m->unbalance[k]));
         const double stiffness = larger(pair_x(m->stiffness[k * n + k]), mass);
+        moment += hypotenuse(pair_x(m->unbalance[k]), pair_y(m->unbalance[k]));
         largest = larger(largest, hypotenuse(pair_x(heavy), pair_y(heavy)) / stiffness);
     }
     for (k = 0; k < m->weight_count; k++) {

@@ -138,6 +138,8 @@ void one_piece_pass_event(Unit *unit);
 
 /* Whether nobody reads what the looks would find. */
 bool one_piece_is_unwatched(const Unit *unit);
+/* Tell the units that follow their plane's place where it is, from (n, 2) displacements; 1 with the reason. */
+int one_piece_place_followers(Unit *unit, const double *place, double time);
 /* Look at the motion up to a time in the step; 1 with the reason. */
 int one_piece_look_on(Unit *unit, double time);
 /* Show the parts at a time in the step; 1 with the reason. */

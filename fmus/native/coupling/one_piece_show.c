@@ -165,7 +165,16 @@ static int find_place(const Composite *c, size_t reference, int *column, int *nu
     return 0;
 }
 
-/* Whether an output follows from the state in its part's memory alone. */
+/* Whether a part computes an output, of its `layout`, from its plane's place alone: behind its signals. */
+static bool is_of_place(const Part *part, size_t output)
+{
+    const Layout *layout = &part->unit->layout;
+    size_t first = 0;
+    const size_t signals = part->place >= 0 ? part->unit->equations->signals(layout, &first) : 0;
+    return part->place >= 0 && output >= layout->computed.first + 2 * signals;
+}
+
+/* Whether an output follows from the state in its part's memory, or from its plane's place, alone. */
 static bool is_of_state(const Composite *c, size_t reference)
 {
     const Part *part = part_of(c, reference);
@@ -174,7 +183,7 @@ static bool is_of_state(const Composite *c, size_t reference)
     if (part && part == c->motor) {
         return reference - part->observed >= SPEED_OF_MOTOR;
     }
-    return part && observed_number(part, reference) >= 0 &&
+    return part && (observed_number(part, reference) >= 0 || is_of_place(part, output)) &&
            !(inner->equations->is_torque && inner->equations->is_torque(inner, output));
 }
 

@@ -17,8 +17,7 @@ bool one_piece_is_unwatched(const Unit *unit)
     return unit->asked && !c->pieces.followers;
 }
 
-/* Tell the units that follow their plane's place where it is; 1 with the reason. */
-static int place_followers(Unit *unit, const double *place, double time)
+int one_piece_place_followers(Unit *unit, const double *place, double time)
 {
     const Composite *c = unit->own;
     const Rotor *rotor = composite_rotor(c);
@@ -69,7 +68,7 @@ int one_piece_look_on(Unit *unit, double time)
         verdict_look(c, place, angle - turned);
         turned = angle;
         if (c->pieces.followers &&
-            place_followers(unit, place, clock->begin + one_piece->looked * apart)) {
+            one_piece_place_followers(unit, place, clock->begin + one_piece->looked * apart)) {
             return 1;
         }
     }
