@@ -10,11 +10,11 @@ import numpy as np
 
 from ...models.papers import capacity as theory
 from ...models.papers.settling import plane_response
-from ..design.scenes import only_finite_weights
 from ..errors import SceneError
 from ..result.result import Result
 from ..result.run import cosimulate
 from ..scene import Scene
+from .goncharov import only_finite_weights
 from .row import Row, Rows
 
 POINTS, UP_TO = 13, 1.2  # unbalances from 0 on, the largest in capacities S

@@ -8,9 +8,10 @@ from collections.abc import Iterator
 from ...models.papers import capacity as theory
 from ...models.papers.settling import settling_time, slow_root
 from ...models.papers.touching import facing_measure
-from ..design.scenes import drag_limit, sized, weights_of, weights_with_slow_root
-from ..design.settling import SETTLED_UNBALANCE, Batch, settled_runs
+from ..design.scenes import drag_limit, sized, weights_of
+from ..design.settling import SETTLED_UNBALANCE, Batch
 from ..scene import Scene
+from .goncharov import settled_runs, weights_with_slow_root
 from .row import Row, Rows
 from .slow_root import MOST, WIDTH
 

@@ -10,10 +10,10 @@ import numpy as np
 from ...models.papers.capacity import fastest_count
 from ..design.choices import Design, design
 from ..design.recommendation import by_measure, by_median, contradicted, order, rivals
-from ..design.scenes import batches, weights_with_slow_root
-from ..design.settling import settled_runs
+from ..design.scenes import batches
 from ..master.schedule import steps_per_rev
 from ..scene import Scene
+from .goncharov import settled_runs, weights_with_slow_root
 from .row import Row, Rows
 from .slow_root import MOST, WIDTH, decay_rows
 

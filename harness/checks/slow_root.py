@@ -6,9 +6,9 @@ from collections.abc import Iterator, Sequence
 
 from ..design.decay import Decay
 from ..design.recommendation import deviations, excluded
-from ..design.scenes import batches, sized, weights_with_slow_root
-from ..design.settling import facing_start, settled_runs
+from ..design.scenes import batches, sized
 from ..scene import Scene
+from .goncharov import facing_start, settled_runs, weights_with_slow_root
 from .row import Row, Rows
 
 DECAY = 0.05  # of the rate: (1) takes the rotor as fast, and other motions are still in the fit

@@ -143,22 +143,12 @@ def weights_of(scene: Scene) -> WeightBalancer:
         wrong = "; ".join(reason for reason, is_so in reasons.items() if is_so)
         raise SceneError(f"{scene.name}: design: {wrong}")
     if is_isotropic(scene):
-        _refuse_without_slow_root(scene)
+        refuse_without_slow_root(scene)
     return weights_in(scene)
 
 
-def weights_with_slow_root(scene: Scene) -> WeightBalancer:
-    """`weights_of` a scene for which Goncharov's slow root (1) holds.
-
-    Raises:
-        SceneError: as `weights_of`, or it does not hold.
-    """
-    weights = weights_of(scene)
-    _refuse_without_slow_root(scene)
-    return weights
-
-
-def _refuse_without_slow_root(scene: Scene) -> None:
+def refuse_without_slow_root(scene: Scene) -> None:
+    """Raise SceneError where Goncharov's slow root (1) does not hold."""
     try:
         drag_limit(scene)
     except ValueError as error:
@@ -168,16 +158,6 @@ def _refuse_without_slow_root(scene: Scene) -> None:
 def is_isotropic(scene: Scene) -> bool:
     """Whether Goncharov's closed forms hold for the rotor."""
     return bool(scene.assembly().rotor.isotropic)
-
-
-def only_finite_weights(scene: Scene) -> WeightBalancer | None:
-    """The one set of weights of finite size on a planar isotropic rotor at constant speed."""
-    profile = scene.profile()
-    fits = scene.rotor.kind == "planar" and scene.assembly().rotor.isotropic
-    if not fits or profile.changes or len(scene.balancer) != 1:
-        return None
-    one = scene.balancer[0]
-    return one if isinstance(one, WeightBalancer) and one.weight_radius else None
 
 
 def drag_limit(scene: Scene) -> float:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import random
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -76,24 +76,6 @@ def random_start(count: int, alpha: float, rng: random.Random) -> Start:
     return tuple(begin + cut + 2.0 * alpha * k for k, cut in enumerate([0.0, *cuts]))
 
 
-def facing_start(count: int, alpha: float, rng: random.Random) -> Start:
-    """Angles of two groups that face each other, from packed to evenly spread: p large [rad].
-
-    Args:
-        alpha: half the angle between neighbours that touch.
-    """
-    middle = rng.uniform(0.0, math.tau)
-    room = math.tau / count - 2.0 * alpha
-    angles: list[float] = []
-    for size, side in ((count - count // 2, 0.0), (count // 2, math.pi)):
-        gaps = [2.0 * alpha + rng.uniform(0.0, 0.5 * room) for _ in range(size - 1)]
-        place = middle + side - 0.5 * sum(gaps)
-        for gap in [0.0, *gaps]:
-            place += gap
-            angles.append(place)
-    return tuple(angles)
-
-
 def run_batch(batch: Batch) -> list[SettlingRun]:
     """Every start of a batch, run in C as the scene's one file; one that fails costs itself alone.
 
@@ -116,21 +98,6 @@ def run_batch(batch: Batch) -> list[SettlingRun]:
         else _settling_run(batch, length * numbers, rows)
         for reason, rows in zip(reasons, signals[:, numbers], strict=True)
     ]
-
-
-def settled_runs(batches: Iterable[Batch]) -> list[SettlingRun]:
-    """Every start of these batches.
-
-    Raises:
-        SimulationError: one has failed; a check that lost some starts would not be one.
-    """
-    found = []
-    for batch in batches:
-        for run in run_batch(batch):
-            if run.failure:
-                raise SimulationError(f"{batch.scene.name}: {run.failure}")
-            found.append(run)
-    return found
 
 
 def weights_in(scene: Scene) -> WeightBalancer:

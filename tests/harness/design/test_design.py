@@ -15,6 +15,7 @@ from scipy.optimize import brentq
 from autobalancer.fmus.composite.batch import BatchRuns
 from autobalancer.harness import Scene, load_scene
 from autobalancer.harness.checks.capacity import check_capacity, check_sizes, packed_turn
+from autobalancer.harness.checks.goncharov import facing_start
 from autobalancer.harness.checks.largest_spread import check_largest_spread
 from autobalancer.harness.checks.ranking import check_ranking
 from autobalancer.harness.checks.slow_root import check_slow_root
@@ -22,12 +23,7 @@ from autobalancer.harness.commands.design import table
 from autobalancer.harness.design.choices import design
 from autobalancer.harness.design.decay import decay
 from autobalancer.harness.design.recommendation import contradictions, rivals, words
-from autobalancer.harness.design.settling import (
-    facing_start,
-    median_interval,
-    random_start,
-    settled_at,
-)
+from autobalancer.harness.design.settling import median_interval, random_start, settled_at
 from autobalancer.harness.errors import SceneError, SimulationError
 from autobalancer.models.spacing import closest
 from autobalancer.models.weights import alignment
