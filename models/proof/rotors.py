@@ -21,7 +21,7 @@ from ..rotor import LinearRotor
 from .slopes import Exact, Number, Sloped, ball, largest
 
 _NO_ARGUMENTS = (  # of a constructor of `LinearRotor`, or used apart from it
-    "kind", "friction", "damping_ratio", "unbalance", "unbalance_angle", "unbalances",
+    "kind", "fmu", "friction", "damping_ratio", "unbalance", "unbalance_angle", "unbalances",
 )  # fmt: skip
 
 
