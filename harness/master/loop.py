@@ -8,6 +8,7 @@ the force, and its slope times the step; matrices have real and imaginary parts 
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,12 +29,18 @@ Vector = NDArray[np.complex128]
 
 def pack(ends: Knots, step: float) -> Vector:
     """Forces and slopes as one vector."""
-    return np.asarray((ends * np.array([1.0, step])).ravel())
+    return np.asarray((ends * _value_and_slope(step)).ravel())
 
 
 def unpack(vector: Vector, step: float) -> Knots:
     """Inverse of `pack`."""
-    return vector.reshape(-1, 2) * np.array([1.0, 1.0 / step])
+    return vector.reshape(-1, 2) * _value_and_slope(1.0 / step)
+
+
+@lru_cache(maxsize=64)
+def _value_and_slope(factor: float) -> NDArray[np.float64]:
+    """Factors of the two: every pass of every step has the same."""
+    return np.array([1.0, factor])
 
 
 def size(vector: Vector) -> float:

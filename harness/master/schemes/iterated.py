@@ -65,9 +65,10 @@ class Iterated(Scheme):
         system.save()
         for number in range(1, passes + 1):
             motion, answers = self._pass(system, u, time, step)
-            residual = self._used(answers, step) - u
+            packed = pack(answers, step)
+            residual = (packed if self.order == 3 else self._used(answers, step)) - u
             # of passes that are taken back none counts: they can be far too large
-            largest = self._grown(pack(answers, step))
+            largest = self._grown(packed)
             error = self._share(residual, largest)
             if before and error > max(self.tolerance, SLOW_CONVERGENCE * before[2]):
                 self.newton.learn(before[0], before[1], residual)
