@@ -12,7 +12,7 @@ from ..capture.captured import captured_or_none
 from ..master.names import stations
 from ..result.result import Result
 from ..result.sag import from_sag
-from ..result.verdict.ruling import millimetres, percent
+from ..result.verdict.words import millimetres, percent
 from ..scene import Scene
 from ..units import in_words
 from .parts import Lead

@@ -16,7 +16,7 @@ from ..output.report import Part
 from ..output.table import GOOD, Sheet
 from ..result.compared import draw_both
 from ..result.result import Result
-from ..result.verdict.ruling import millimetres
+from ..result.verdict.words import millimetres
 from ..scatter.report import grade_table, lines
 from ..scatter.study import scatter
 from ..scatter.vary import variations

@@ -49,7 +49,7 @@ def look_ahead(run: Ran, stretch: Stretch, known: Known | None) -> Ran | None:
         all_turns = max(motor_angle(run.time, run.signals["motor.speed"])[-1] / math.tau, 1e-9)
     if scene.operation.motor:
         wanted = max(wanted, turned + _turns_of_motor(scene))
-    passes = max(run.passes / all_turns, FEWEST_PASSES if all_turns < SHORT else 0.0)
+    passes = max(run.passes / all_turns, FEWEST_PASSES if all_turns < SHORT else 1.0)
     longer = min(wanted, MOST_PASSES / passes)
     if longer < FEWEST_LONGER * turned:
         return None

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from ...scene.grade import GRADES
 from ...units import brief, in_both, readable_unbalance
 from .outcome import Outcome
-from .ruling import millimetres, percent
+from .words import millimetres, percent
 
 if TYPE_CHECKING:
     from .verdict import Passage, Verdict

@@ -1,0 +1,124 @@
+"""Rulings from what is known before the run is looked at: no run can change them."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from ....models.arrays import Array, Complex
+from ...units import brief, in_both, readable_unbalance
+from .case import MARGIN, OFFSETS_TELL, SAFE, Case, Ruling
+from .known import Known
+from .outcome import Outcome
+from .words import millimetres, percent
+
+
+def from_facts(known: Known) -> Ruling | None:
+    """What no run can change."""
+    if known.exceeds_capacity:
+        assert known.reach is not None
+        return Ruling(
+            Outcome.OVER_CAPACITY,
+            f"capacity exceeded: {readable_unbalance(known.reach.needed)} to balance, the weights "
+            f"hold at most {readable_unbalance(known.reach.capacity)}",
+        )
+    if known.is_out_of_reach:
+        assert known.reach is not None
+        return Ruling(
+            Outcome.OUT_OF_REACH,
+            "the weights' planes cannot undo this unbalance: at least "
+            f"{percent(known.least / known.alone)} of the vibration is left",
+        )
+    if known.left_by_offsets > OFFSETS_TELL * known.limit:
+        return off_centre(known)
+    if known.growth is None or known.growth.state == "stable":
+        return None
+    here = in_both(known.speed, "rad/s")
+    if known.growth.state == "neutral":
+        return Ruling(
+            Outcome.NEUTRAL,
+            f"neutral at this speed, {here}: no damping brings the machine to a steady motion "
+            f"(growth below {known.growth.error:.1g} 1/s)",
+        )
+    if known.speed < known.critical:
+        return Ruling(
+            Outcome.BELOW_CRITICAL,
+            f"below the critical speed, {in_both(known.critical, 'rad/s')}: the weights go to the "
+            "heavy side",
+        )
+    return Ruling(
+        Outcome.UNSTABLE,
+        f"unstable at this speed, {here}: a deviation from balance grows by "
+        f"{brief(known.growth.rate)} 1/s",
+    )
+
+
+def off_centre(known: Known) -> Ruling:
+    """Weights that bring the centre of their track to rest, and not the rotor."""
+    return Ruling(
+        Outcome.OFF_CENTRE,
+        f"the weights' track is off centre by {millimetres(known.off_centre)}: in balance "
+        f"{percent(known.left_by_offsets / known.alone)} of the vibration is left",
+    )
+
+
+def rule_linear(case: Case) -> Ruling:
+    """Of a machine without weights, which has one steady motion at every speed."""
+    known = case.known
+    steady = known.response(np.asarray(known.assembly.rotor.unbalance, complex))
+    size = float(np.sqrt(_half_axes(steady)).max())
+    constant, share = known.time_constant, size / known.alone
+    if case.now is not None and math.isfinite(constant):
+        away = float(np.sqrt(_half_axes(case.now.synchronous - steady)).max()) + case.now.rest
+    else:
+        away = math.inf
+    unsettled = ""
+    seconds = None
+    if away > 0.5 * known.limit and math.isfinite(away):
+        seconds = SAFE * constant * math.log(MARGIN * away / (0.5 * known.limit))
+        unsettled = f"; the run has not settled yet, time constant {brief(constant)} s"
+    elif not math.isfinite(away):
+        unsettled = "; the run is too short to show it"
+    settled_at = f"{percent(share)} of the vibration without {case.called}{unsettled}"
+    if share <= known.limit / known.alone:
+        if unsettled:
+            reason = f"not settled yet: the steady motion has {settled_at}"
+            return Ruling(Outcome.NOT_SETTLED, reason, seconds)
+        return Ruling(Outcome.BALANCED)
+    if share < 1.0:
+        return Ruling(Outcome.LOWERED, f"the steady motion has {settled_at}", seconds)
+    where = _less_above(known)
+    beyond = f"below w_* = {in_both(where, 'rad/s')}, from which on" if where else "here"
+    return Ruling(
+        Outcome.RAISED,
+        f"{beyond} {case.called} {'lowers' if where else 'does not lower'} the vibration: the "
+        f"steady motion has {settled_at}",
+        seconds,
+    )
+
+
+def _half_axes(motion: Complex) -> Array:
+    """Squares of the half axes (n,) of ellipses (2, n)."""
+    x, y = motion
+    return 0.5 * (np.abs(x) ** 2 + np.abs(y) ** 2 + np.abs(x**2 + y**2))
+
+
+def _less_above(known: Known) -> float | None:
+    """Speed from which on the vibration is less than without the balancers, if one is near."""
+    from scipy.optimize import brentq
+
+    def excess(speed: float) -> float:
+        other = Known(known.scene, known.time, speed)
+        loaded = other.response(np.asarray(other.assembly.rotor.unbalance, complex))
+        return float(np.sqrt(_half_axes(loaded)).max()) - other.alone
+
+    speeds = known.speed * np.geomspace(1.0, 3.0, 24)
+    try:
+        signs = [excess(w) for w in speeds]
+        for low, high, a, b in zip(speeds[:-1], speeds[1:], signs[:-1], signs[1:], strict=True):
+            if a > 0.0 >= b:
+                return float(brentq(excess, low, high))
+    except (ValueError, ArithmeticError):
+        return None
+    return None
