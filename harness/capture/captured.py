@@ -80,7 +80,10 @@ class Captured(Outcome):
             "drag limit / drag" if self.drag_given else "drag limit [N s/m]",
             "let go at [rad/s]", "they turn at [rad/s]", "amplitude [m]",
         )  # fmt: skip
-        cells = [["" if c == math.inf else c for c in row] for row in rows]
+        cells = [
+            ["" if isinstance(c, float) and not math.isfinite(c) else c for c in row]
+            for row in rows
+        ]
         return Sheet(
             columns, cells, "rrrlrrrr", f"{self.title}: left behind at a natural frequency"
         )

@@ -27,26 +27,45 @@ def sentence(data: Captured) -> str:
     if not found.natural:
         why = "no natural frequency below that speed brakes them"
         return f"Closed form: no {called} can be left behind at {at}: {why}."
+    if found.all_pass is None:
+        return _cannot_tell(data)
     if found.all_pass:
-        let_go = in_both(found.release_speed, "rad/s")
+        known = not math.isnan(found.release_speed)
+        let_go = in_both(found.release_speed, "rad/s") if known else ""
+        by = f"; a slow run-up lets all go by {let_go}" if known else ""
         return (
-            f"Closed form: no {called} can be left behind at {at}; a slow run-up lets all go by "
-            f"{let_go}{_drag(data, 'left behind only below drag')}."
+            f"Closed form: no {called} can be left behind at {at}{by}"
+            f"{_drag(data, 'left behind only below drag')}."
         )
     natural, motion = max(found.motions, key=lambda pair: (pair[1].weights, pair[1].drag_ratio))
     several = f"{motion.weights} of {found.count}"
     size = data.amplitude(motion)
     largest = f"{brief(1e3 * size)} to {brief(1e3 * (size + data.unbalance_amplitude))} mm"
-    until = (
-        f"let go at {in_both(motion.release_speed, 'rad/s')}"
-        if math.isfinite(motion.release_speed)
-        else "not let go at higher speeds"
-    )
+    until = ", not let go at higher speeds"
+    if math.isfinite(motion.release_speed):
+        until = f", let go at {in_both(motion.release_speed, 'rad/s')}"
+    elif math.isnan(motion.release_speed):
+        until = ""
     return (
         f"Closed form: {several} {called} can be left behind at {at}: they then turn at "
         f"{in_both(motion.frequency, 'rad/s')} beside the natural frequency "
-        f"{in_both(natural.frequency, 'rad/s')}, vibration {largest}, {until}"
+        f"{in_both(natural.frequency, 'rad/s')}, vibration {largest}{until}"
         f"{_drag(data, 'never from drag')}. How often: `autobalancer motions`."
+    )
+
+
+def _cannot_tell(data: Captured) -> str:
+    """Weights that neither turn with the rotor nor are left behind."""
+    found = data.found
+    above = min(
+        (one.frequency for one in found.natural if one.motions[-1].peak[0] > found.speed),
+        default=found.natural[-1].frequency,
+    )
+    return (
+        f"Closed form: cannot tell at {in_both(data.speed, 'rad/s')}, which lies below the natural "
+        f"frequency {in_both(above, 'rad/s')}: bunched {data.called} can slip there, by up to "
+        f"{100.0 * found.slip / found.speed:.2g} % of the speed. Count what happens: "
+        "`autobalancer motions`."
     )
 
 

@@ -22,12 +22,11 @@ import numpy as np
 
 from ...models.arrays import Array
 from ...models.capture import Capture
+from ...models.capture.branch import LAGS, WITH
 
 WINDOWS, LATE = 8, 4  # windows, and how many of the last ones decide
 BALANCED = 0.05  # of the vibration without balancers
 GROWS = 1.5  # times the vibration of the first late window: it is not settled
-BEHIND = 0.02  # of the rotor's speed: a weight that lags by more is left behind
-WITH = 0.004  # of it: one that lags by less turns with the rotor
 STEADY_LAG, STEADY_VIBRATION = 0.02, 0.06  # relative changes over the late windows
 ALIKE = 0.02  # relative: lags of weights that are left behind together
 BEATS = 0.15  # relative: by so much the vibration of a steady motion differs between windows
@@ -111,7 +110,7 @@ def _one(seen: Seen, r: int, alone: float, speed: float) -> tuple[Kind, int, flo
         return Kind.SLOW_ROTOR, 0, om
     lag = seen.lag[r, -LATE:]
     mean = lag.mean(axis=0)
-    behind, along = mean > BEHIND * om, np.abs(mean) <= WITH * om
+    behind, along = mean > LAGS * om, np.abs(mean) <= WITH * om
     moves = _drifts(v)
     if not (behind | along).all():
         return Kind.UNDECIDED if moves else Kind.IRREGULAR, 0, np.nan

@@ -118,7 +118,8 @@ def _lines(data: Motions) -> list[tuple[str, str, list[float]]]:
     speeds = [p.speed for p in data.points]
     low, high = min(speeds), max(speeds)
     found = captured(data.scene, high).found
-    released = [max(m.release_speed for m in one.motions) for one in found.natural]
+    speeds_of = ([m.release_speed for m in one.motions] for one in found.natural)
+    released = [float(np.nanmax(s)) for s in speeds_of if not np.isnan(s).all()]
     lines = [("release speed (closed form)", ":", [w for w in released if low <= w <= high])]
     if low < high:
         limits = boundaries(data.scene, low, high)

@@ -26,11 +26,12 @@ _NARROWEST = 1e-7  # half width over frequency, of undamped rotors too
 _SMALLEST_LAG = 1e-3  # of a peak's speed: weights that lag less are let go at once
 _POLE_STEPS = 2
 _FARTHEST_POLE = 1.5  # of the rotor's speed: weights lag below a natural frequency above it too
-LAGS = 0.02  # of the rotor's speed: weights that lag by less turn with the rotor
+LAGS = 0.02  # of the rotor's speed: weights that lag by more are left behind
+WITH = 0.004  # of it: weights that lag by less turn with the rotor
 _FARTHEST_PEAK = 3.0  # half widths between a pole and its peak
 _SAME_PEAK = 0.05  # half widths: peaks so near are one
-_REFINEMENTS, _END_REFINEMENTS = 6, 3
-_CONVERGED = 1e-9
+_REFINEMENTS, _AT_ONCE = 4, 9  # each time one of so many points less one is kept
+_END_REFINEMENTS, _AT_END = 3, 8
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,19 +77,25 @@ def find_branches(receptance: Receptance, lag: Lag, speed: float) -> Branches:
     every = every.reshape(-1, len(lag.groups))
     many = ways * sum(group.count for group in lag.groups)
     pole = np.repeat(np.arange(len(numbers)), many)
-    own = near_poles(receptance, lag, poles.select(pole), speed, every)
+    # both ways often leave the same weights behind
+    _, at, back = np.unique(
+        np.hstack([pole[:, None], every]), axis=0, return_index=True, return_inverse=True
+    )
+    own = near_poles(receptance, lag, poles.select(pole[at]), speed, every[at])
     frequency = _grid(own)
     points = frequency.shape[1]
-    start = np.repeat(np.angle(shapes).astype(float)[pole], points, axis=0)
+    start = np.repeat(np.angle(shapes).astype(float)[pole[at]], points, axis=0)
     lags, phases = lag.at(
-        receptance, frequency.reshape(-1), speed, np.repeat(every, points, axis=0), start
+        receptance, frequency.reshape(-1), speed, np.repeat(every[at], points, axis=0), start
     )
-    lags, phases = lags.reshape(-1, points), phases.reshape(len(pole), points, -1)
+    back = back.reshape(-1)
+    own, frequency, lags = own.select(back), frequency[back], lags.reshape(-1, points)[back]
+    phases = phases.reshape(len(at), points, -1)[back]
     peak, held, top = _peaks(frequency, lags, own, pole)
     found = Branches(speed, poles, own, pole, every, peak, held, frequency, lags, phases, top)
     ends = np.flatnonzero(~np.isnan(peak) & np.isnan(lags[range(len(top)), top + 1]))
-    for row in ends if len(lag.groups) > 1 else ():
-        _refine_end(found, receptance, lag, int(row))
+    if len(ends) and len(lag.groups) > 1:
+        _refine_ends(found, receptance, lag, ends)
     return found
 
 
@@ -103,21 +110,26 @@ def near_poles(
     return found
 
 
-def _refine_end(branches: Branches, receptance: Receptance, lag: Lag, row: int) -> None:
-    """Move the peak of a motion that ends between two points to its end."""
-    top, numbers = int(branches.top[row]), branches.numbers[row]
-    low, high = branches.frequency[row, top], branches.frequency[row, top + 1]
-    phases = branches.phases[row, top]
+def _refine_ends(branches: Branches, receptance: Receptance, lag: Lag, rows: Indices) -> None:
+    """Move the peaks of motions that end between two points to their ends."""
+    top, every = branches.top[rows], np.arange(len(rows))
+    low, high = branches.frequency[rows, top], branches.frequency[rows, top + 1]
+    numbers = np.repeat(branches.numbers[rows], _AT_END, axis=0)
+    phases = branches.phases[rows, top]
     for _ in range(_END_REFINEMENTS):
-        w = np.linspace(low, high, 8)
-        both = [np.broadcast_to(a, (len(w), len(a))) for a in (numbers, phases)]
-        lags, turned = lag.at(receptance, w, branches.speed, *both)
-        ended = np.flatnonzero(np.isnan(lags))
-        last = max(0, int(ended[0]) - 1) if len(ended) else len(w) - 1
-        low, high, phases = w[last], w[min(last + 1, len(w) - 1)], turned[last]
-        best = int(np.nanargmax(lags[: last + 1])) if not np.isnan(lags[0]) else 0
-        if lags[best] > branches.lag[row]:
-            branches.peak[row], branches.lag[row] = w[best], lags[best]
+        w = low[:, None] + (high - low)[:, None] * np.linspace(0.0, 1.0, _AT_END)
+        start = np.repeat(phases, _AT_END, axis=0)
+        lags, turned = lag.at(receptance, w.reshape(-1), branches.speed, numbers, start)
+        lags, turned = lags.reshape(w.shape), turned.reshape(*w.shape, -1)
+        gone = np.isnan(lags)
+        last = np.where(gone.any(axis=1), np.maximum(0, gone.argmax(axis=1) - 1), _AT_END - 1)
+        low, high = w[every, last], w[every, np.minimum(last + 1, _AT_END - 1)]
+        phases = turned[every, last]
+        before = np.where(np.arange(_AT_END) <= last[:, None], lags, -np.inf)
+        best = np.where(np.isnan(before), -np.inf, before).argmax(axis=1)
+        more = lags[every, best] > branches.lag[rows]
+        branches.peak[rows[more]] = w[every, best][more]
+        branches.lag[rows[more]] = lags[every, best][more]
 
 
 def follow(
@@ -131,13 +143,19 @@ def follow(
     Returns:
         Their speed (r,), NaN where they cannot be left behind, and the phases (r, c).
     """
-    frequency, phases = np.full(len(rows), np.nan), branches.phases[rows, branches.top[rows]]
+    phases = branches.phases[rows, branches.top[rows]]
+    frequency = np.full(len(rows), np.nan)
+    low, high = np.zeros((2, len(rows)))
+    found = []
     for k, row in enumerate(rows):
-        started = _bracket(branches, int(row))
-        if started is None:
-            continue
-        low, high, phases[k] = started
-        frequency[k] = _crossing(branches, receptance, lag, int(row), low, high, phases[k])
+        if (started := _bracket(branches, int(row))) is not None:
+            low[k], high[k], phases[k] = started
+            found.append(k)
+    if found:
+        at = np.array(found)
+        numbers = branches.numbers[rows[at]]
+        crossing = _Crossing(receptance, lag, branches.speed, numbers)
+        frequency[at], phases[at] = crossing.between(low[at], high[at], phases[at])
     return frequency, phases
 
 
@@ -241,25 +259,31 @@ def ratio_below_speed(branches: Branches, row: int) -> float:
     return max((ratio for ratio in ratios if ratio > 0.0), default=0.0)
 
 
-def _crossing(
-    branches: Branches,
-    receptance: Receptance,
-    lag: Lag,
-    row: int,
-    low: float,
-    high: float,
-    phases: Array,
-) -> float:
-    """Root of w + lag = Om between two points, by bisection of several at once."""
-    numbers = branches.numbers[row]
-    for _ in range(_REFINEMENTS):
-        w = np.linspace(low, high, 10)
-        both = [np.broadcast_to(a, (len(w), len(a))) for a in (numbers, phases)]
-        lags, turned = lag.at(receptance, w, branches.speed, *both)
-        beyond = np.flatnonzero(~(w + lags <= branches.speed))
-        at = max(1, int(beyond[0])) if len(beyond) else len(w) - 1
-        low, high = float(w[at - 1]), float(w[at])
-        phases[:] = np.where(np.isnan(turned[at - 1]), phases, turned[at - 1])
-        if high - low <= _CONVERGED * high:
-            break
-    return 0.5 * (low + high)
+class _Crossing:
+    """Roots of w + lag = Om of several rows, by bisection with several points at once."""
+
+    def __init__(self, receptance: Receptance, lag: Lag, speed: float, numbers: Array) -> None:
+        self._receptance, self._lag, self._speed = receptance, lag, speed
+        self._numbers = np.repeat(numbers, _AT_ONCE, axis=0)
+
+    def between(self, low: Array, high: Array, phases: Array) -> tuple[Array, Array]:
+        """Roots (r,) between points (r,), and the phases (r, c) there."""
+        rows, places = np.arange(len(low)), np.linspace(0.0, 1.0, _AT_ONCE)
+        left = np.zeros((2, len(low)))
+        for _ in range(_REFINEMENTS):
+            w = low[:, None] + (high - low)[:, None] * places
+            start = np.repeat(phases, _AT_ONCE, axis=0)
+            lags, turned = self._lag.at(
+                self._receptance, w.reshape(-1), self._speed, self._numbers, start
+            )
+            excess = w + lags.reshape(w.shape) - self._speed
+            beyond = ~(excess[:, 1:] <= 0.0)
+            at = np.where(beyond.any(axis=1), beyond.argmax(axis=1), _AT_ONCE - 2)
+            low, high = w[rows, at], w[rows, at + 1]
+            left = np.stack([excess[rows, at], excess[rows, at + 1]])
+            there = turned.reshape(*w.shape, -1)[rows, at]
+            phases = np.where(np.isnan(there), phases, there)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            part = -left[0] / (left[1] - left[0])
+        part = np.where((part >= 0.0) & (part <= 1.0), part, 0.5)
+        return low + part * (high - low), phases

@@ -22,8 +22,9 @@ import numpy as np
 from ..arrays import Array
 from ..assembly import Assembly, weights_of
 from ..harmonic_balance import NoResponse, largest_displacement, unbalance_response
-from .branch import LAGS, Branches, find_branches, follow, ratio_below_speed
+from .branch import LAGS, WITH, Branches, find_branches, follow
 from .groups import Group, Lag, groups_of
+from .limit import drag_limit, drag_ratio
 from .receptance import Receptance
 from .release import release_speeds
 
@@ -38,9 +39,10 @@ class LeftBehind:
     Attributes:
         weights: k.
         numbers: of each group: those that are held most strongly.
-        release_speed: of the rotor, at which they are let go [rad/s]; infinite: never.
+        release_speed: of the rotor, at which they are let go [rad/s]; infinite: never; NaN: cannot
+            tell, as beyond this speed the natural frequency meets another one.
         drag_ratio: drag over the present one below which they can be left behind at the rotor's
-            speed.
+            speed, while the other weights keep their drag.
         frequency: at which they turn while the rotor turns at its speed [rad/s]; NaN: let go.
         amplitude: (n,) of the stations then, without the unbalance's own [m].
         peak: (w, lag) at the peak of the brake [rad/s].
@@ -88,6 +90,8 @@ class Capture:
         unbalance_amplitude: (n,) of the stations, the unbalance's own at this speed [m]; the
             largest distance while weights are left behind is the sum of both.
         unbalance_share: unbalance over capacity.
+        drag_ratio: drag over the present one from which on no weights can be left behind at this
+            speed.
         unstable: the rotor is unstable at this speed: nothing is said.
     """
 
@@ -97,6 +101,7 @@ class Capture:
     natural: tuple[NaturalFrequency, ...]
     unbalance_amplitude: Array
     unbalance_share: float
+    drag_ratio: float = 0.0
     unstable: bool = False
 
     @property
@@ -110,20 +115,40 @@ class Capture:
         return tuple((one, m) for one in self.natural for m in one.motions if m.possible)
 
     @property
-    def drag_ratio(self) -> float:
-        """Drag over the present one from which on no weights can be left behind at this speed."""
-        ratios = (m.drag_ratio for one in self.natural for m in one.motions)
-        return max((ratio for ratio in ratios if math.isfinite(ratio)), default=0.0)
-
-    @property
     def release_speed(self) -> float:
-        """From which on none is left behind in a slow run-up [rad/s]; 0: none ever is."""
-        return max((m.release_speed for one in self.natural for m in one.motions), default=0.0)
+        """From which on none is left behind in a slow run-up [rad/s]; 0: none ever is.
+
+        NaN: cannot tell.
+        """
+        last = [one.motions[-1].release_speed for one in self.natural]
+        if any(math.isnan(speed) for speed in last):
+            return math.nan
+        return max((m.release_speed for one in self.natural for m in one.motions
+                    if not math.isnan(m.release_speed)), default=0.0)  # fmt: skip
 
     @property
-    def all_pass(self) -> bool:
-        """Whether no weights can be left behind at this speed, from whatever start."""
-        return not self.unstable and not self.motions
+    def slip(self) -> float:
+        """How far bunched weights can lag below a natural frequency above this speed [rad/s].
+
+        There the brake rises up to the rotor's speed: the weights slip in the rotor, however large
+        the drag, unless the unbalance holds them.
+        """
+        above = (1.0 - LAGS) * self.speed
+        ratios = (m.drag_ratio for one in self.natural for m in one.motions if m.peak[0] > above)
+        return LAGS * self.speed * max(ratios, default=0.0)
+
+    @property
+    def all_pass(self) -> bool | None:
+        """Whether no weights can be left behind at this speed, from whatever start.
+
+        None: cannot tell.  The rotor is unstable, or weights can slip by more than those that turn
+        with the rotor, and less than those that are left behind.
+        """
+        if self.unstable:
+            return None
+        if self.motions:
+            return False
+        return None if self.slip > WITH * self.speed else True
 
 
 def capture(assembly: Assembly, speed: float) -> Capture:
@@ -153,7 +178,8 @@ def capture(assembly: Assembly, speed: float) -> Capture:
     if receptance.poles(speed).decay.min(initial=0.0) < 0.0:
         return replace(found, unstable=True)
     branches = find_branches(receptance, lag, speed)
-    return replace(found, natural=tuple(_natural(branches, receptance, lag)))
+    limit = drag_limit(branches, receptance, lag)
+    return replace(found, natural=tuple(_natural(branches, receptance, lag)), drag_ratio=limit)
 
 
 def _unbalance(assembly: Assembly, speed: float) -> tuple[Array, float]:
@@ -171,20 +197,16 @@ def _natural(branches: Branches, receptance: Receptance, lag: Lag) -> Sequence[N
     """The natural frequencies that have a peak."""
     rows = _last_of_each_number(branches)
     released = release_speeds(branches, receptance, lag, rows)
-    rows, released = rows[~np.isnan(released)], released[~np.isnan(released)]
     frequency, phases = follow(branches, receptance, lag, rows)
     amplitude = _amplitudes(branches, receptance, lag, rows, frequency, phases)
     motions: dict[int, list[LeftBehind]] = {}
     for k, row in enumerate(rows.tolist()):
         peak, held = float(branches.peak[row]), float(branches.lag[row])
-        left = branches.speed - peak
-        near = left < LAGS * branches.speed  # the peak is near the rotor's speed, or above it
-        ratio = ratio_below_speed(branches, row) if near else held / left
         numbers = branches.numbers[row]
         motions.setdefault(int(branches.pole[row]), []).append(
             LeftBehind(
                 int(numbers.sum()), tuple(int(n) for n in numbers), float(released[k]),
-                ratio, float(frequency[k]), amplitude[k],
+                drag_ratio(branches, row), float(frequency[k]), amplitude[k],
                 (peak, held), branches.phases[row, branches.top[row]],
             )
         )  # fmt: skip

@@ -119,7 +119,7 @@ class Lag:
     """
 
     def __init__(self, groups: tuple[Group, ...], drags: Array, planes: int) -> None:
-        self.groups, self.drags, self._plane_count = groups, drags, planes
+        self.groups, self.drags, self.plane_count = groups, drags, planes
         self.planes = np.array([one.plane for one in groups])
         self._resistance = drags * np.array([one.radius**2 for one in groups])
 
@@ -150,15 +150,18 @@ class Lag:
         They swing in the rotor at w - Om (at -w - Om for the backward part of the motion) and are
         held by their drag alone.
         """
-        found = np.zeros((2, len(frequency), self._plane_count), complex)
+        found = np.zeros((2, len(frequency), self.plane_count), complex)
+        fourth = (frequency * frequency) ** 2
         for k, one in enumerate(self.groups):
             free = (one.count - numbers[:, k]) * one.mass
+            if not free.any():
+                continue
             rate = self.drags[k] / (one.kappa * one.mass)
             for way, sign in enumerate((1.0, -1.0)):
                 relative = sign * frequency - speed
                 swing = -(relative**2) + 1j * relative * rate
                 swing = np.where(np.abs(swing) > 0.0, swing, 1.0)
-                found[way, :, one.plane] += free * frequency**4 / (2.0 * one.kappa * swing)
+                found[way, :, one.plane] += free * fourth / (2.0 * one.kappa * swing)
         return found[0], found[1]
 
     def moments(self, numbers: Array) -> Array:
@@ -182,7 +185,7 @@ class Lag:
         """
         at = receptance[:, self.planes[:, None], self.planes[None, :]]
         moment = self.moments(numbers)
-        torque = 1j * (frequency**4)[:, None, None] * at
+        torque = 1j * ((frequency * frequency) ** 2)[:, None, None] * at
         torque = torque * (moment[:, :, None] * moment[:, None, :])
         pull = numbers * self._resistance
         if len(self.groups) == 1:
@@ -204,11 +207,10 @@ def _balance_two(torque: Complex, pull: Array, phases: Array) -> tuple[Array, Ar
     p, q = u * there.real - v * back.real, -u * there.imag - v * back.imag
     size = np.hypot(p, q)
     with np.errstate(divide="ignore", invalid="ignore"):
-        apart = np.arccos(-a / size) * np.array([[1.0], [-1.0]])
-        turned = np.arctan2(q, p) + apart
-        lag = (first + (there * np.exp(1j * turned)).real) / v
-        best = (lag[1] > lag[0]).astype(int)
-        lag, turned = (np.take_along_axis(x, best[None], axis=0)[0] for x in (lag, turned))
+        apart, middle = np.arccos(-a / size), np.arctan2(q, p)
+        lags = [(first + (there * np.exp(1j * (middle + way * apart))).real) / v for way in (1, -1)]
+        further = lags[1] > lags[0]
+        lag, turned = np.where(further, lags[1], lags[0]), middle + np.where(further, -apart, apart)
         alone = np.where(u > 0.0, second / u, first / v)
     one = (u == 0.0) | (v == 0.0)
     angles = phases.copy()

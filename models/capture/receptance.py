@@ -24,6 +24,7 @@ from ..arrays import Array, Complex
 from ..rotor import LinearRotor
 
 _STILL = 1e-6  # |Im|/|lambda| below it does not oscillate
+_WORST_VECTORS = 1e7  # condition of the eigenvectors up to which a receptance is a sum over them
 
 
 class Poles(NamedTuple):
@@ -66,6 +67,7 @@ class Receptance:
         self._turning = turning.astype(complex)
         self._forces = self._planes.T @ self._turning
         self._share = 1.0 if rotor.isotropic else 0.5
+        self._kept: tuple[float, tuple[Complex, Complex] | None] | None = None
 
     def of_planes(self, frequency: Array, speed: float | Array) -> Complex:
         """Receptance of the planes' displacements, (b, p, p) or, of x and y, (b, 2p, 2p) [m/N].
@@ -74,8 +76,34 @@ class Receptance:
             frequency: w (b,).
             speed: of the rotor, one or (b,).
         """
+        one = 0.0 if not self.follows_speed else float(speed) if np.ndim(speed) == 0 else None
+        if one is not None and (parts := self._parts(one)) is not None:
+            rates, residues = parts
+            apart = 1j * frequency[:, None] - rates
+            found = (1.0 / apart) @ residues
+            return np.asarray(found.reshape(len(frequency), *(len(self._planes),) * 2))
         moved = np.linalg.solve(self._dynamic(frequency, speed), self._planes.T[None])
         return np.asarray(self._planes @ moved)
+
+    def _parts(self, speed: float) -> tuple[Complex, Complex] | None:
+        """Eigenvalues (m,) [1/s] and residues (m, p p) of the receptance, None where they fail.
+
+        Kept for one speed: many frequencies are looked at while the rotor turns at one.
+        """
+        if self._kept is None or self._kept[0] != speed:
+            self._kept = speed, self._find_parts(speed)
+        return self._kept[1]
+
+    def _find_parts(self, speed: float) -> tuple[Complex, Complex] | None:
+        size = len(self._mass)
+        rates, vectors = np.linalg.eig(self._first_order(np.array([speed]))[0])
+        if np.linalg.cond(vectors) > _WORST_VECTORS:
+            return None
+        acting = np.zeros((2 * size, len(self._planes)), complex)
+        acting[size:] = np.linalg.solve(self._mass, self._planes.T)
+        left = np.linalg.solve(vectors, acting)
+        residues = np.einsum("pm,mq->mpq", self._planes @ vectors[:size], left)
+        return rates.astype(complex), residues.reshape(len(rates), -1)
 
     def between_planes(self, planes: Complex, forward: Complex, backward: Complex) -> Complex:
         """g (b, p, p) from `of_planes`, with weights that turn with the rotor.
@@ -126,22 +154,32 @@ class Receptance:
 
     def _as_matrix(self, forward: Complex, backward: Complex) -> Complex:
         """Forces of the planes by their displacements, shaped as `of_planes`."""
-        eye = np.eye(forward.shape[1])
-        ahead, back = forward[:, :, None] * eye, backward.conj()[:, :, None] * eye
+        count = forward.shape[1]
         if self.rotor.isotropic:
-            return ahead
-        same, across = 0.5 * (ahead + back), 0.5j * (ahead - back)
-        return np.asarray(np.block([[same, across], [-across, same]]))
+            found = np.zeros((len(forward), count, count), complex)
+            found[:, range(count), range(count)] = forward
+            return found
+        back = backward.conj()
+        same, across = 0.5 * (forward + back), 0.5j * (forward - back)
+        found = np.zeros((len(forward), 2 * count, 2 * count), complex)
+        x, y = np.arange(count), np.arange(count) + count
+        found[:, x, x] = found[:, y, y] = same
+        found[:, x, y], found[:, y, x] = across, -across
+        return found
 
     def rates(self, speeds: Array) -> Complex:
         """Eigenvalues (b, m) of the free motion at speeds (b,) of the rotor [1/s]."""
+        return np.linalg.eigvals(self._first_order(speeds)).astype(complex)
+
+    def _first_order(self, speeds: Array) -> Complex:
+        """Matrices (b, m, m) of displacements and velocities."""
         om, size = speeds[:, None, None], len(self._mass)
         inverse = np.linalg.inv(self._mass)
         matrix = np.zeros((len(speeds), 2 * size, 2 * size), self._mass.dtype)
         matrix[:, :size, size:] = np.eye(size)
         matrix[:, size:, :size] = -inverse @ (self._stiffness + om * self._stiffness_by_speed)
         matrix[:, size:, size:] = -inverse @ (self._damping + om * self._damping_by_speed)
-        return np.linalg.eigvals(matrix).astype(complex)
+        return matrix
 
     def _dynamic(self, frequency: Array, speed: float | Array) -> Complex:
         w, om = frequency[:, None, None], np.reshape(speed, (-1, 1, 1))

@@ -3,6 +3,10 @@
 The peak (w_p, L_p) of the brake belongs to one speed Om of the rotor.  Gyroscopic terms and
 internal damping move it with Om; weights are let go where Om passes w_p(Om) + L_p(Om), which for a
 tilting mode that rises with the speed may never be.
+
+The peak is followed from speed to speed.  Where some weights turn with the rotor (k < N) and its
+natural frequency is near the rotor's speed, modes mix and the peak of one becomes that of another:
+no release speed is stated there.
 """
 
 from __future__ import annotations
@@ -11,46 +15,75 @@ import math
 
 import numpy as np
 
-from ..arrays import Array
+from ..arrays import Array, Complex
 from .branch import Branches, find_peaks, near_poles
 from .groups import Lag
 from .receptance import Receptance
+from .roots import find_roots
 
 _FARTHEST = 10.0  # operating speeds up to which a release is looked for
-_BRACKETING, _CLOSING = 40, 20  # steps at most
-_LARGEST_STEP = 0.25  # of a speed: natural frequencies are followed from one to the next
-_RELEASED = 1e-5  # relative
+_BRACKETING = 30  # steps at most
+_LARGEST_STEP = 0.25  # of a speed: peaks are followed from one to the next
+_SMALLEST_PART = 0.01  # of such a step, where a peak is lost
+_SAME_SPEED = 1e-5  # relative
+_PART_NEAREST = 0.65  # of the rotor's speed: above it modes mix, and k < N cannot be followed
+_PART_FARTHEST = 2.0  # times the rotor's speed up to which k < N of several groups are followed
 _AROUND = np.array([-2.0, -1.2, -0.7, -0.4, -0.2, 0.0, 0.2, 0.4, 0.7, 1.2, 2.0])  # half widths
 
 
 def release_speeds(branches: Branches, receptance: Receptance, lag: Lag, rows: Array) -> Array:
-    """(r,) of some branches [rad/s]; infinite: not up to `_FARTHEST` times the rotor's speed."""
-    found = (branches.peak + branches.lag)[rows]
-    all_left = branches.numbers[rows].sum(axis=1) == sum(one.count for one in lag.groups)
-    fixed = all_left & (not receptance.follows_speed)
-    if fixed.any():  # of weights that turn with the rotor, the swing follows its speed
-        found[~fixed] = release_speeds(branches, receptance, lag, rows[~fixed])
-        return found
-    if not len(rows):
-        return found
-    peaks = _MovingPeaks(branches, receptance, lag, rows)
-    speed = np.full(len(rows), branches.speed)
-    excess = found - speed
-    other, there, sign = speed.copy(), excess.copy(), np.sign(excess)
+    """(r,) of some branches [rad/s]; infinite: not up to `_FARTHEST` times the rotor's speed.
+
+    Returns:
+        NaN where the peak cannot be followed to the speed at which they are let go.
+    """
+    released = (branches.peak + branches.lag)[rows]
+    all_left = branches.numbers.sum(axis=1)[rows] == sum(one.count for one in lag.groups)
+    near = branches.own.frequency[rows] > _PART_NEAREST * branches.speed
+    moves = ~all_left | receptance.follows_speed  # weights that turn with the rotor swing with it
+    released[moves & near & ~all_left] = math.nan
+    at = np.flatnonzero(moves & (all_left | ~near))
+    if len(at):
+        limit = np.full(len(at), _FARTHEST * branches.speed)
+        if len(lag.groups) > 1:
+            limit[~all_left[at]] = _PART_FARTHEST * branches.speed
+        released[at] = _followed(_MovingPeaks(branches, receptance, lag, rows[at]), limit)
+        released[at[~all_left[at] & (released[at] > limit)]] = math.nan
+    return released
+
+
+def _followed(peaks: _MovingPeaks, limit: Array) -> Array:
+    """Release speeds up to limits (r,)."""
+    ends = _brackets(peaks, limit)
+    _, excess, other, there = ends
+    closed = np.flatnonzero(there * excess <= 0.0)
+    never = (there > 0.0) & (excess > 0.0) & (other >= limit)
+    found = np.where(never, math.inf, math.nan)
+    found[closed] = find_roots(lambda x, rows: peaks(x, closed[rows]), *ends[:, closed])
+    return found
+
+
+def _brackets(peaks: _MovingPeaks, limit: Array) -> Array:
+    """Two speeds and their excesses (4, r), between which the sign changes, or the last two."""
+    last = np.full(len(limit), peaks.speed)
+    excess = peaks.excess.copy()
+    other, there, sign, part = last.copy(), excess.copy(), np.sign(excess), np.ones(len(excess))
     for _ in range(_BRACKETING):
-        same = (np.sign(there) == sign) & (other < _FARTHEST * branches.speed)
-        if not same.any():
+        open_ = (there * sign > 0.0) & (other < limit) & (part > _SMALLEST_PART)
+        same = np.flatnonzero(open_)
+        if not len(same):
             break
-        largest = _LARGEST_STEP * other
-        step = np.clip(1.2 * there + sign * 0.01 * other, -largest, largest)
-        lowest = 0.5 * (other + peaks.place)  # the excess is positive at the peak itself
-        ahead = np.where(same, np.maximum(other + step, lowest), other)
-        speed, excess = np.where(same, other, speed), np.where(same, there, excess)
-        other, there = ahead, np.where(same, peaks(ahead), there)
-    unending = (np.sign(there) == sign) & (sign > 0.0)
-    root = _close(peaks, speed, excess, other, there)
-    lost = (np.sign(there) == sign) & (sign < 0.0)  # not followed down to where it is let go
-    return np.where(unending, math.inf, np.where(lost, math.nan, root))
+        now, most = other[same], _LARGEST_STEP * other[same]
+        step = np.clip(1.2 * there[same] + sign[same] * 0.01 * now, -most, most)
+        lowest = 0.5 * (now + peaks.place[same])  # the excess is positive at the peak itself
+        ahead = np.maximum(now + step * part[same], lowest)
+        found = peaks(ahead, same)
+        lost = np.isnan(found)
+        part[same] = np.where(lost, 0.25 * part[same], np.minimum(1.0, 2.0 * part[same]))
+        kept = same[~lost]
+        last[kept], excess[kept] = now[~lost], there[kept]
+        other[kept], there[kept] = ahead[~lost], found[~lost]
+    return np.stack([last, excess, other, there])
 
 
 class _MovingPeaks:
@@ -60,47 +93,51 @@ class _MovingPeaks:
         self._receptance, self._lag = receptance, lag
         pole, self._numbers = branches.pole[rows], branches.numbers[rows]
         self._poles = branches.poles.select(pole)
-        self.place = branches.peak[rows]
+        self.place, self.speed = branches.peak[rows], branches.speed
+        self.excess = self.place + branches.lag[rows] - branches.speed
         self._rate = -self._poles.decay + 1j * self._poles.frequency
         own = branches.own.select(rows)
         self._offset = (self.place - own.frequency) / own.decay
         self._phases = branches.phases[rows, branches.top[rows]]
+        self._seen = np.full(len(rows), branches.speed)
+        self._slope = np.zeros(len(rows), complex)
 
-    def __call__(self, speeds: Array) -> Array:
-        if self._receptance.follows_speed:
-            rates = self._receptance.rates(speeds)
-            nearest = np.abs(rates - self._rate[:, None]).argmin(axis=1)
-            self._rate = rates[range(len(rates)), nearest]
-        poles = self._poles._replace(
-            frequency=self._rate.imag.astype(float), decay=-self._rate.real.astype(float)
+    def __call__(self, speeds: Array, rows: Array) -> Array:
+        """Of some rows, at a speed each; NaN where the peak is lost."""
+        numbers = self._numbers[rows]
+        follows = self._receptance.follows_speed
+        rate = self._follow(speeds, rows) if follows else self._rate[rows]
+        poles = self._poles.select(rows)._replace(
+            frequency=rate.imag.astype(float), decay=-rate.real.astype(float)
         )
-        own = near_poles(self._receptance, self._lag, poles, speeds, self._numbers)
+        own = near_poles(self._receptance, self._lag, poles, speeds, numbers)
         frequency, decay = own.frequency, own.decay
         many, points = len(speeds), len(_AROUND)
-        w = frequency[:, None] + decay[:, None] * (self._offset[:, None] + _AROUND)
-        args = [np.repeat(a, points, axis=0) for a in (self._numbers, self._phases)]
+        w = frequency[:, None] + decay[:, None] * (self._offset[rows, None] + _AROUND)
+        args = [np.repeat(a, points, axis=0) for a in (numbers, self._phases[rows])]
         at = (w.reshape(-1), np.repeat(speeds, points))
         lags, _ = self._lag.at(self._receptance, *at, *args)
         peak, held, _ = find_peaks(w, lags.reshape(many, points), np.abs(_AROUND) + 0.0 * w)
-        ended = np.isnan(peak) | (decay <= 0.0)
-        self.place = np.where(ended, self.place, peak)
-        self._offset = np.where(ended, self._offset, (self.place - frequency) / decay)
-        excess = np.where(ended, -speeds, peak + held - speeds)
+        there = ~np.isnan(peak) & (decay > 0.0)
+        lost = ~there & ~np.isnan(lags.reshape(many, points)).any(axis=1)
+        self.place[rows[there]] = peak[there]
+        self._offset[rows[there]] = ((peak - frequency) / decay)[there]
+        excess = np.where(there, peak + held - speeds, np.where(lost, np.nan, -speeds))
+        if follows:
+            self._keep(speeds[~lost], rate[~lost], rows[~lost])
         return np.where(decay <= 0.0, speeds, excess)  # not let go before the rotor is unstable
 
+    def _follow(self, speeds: Array, rows: Array) -> Array:
+        """The eigenvalues nearest to those expected from two speeds before."""
+        expected = self._rate[rows] + (speeds - self._seen[rows]) * self._slope[rows]
+        rates = self._receptance.rates(speeds)
+        nearest = np.abs(rates - expected[:, None]).argmin(axis=1)
+        return np.asarray(rates[range(len(rates)), nearest])
 
-def _close(peaks: _MovingPeaks, a: Array, at_a: Array, b: Array, at_b: Array) -> Array:
-    """Roots between brackets, by the Illinois method, or bisection where a motion ends."""
-    root = b
-    for _ in range(_CLOSING):
-        with np.errstate(divide="ignore", invalid="ignore"):
-            root = b - at_b * (b - a) / (at_b - at_a)
-        jumps = (at_a <= -a) | (at_b <= -b) | ~np.isfinite(root)  # the motion ends within
-        root = np.where(jumps, 0.5 * (a + b), root)
-        found = peaks(root)
-        crossed = found * at_b < 0.0
-        a, at_a = np.where(crossed, b, a), np.where(crossed, at_b, 0.5 * at_a)
-        b, at_b = root, found
-        if (np.abs(at_b) <= _RELEASED * root).all() or (np.abs(b - a) <= _RELEASED * root).all():
-            break
-    return root
+    def _keep(self, speeds: Array, rates: Complex, rows: Array) -> None:
+        """Go on from here."""
+        moved = speeds - self._seen[rows]
+        far = np.abs(moved) > _SAME_SPEED * speeds
+        slope = (rates - self._rate[rows]) / np.where(far, moved, 1.0)
+        self._slope[rows[far]] = slope[far]
+        self._rate[rows], self._seen[rows] = rates, speeds

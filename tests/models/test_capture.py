@@ -102,6 +102,43 @@ def test_a_tilting_mode_that_rises_with_the_speed_never_lets_go():
     assert motion(found, 4, 0.96).release_speed < 5.0
 
 
+def gyroscopic(drag):
+    """Its forward tilting mode lies above 1.9 rad/s, where the mode itself is at 2.18 rad/s."""
+    rotor = LinearRotor.two_support(
+        mass=1.0, inertia=0.08, polar_inertia=0.04, span=1.0,
+        stiffness=((0.5, 0.5), (0.5, 0.5)), damping=((0.02, 0.02), (0.02, 0.02)),
+        planes=(0.2, 0.8), unbalances=((0.2, 0.004, 0.0), (0.8, 0.004, 2.0)),
+    )  # fmt: skip
+    device = Weights(2, 0.02, 1.0, drag, 1.4)
+    return Assembly(rotor, tuple(Mounted(n, device, p, (0.0, 0.0)) for p, n in enumerate("ab")))
+
+
+def test_nothing_is_said_where_weights_slip_below_a_natural_frequency_above_the_speed():
+    """Run up to 1.9 rad/s within 170 s, the balls turn at 1.886 rad/s in an integration."""
+    found = capture(gyroscopic(0.3), 1.9)
+    assert found.all_pass is None
+    assert not found.motions
+    assert found.slip == pytest.approx(1.9 - 1.886, rel=0.15)
+    assert capture(gyroscopic(1.0), 1.9).all_pass is True
+    assert capture(gyroscopic(0.02), 1.9).all_pass is False
+
+
+def test_the_drag_limit_does_not_depend_on_the_present_drag():
+    """Weights that turn with the rotor feed its motion by their drag: k < N alone depend on it."""
+    limits = [drag * capture(gyroscopic(drag), 4.0).drag_ratio for drag in (0.02, 0.1, 0.3, 1.0)]
+    assert limits == pytest.approx([0.28765] * 4, rel=1e-3)
+    few = [
+        drag * motion(capture(gyroscopic(drag), 4.0), 3, 2.84).drag_ratio for drag in (0.02, 0.1)
+    ]
+    assert few[0] > 2.0 * few[1]
+
+
+def test_part_of_the_weights_beside_a_near_natural_frequency_have_no_release_speed():
+    found = capture(gyroscopic(0.02), 4.0)
+    assert math.isnan(motion(found, 3, 2.84).release_speed)
+    assert motion(found, 2, 0.97).release_speed > 0.97
+
+
 def test_light_damping_gives_the_release_speed_of_the_formula():
     mass, damping, drag = 0.01, 0.002, 0.01
     found = capture(planar(damping, drag, mass=mass, count=3), 2.0)

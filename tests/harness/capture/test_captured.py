@@ -50,6 +50,19 @@ def test_json_holds_drag_release_and_every_motion(invoke, tmp_path):
     assert (tmp_path / "brake.png").stat().st_size > 10_000
 
 
+def test_below_a_natural_frequency_above_the_speed_the_sentence_cannot_tell(invoke, tmp_path):
+    rotor = {"kind": "two_support", "mass": 1.0, "inertia": 0.08, "polar_inertia": 0.04,
+             "span": 1.0, "stiffness": [0.5, 0.5], "damping": [0.02, 0.02],
+             "planes": [0.2, 0.8]}  # fmt: skip
+    balls = [{**BALLS, "name": name, "at": k, "mass": 0.02, "drag": 0.3}
+             for k, name in enumerate("ab", 1)]  # fmt: skip
+    path = Scene(rotor=rotor, balancer=balls, speed=1.9).save(tmp_path / "machine.toml")
+    target = tmp_path / "found.json"
+    outcome = invoke("capture", path, "--json", target)
+    assert "cannot tell at 1.9 rad/s" in outcome.output.replace("\n", " ")
+    assert json.loads(target.read_text())["all_pass"] is None
+
+
 def test_speeds_states_it_and_writes_it(invoke, tmp_path):
     target = tmp_path / "speeds.json"
     outcome = invoke(
