@@ -43,6 +43,7 @@ def document(scatter: Scatter) -> dict[str, Any]:
         "settled": float(scatter.settled[scatter.ran].mean()),
         "merged": int(scatter.merged[scatter.ran].sum()),
         "left_behind": int((scatter.behind[scatter.ran] > 0).sum()),
+        "other_motion": int(scatter.unbalanced.sum()),
         "without_balancers": _without(scatter),
         "residual": {
             f"{q:g}": float(np.quantile(scatter.residual[scatter.ran], q)) for q in QUANTILES
@@ -141,6 +142,11 @@ def lines(said: Mapping[str, Any]) -> list[str]:
         lines.append(
             f"In {said['left_behind']} machines weights are left behind at a natural frequency: "
             "they have not settled (see `autobalancer motions`)"
+        )
+    if said["other_motion"]:
+        lines.append(
+            f"In {said['other_motion']} machines the weights turn with the rotor, which vibrates "
+            "no less than without them: another motion than the balanced one, they have not settled"
         )
     if said["merged"]:
         lines.append(

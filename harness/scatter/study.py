@@ -51,13 +51,15 @@ class Scatter(Outcome):
         residual: (n,) largest amplitude in the last revolution [m]; NaN where the run failed.
         grade: (n,) of ISO 21940-11 that the residual unbalance at the end just meets [mm/s]; NaN
             where the run failed or the scene's balancers do not tell their unbalance.
-        settled: (n,) 1 where the last two revolutions are alike and no weights are left behind.
+        settled: (n,) 1 where the last two revolutions are alike and the machine is in no other
+            motion: no weights are left behind, and with weights it vibrates less than without.
         merged: (n,) 1 where identical weights cannot part though they would, `master.merged`.
         behind: (n,) weights that are left behind at the end.
         alone: (n,) steady amplitude of the same machine without balancers [m]; NaN: not known.
         largest, largest_alone: (n,) of the run, and of that without balancers [m].
         failure: (n,) why a run failed; else empty.
         left_out: why there are no grades; else empty.
+        has_weights: not only liquid.
     """
 
     drawn_by: ClassVar[str] = "..scatter.plot:plot_scatter"
@@ -77,6 +79,13 @@ class Scatter(Outcome):
     largest_alone: Vector
     failure: NDArray[np.object_]
     left_out: str = ""
+    has_weights: bool = True
+
+    @property
+    def unbalanced(self) -> NDArray[np.bool_]:
+        """(n,) whose weights turn with the rotor, which vibrates no less than without them."""
+        more = self.residual >= self.alone
+        return np.asarray(self.ran & (self.behind == 0) & more & self.has_weights)
 
     @cached_property
     def ran(self) -> NDArray[np.bool_]:
@@ -138,6 +147,7 @@ def scatter(
         **dict(zip(_NUMBERS, numbers.T, strict=True)),
         failure=failure,
         left_out=left_out,
+        has_weights=any(isinstance(one, WeightBalancer) for one in scene.balancer),
     )
     if not study.ran.any():
         raise SimulationError(f"{scene.name}: no machine could be run: {study.failure[0]}")
@@ -189,14 +199,16 @@ def _outcomes(machines: list[Scene]) -> Columns:
         at_end = machine.profile().speed(end_time(machine))
         speed = float(outcomes["motor.speed"][k]) if motor else at_end
         behind = sum(-float(outcomes[name][k]) > BEHIND * speed for name in speeds)
-        settled = float(outcomes["settled"][k]) if not behind else 0.0
+        residual, alone = float(outcomes["residual"][k]), _alone(machine, speed)
+        other = behind or (bool(speeds) and residual >= alone)
+        settled = 0.0 if other else float(outcomes["settled"][k])
         found[k] = (
-            outcomes["residual"][k],
+            residual,
             grade,
             settled,
             bool(merged(machine, ends)),
             behind,
-            _alone(machine, speed),
+            alone,
             outcomes["largest"][k],
             without["largest"][k],
         )

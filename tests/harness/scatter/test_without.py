@@ -1,6 +1,7 @@
 """Machines with and without their balancers, and machines whose weights are left behind."""
 
 import numpy as np
+import pytest
 
 from autobalancer import Scene, load
 
@@ -18,6 +19,33 @@ def test_a_machine_whose_balls_are_left_behind_has_not_settled():
     said = found.as_json()
     assert said["left_behind"] == 4
     assert said["without_balancers"]["vibrate_more"] == 4
+
+
+@pytest.mark.parametrize(
+    ("rotor", "balls", "speed", "says"),
+    [
+        ({}, {"drag": 0.01}, 0.6, "synchronous, below the natural frequency"),
+        ({"damping": 0.1, "unbalance": 0.03},
+         {"count": 3, "mass": 0.03, "drag": 0.003, "angles": [0.3, 2.1, 4.0]}, 1.1, "irregular"),
+        ({"damping": [0.1, 0.2], "stiffness": [1.0, 4.0]}, {"mass": 0.0327, "drag": 0.006}, 2.2,
+         "irregular, between two natural frequencies"),
+    ],
+)  # fmt: skip
+def test_a_machine_in_another_motion_than_the_balanced_one_has_not_settled(
+    rotor, balls, speed, says
+):
+    """Motions named by an integration from 100 random starts, all of which end in them."""
+    own = {**GREEN, **rotor}
+    turning = {**BALLS, **balls}
+    del turning["speeds"]
+    scene = Scene(rotor=own, balancer=[turning], speed=speed, run={"revolutions": 250})
+    found = scene.scatter({"rotor.unbalance": f"normal({own['unbalance']},1%)"}, n=3)
+    assert (found.residual > found.alone).all(), says
+    assert (found.settled == 0.0).all()
+    said = found.as_json()
+    assert said["other_motion"] + said["left_behind"] == 3
+    if speed < 1.0:
+        assert said["other_motion"] == 3
 
 
 def test_without_balancers_the_amplitude_is_that_of_the_response_to_unbalance():
