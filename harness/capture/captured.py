@@ -155,10 +155,12 @@ def captured(scene: Scene, speed: float | None = None) -> Captured:
     """What the closed form says of a scene; as `Scene.capture`, which says what is raised."""
     holders = [b for b in scene.balancer if isinstance(b, WeightBalancer)]
     if not holders:
-        there = "only liquid" if scene.balancer else "no balancer"
+        there, remedy = "no balancer", "add a [[balancer]] with weights (see `autobalancer design`)"
+        if scene.balancer:
+            there = "only liquid, which turns with its chamber"
+            remedy = "`autobalancer speeds` states at which speeds liquid lowers the vibration"
         raise SceneError(
-            f"{scene.name}: {there}: only balls, rollers and pendulums can be left behind; liquid "
-            "turns with its chamber: add a [[balancer]] with weights, or leave this out"
+            f"{scene.name}: {there}: only balls, rollers and pendulums can be left behind; {remedy}"
         )
     scene.refuse_friction("the closed form of weights that are left behind is that")
     found = capture(scene.assembly(), scene.profile().end if speed is None else speed)

@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     from .fitting import Fitting
 
 LIKELY = 0.9  # share of starts whose interval must reach above it: a candidate that balances
+ENOUGH = 35  # starts: so many that all balance show it
 
 
 def words(data: Fitting) -> list[str]:
@@ -62,6 +63,11 @@ def _none(data: Fitting) -> list[str]:
     """Why no balancer is better, and what would help."""
     best = max(data.trials, key=lambda one: (one.interval[0], -one.total))
     low, high = (100.0 * x for x in best.interval)
+    if best.worst.balanced == best.worst.of and not best.failure:
+        return [
+            f"Cannot tell from {best.worst.of} starts: all of {_named(best, data)} balance, which "
+            f"shows at least {low:.0f} % only. Give -n {ENOUGH} or more."
+        ]
     lines = [
         f"None: no candidate balances in at least {100.0 * LIKELY:.0f} % of the starts. The best, "
         f"{_named(best, data)}, does in {100.0 * best.worst.share:.0f} % ({low:.0f} to {high:.0f}) "
@@ -79,11 +85,11 @@ def _take(data: Fitting, best: Trial) -> str:
     low, _ = best.interval
     held = best.candidate.capacity / data.space.unbalance if data.space.unbalance else math.inf
     settled = f" within {best.settling:.3g} s at speed (median)" if best.settling else ""
-    margin = (
-        "no weights can be left behind"
-        if math.isinf(best.margin)
-        else f"drag is {best.margin:.2g} times the one that excludes weights left behind"
-    )
+    margin = f"drag is {best.margin:.2g} times the one that excludes weights left behind"
+    if math.isinf(best.margin):
+        margin = "no natural frequency holds weights back"
+    elif math.isnan(best.margin):
+        margin = "the closed form cannot tell whether weights slip"
     return (
         f"Take {_named(best, data)}: it balances in {best.worst.balanced} of {best.worst.of} "
         f"starts of the worst corner (at least {100.0 * low:.0f} %, with 95 % confidence)"

@@ -75,7 +75,7 @@ def _given(text: str) -> DragRange:
     high = si_number(high_text, "N s/m", "--drag")
     low = si_number(low_text, "N s/m", "--drag") if low_text else high
     if not 0.0 < low <= high < math.inf:
-        raise UserError(f"--drag {text}: must be above 0, such as 0.004..0.04 N s/m")
+        raise UserError(f"--drag {text}: must be above 0, and rising, such as 0.004..0.04 N s/m")
     span = f"{low:.3g}" if low == high else f"{low:.3g} to {high:.3g}"
     return DragRange(low, high, said=f"Drag: {span} N s/m of every weight, as given.")
 

@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ...models.arrays import Array
+from ...models.capture import Capture
 from ..capture.captured import captured_or_none
 from ..errors import SimulationError, UserError
 from ..motions.batch import displacements
@@ -34,7 +35,8 @@ class Corner:
         left: (n,) vibration at the end over that without balancers.
         peak: (n,) largest vibration of the run [m].
         peak_alone: of the same drive without balancers [m].
-        margin: drag over the one from which on no weights can be left behind; infinite: none can.
+        margin: drag over the one from which on no weights can be left behind; infinite: none can;
+            NaN: the closed form cannot tell.
         failure: why a run failed; else empty.
     """
 
@@ -92,8 +94,8 @@ class Trial:
 
     @property
     def margin(self) -> float:
-        """The smallest of the closed form's."""
-        return min(c.margin for c in self.corners)
+        """The smallest of the closed form's; NaN where it cannot tell."""
+        return float(np.min([c.margin for c in self.corners]))
 
     @property
     def peak(self) -> float:
@@ -156,7 +158,7 @@ def run_corner(work: tuple[Scene, float, str, int, int]) -> Corner:
     balls = scene.balancer[0]
     drag = float(balls.device.each[0].drag)  # type: ignore[union-attr]
     found = captured_or_none(scene, speed)
-    margin = _margin(found.found.drag_ratio if found else math.nan)
+    margin = _margin(found.found) if found else math.nan
     bare = alone(scene, speed)
     try:
         made, _ = job(scene, speed, start, 1, first, count)
@@ -175,9 +177,11 @@ def run_corner(work: tuple[Scene, float, str, int, int]) -> Corner:
     return Corner(drag, unbalance, settled, left, peak, peak_alone, margin, failure)
 
 
-def _margin(ratio: float) -> float:
-    """Drag over its limit, of the limit over the drag."""
-    return math.inf if ratio == 0.0 else 1.0 / ratio
+def _margin(found: Capture) -> float:
+    """Drag over its limit."""
+    if found.all_pass is None:
+        return math.nan
+    return 1.0 / found.drag_ratio if found.drag_ratio else math.inf
 
 
 def _judged(made: Job, bare: float) -> tuple[Array, Array, Array, str]:

@@ -6,9 +6,11 @@ the rotor on average.
 
 balanced: all weights turn with the rotor, which vibrates less than `BALANCED` of what it does
     without balancers, and no more than before.
-left behind: some weights turn at a steady speed below the rotor's, the same for all of them.
+left behind: some weights turn at a steady speed below the rotor's, the same for all of them or
+    beside several natural frequencies.
 synchronous, not balanced: all weights rest in the rotor, and it vibrates on.
-two frequencies: the weights turn with the rotor and swing steadily.
+two frequencies: the weights turn with the rotor and swing steadily, or slip by less than 2 % of
+    its speed.
 irregular: none of these, and still so in a run five times as long.
 undecided: vibration or lag still drift there.
 """
@@ -75,7 +77,7 @@ class Found:
     Attributes:
         kind: of `Kind`.
         weights: how many are left behind.
-        frequency: at which they turn [rad/s]; NaN: none.
+        frequency: at which they turn [rad/s]; NaN: none, or beside several natural frequencies.
         vibration: in the last windows [m].
     """
 
@@ -112,6 +114,9 @@ def _one(seen: Seen, r: int, alone: float, speed: float) -> tuple[Kind, int, flo
     mean = lag.mean(axis=0)
     behind, along = mean > LAGS * om, np.abs(mean) <= WITH * om
     moves = _drifts(v)
+    beats_little = np.ptp(v[-LATE:]) <= BEATS * v[-LATE:].mean()
+    if not (behind.any() or along.all() or moves) and (np.abs(mean) <= LAGS * om).all():
+        return Kind.TWO_FREQUENCIES if beats_little else Kind.IRREGULAR, 0, np.nan
     if not (behind | along).all():
         return Kind.UNDECIDED if moves else Kind.IRREGULAR, 0, np.nan
     if not behind.any():
@@ -121,8 +126,8 @@ def _one(seen: Seen, r: int, alone: float, speed: float) -> tuple[Kind, int, flo
     beats = 2.0 * swing / seen.seconds  # of a steady swing that a window cuts anywhere
     steady = np.ptp(late, axis=0) <= STEADY_LAG * late.mean(axis=0) + beats
     alike = np.ptp(late.mean(axis=0)) <= ALIKE * late.mean()
-    if steady.all() and alike and not moves and np.ptp(v[-LATE:]) <= BEATS * v[-LATE:].mean():
-        return Kind.BEHIND, int(behind.sum()), om - float(late.mean())
+    if steady.all() and not moves and beats_little:
+        return Kind.BEHIND, int(behind.sum()), om - float(late.mean()) if alike else np.nan
     each = seen.lag[r][:, behind]
     drifts = any(_drifts(column) for column in each.T)
     return Kind.UNDECIDED if drifts or moves else Kind.IRREGULAR, 0, np.nan
@@ -166,7 +171,9 @@ class Motion:
         """In words, without its frequency."""
         if self.kind is not Kind.BEHIND:
             return _NAMES[self.kind]
-        beside = "" if np.isnan(self.natural) else f" beside {self.natural:.4g} rad/s"
+        beside = f" beside {self.natural:.4g} rad/s"
+        if np.isnan(self.natural):
+            beside = " beside several natural frequencies"
         return f"left behind: {self.weights} of {self.total}{beside}"
 
 
@@ -185,6 +192,6 @@ def motion_of(kind: float, weights: float, frequency: float, closed: Capture | N
     """The motion of a run; `closed`: what the closed form says at its speed."""
     if Kind(int(kind)) is not Kind.BEHIND:
         return Motion(Kind(int(kind)))
-    natural = [one.frequency for one in closed.natural] if closed else []
+    natural = [one.frequency for one in closed.natural] if closed and frequency > 0.0 else []
     nearest = min(natural, key=lambda n: abs(n - frequency), default=float("nan"))
     return Motion(Kind.BEHIND, int(weights), closed.count if closed else 0, nearest)

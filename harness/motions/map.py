@@ -10,6 +10,7 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
+from ..capture.captured import captured
 from ..errors import SceneError
 from ..output.table import Sheet
 from ..output.workers import Progress, Workers, in_order
@@ -74,6 +75,7 @@ def motions_map(
 ) -> MotionsMap:
     """Arguments as `Scene.map`, which says what is raised."""
     refuse_axes(x, y)
+    captured(scene)  # refuses what has no weights, and dry friction
     points = [(v, w) for v in y.values.tolist() for w in x.values.tolist()]
     jobs = [(scene.replace({y.path: v, x.path: w})) for v, w in points]
     kept = None if store is None else open_map(store, "map of motions", scene, x, y)
@@ -82,6 +84,8 @@ def motions_map(
         np.array(column, dtype).reshape(len(y.values), len(x.values))
         for column, dtype in zip(zip(*rows, strict=True), (float, float, object), strict=True)
     )
+    if np.isnan(share).all():
+        raise SceneError(f"no point of the map could be run: {failure[0, 0]}")
     return MotionsMap(scene, x, y, share, behind, failure)
 
 

@@ -126,7 +126,7 @@ class Motions(Outcome):
         for point in self.points:
             for k, s in enumerate(point.shares):
                 name = s.motion.name
-                if s.motion.kind is Kind.BEHIND:
+                if s.motion.kind is Kind.BEHIND and not math.isnan(s.frequency):
                     counted, _, beside = name.partition(" beside ")
                     name = f"{counted} at {s.frequency:.4g} rad/s beside {beside}"
                 low, high = s.interval

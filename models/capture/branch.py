@@ -89,8 +89,8 @@ def find_branches(receptance: Receptance, lag: Lag, speed: float) -> Branches:
         receptance, frequency.reshape(-1), speed, np.repeat(every[at], points, axis=0), start
     )
     back = back.reshape(-1)
-    own, frequency, lags = own.select(back), frequency[back], lags.reshape(-1, points)[back]
-    phases = phases.reshape(len(at), points, -1)[back]
+    own, frequency, lags = own.select(back), frequency[back], lags.reshape(len(at), points)[back]
+    phases = phases.reshape(len(at), points, len(lag.groups))[back]
     peak, held, top = _peaks(frequency, lags, own, pole)
     found = Branches(speed, poles, own, pole, every, peak, held, frequency, lags, phases, top)
     ends = np.flatnonzero(~np.isnan(peak) & np.isnan(lags[range(len(top)), top + 1]))

@@ -16,7 +16,7 @@ import math
 import numpy as np
 
 from ..arrays import Array, Complex
-from .branch import Branches, find_peaks, near_poles
+from .branch import Branches, Indices, find_peaks, near_poles
 from .groups import Lag
 from .receptance import Receptance
 from .roots import find_roots
@@ -102,7 +102,7 @@ class _MovingPeaks:
         self._seen = np.full(len(rows), branches.speed)
         self._slope = np.zeros(len(rows), complex)
 
-    def __call__(self, speeds: Array, rows: Array) -> Array:
+    def __call__(self, speeds: Array, rows: Indices) -> Array:
         """Of some rows, at a speed each; NaN where the peak is lost."""
         numbers = self._numbers[rows]
         follows = self._receptance.follows_speed
@@ -127,14 +127,14 @@ class _MovingPeaks:
             self._keep(speeds[~lost], rate[~lost], rows[~lost])
         return np.where(decay <= 0.0, speeds, excess)  # not let go before the rotor is unstable
 
-    def _follow(self, speeds: Array, rows: Array) -> Array:
+    def _follow(self, speeds: Array, rows: Indices) -> Complex:
         """The eigenvalues nearest to those expected from two speeds before."""
         expected = self._rate[rows] + (speeds - self._seen[rows]) * self._slope[rows]
         rates = self._receptance.rates(speeds)
         nearest = np.abs(rates - expected[:, None]).argmin(axis=1)
         return np.asarray(rates[range(len(rates)), nearest])
 
-    def _keep(self, speeds: Array, rates: Complex, rows: Array) -> None:
+    def _keep(self, speeds: Array, rates: Complex, rows: Indices) -> None:
         """Go on from here."""
         moved = speeds - self._seen[rows]
         far = np.abs(moved) > _SAME_SPEED * speeds

@@ -139,6 +139,13 @@ def test_part_of_the_weights_beside_a_near_natural_frequency_have_no_release_spe
     assert motion(found, 2, 0.97).release_speed > 0.97
 
 
+def test_far_below_every_natural_frequency_nothing_is_left_behind():
+    found = capture(planar(), 0.3)
+    assert found.natural == ()
+    assert found.all_pass is True
+    assert found.drag_ratio == found.slip == 0.0
+
+
 def test_light_damping_gives_the_release_speed_of_the_formula():
     mass, damping, drag = 0.01, 0.002, 0.01
     found = capture(planar(damping, drag, mass=mass, count=3), 2.0)

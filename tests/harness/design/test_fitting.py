@@ -143,3 +143,26 @@ def test_wrong_values_are_refused_by_name(fan, given, word):
 def test_motor_is_refused_with_what_to_give_instead():
     with pytest.raises(SceneError, match=r"operation\.motor: give operation\.speed or run_up"):
         ab.load("sommerfeld").design("1 g m", race="0.1 m", width="20 mm")
+
+
+def test_few_starts_that_all_balance_are_no_recommendation_and_no_refusal(fan):
+    found = fan.design("120 g mm", **SPACE, run_up="4 s", drag="0.02 N s/m", n=6, most=2)
+    assert any(t.worst.balanced == 6 for t in found.trials)
+    (line,) = [w for w in found.words() if w.startswith("Cannot tell from 6 starts")]
+    assert "at least 61 % only. Give -n 35 or more" in line
+
+
+def test_dry_friction_is_refused_as_it_has_no_vibration_without_balancers_to_compare_with(fan):
+    dry = fan.replace({"rotor.friction": [{"support": 1, "limit": [0.1, 0.1]}]})
+    with pytest.raises(SceneError, match=r"rotor\.friction"):
+        dry.design("120 g mm", **SPACE, n=1, most=2)
+
+
+def test_where_the_closed_form_cannot_tell_the_margin_is_no_number(fan):
+    from autobalancer.harness.design.trials import _margin
+    from autobalancer.models.capture import Capture
+
+    nothing = Capture(100.0, (), (), (), np.zeros(1), 0.1, drag_ratio=0.5)
+    assert _margin(nothing) == 2.0
+    unstable = Capture(100.0, (), (), (), np.zeros(1), 0.1, drag_ratio=0.5, unstable=True)
+    assert math.isnan(_margin(unstable))

@@ -41,8 +41,9 @@ NOISE = 1.0 + 0.4 * np.array([1, -1, 1, 1, -1, 1, -1, -1])
         (NOISE, (0.0, 0.0), 0.5, Kind.IRREGULAR, 0),
         (5.0, (2.1, 2.1), 0.2, Kind.BEHIND, 2),
         (5.0, (2.1, 0.0), 0.2, Kind.BEHIND, 1),
-        (5.0, (2.1, 1.0), 0.2, Kind.IRREGULAR, 0),
-        (5.0, (0.02, 0.02), 0.2, Kind.IRREGULAR, 0),
+        (5.0, (2.1, 1.0), 0.2, Kind.BEHIND, 2),
+        (5.0, (0.02, 0.02), 0.2, Kind.TWO_FREQUENCIES, 0),
+        (NOISE, (2.1, 1.0), 0.2, Kind.IRREGULAR, 0),
         (5.0, np.outer(RISING, (1.0, 1.0)), 0.2, Kind.UNDECIDED, 0),
         (np.nan, (0.0, 0.0), 0.0, Kind.FAILED, 0),
     ],
@@ -50,8 +51,10 @@ NOISE = 1.0 + 0.4 * np.array([1, -1, 1, 1, -1, 1, -1, -1])
 def test_windows_are_named_by_the_rules(vibration, lag, swing, kind, weights):
     found = classify(seen(vibration, lag, swing), 1.0, 3.0)
     assert (Kind(int(found.kind[0])), found.weights[0]) == (kind, weights)
-    if kind is Kind.BEHIND:
+    if kind is Kind.BEHIND and lag[1] != 1.0:
         assert found.frequency[0] == pytest.approx(0.9)
+    elif kind is Kind.BEHIND:  # beside two natural frequencies
+        assert np.isnan(found.frequency[0])
 
 
 def test_wilsons_interval_is_that_of_his_formula():
@@ -140,3 +143,29 @@ def test_a_map_has_the_share_of_run_ups_that_balances():
     found = quick.map("balls.drag=0.02:0.06:2", "rotor.damping=0.1:0.2:2", "motions")
     assert found.share.shape == (2, 2)
     assert found.share.max() == 1.0
+
+
+@pytest.mark.parametrize(
+    ("name", "says"), [("liquid_touch", "only liquid"), ("bristol_friction", "no bal")]
+)
+def test_a_map_of_motions_refuses_what_has_no_weights_before_it_runs(name, says):
+    with pytest.raises(SceneError, match=says):
+        load(name).map("rotor.mass=1:2:2", "speed=100:200:2", "motions")
+
+
+def test_a_map_whose_points_all_fail_is_an_error_with_the_first_reason(monkeypatch):
+    weak = {"motor": {"inertia": 0.5, "stall_torque": 0.002, "no_load_speed": 4.0}}
+    monkeypatch.setattr("autobalancer.harness.motions.map.STARTS_OF_POINT", 2)
+    with pytest.raises(SceneError, match=r"no point of the map could be run: .*the motor stalls"):
+        green(0.006, **weak).map("rotor.damping=0.1:0.2:2", "balls.drag=0.005:0.006:2", "motions")
+
+
+def test_weights_that_slip_steadily_by_less_than_two_per_cent_are_two_frequencies():
+    om = 3.0
+    assert kind_of(seen(4.0, [0.01 * om, 0.01 * om], swing=3.0)) is Kind.TWO_FREQUENCIES
+    uneven = np.where(np.arange(WINDOWS) % 2, 4.0, 5.0)
+    assert kind_of(seen(uneven, [0.01 * om, 0.01 * om], swing=3.0)) is Kind.IRREGULAR
+
+
+def kind_of(one):
+    return Kind(int(classify(one, 1.0, 3.0).kind[0]))

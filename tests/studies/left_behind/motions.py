@@ -85,7 +85,7 @@ def _named(late: np.ndarray, speed: float, bare: float) -> tuple[Kind, int]:
             return Kind.IRREGULAR, 0
         return (Kind.SYNCHRONOUS if swing < 1e-3 else Kind.TWO_FREQUENCIES), 0
     lag = speed - means[:, slow]
-    steady = lag.std(axis=0).max() < 0.01 * lag.mean() and np.ptp(mean[slow]) < 0.02 * lag.mean()
+    steady = (lag.std(axis=0) < 0.02 * lag.mean(axis=0)).all()
     rest_turn = (np.abs(mean[~slow] - speed) < 0.004 * speed).all()
     return (Kind.BEHIND, int(slow.sum())) if steady and rest_turn else (Kind.IRREGULAR, 0)
 
