@@ -20,6 +20,7 @@ import numpy as np
 
 from ...models.constants import SERIES_SHARE
 from ..errors import SimulationError
+from .cascades import UNRESOLVED, has_cascade
 from .compared import motion_signals
 from .expectation import expectation
 from .global_error import AGREE, ASYMPTOTIC, REFINED, largest_difference
@@ -58,6 +59,7 @@ class TwoTolerances:
         self._run, self._names, self._uncompared = run, names, uncompared
         self.tolerance = run.scene.coupling.tolerance
         self.error, self.unknown = math.inf, ""
+        self._can_collide = expectation(run.scene, meets_events=True).can_collide
 
     def run(self, progress: Progress | None) -> Recorder:
         """Run until the error is small enough; return what the last run recorded.
@@ -81,6 +83,8 @@ class TwoTolerances:
             if self.error <= self.tolerance or finest:
                 own = {name: each[::EVERY] for name, each in compared.items()}
                 self._compare_with_neighbours(share, grid[::EVERY], own, scale)
+                if self._can_collide and has_cascade(self._run.scene, compared):
+                    self.error = max(self.error, UNRESOLVED)
                 return recorder
             before = compared
 
@@ -89,7 +93,7 @@ class TwoTolerances:
     ) -> None:
         """Add what runs of neighbouring motions differ by, where weights can collide."""
         scene, by_steps, others = self._run.scene, self.error, []
-        if not expectation(scene, meets_events=True).can_collide:
+        if not self._can_collide:
             return
         for sign in (1.0, -1.0):
             with self._run.like(turned(scene, sign * RESOLVED) or scene) as near:

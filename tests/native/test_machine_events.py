@@ -6,10 +6,14 @@ import math
 
 import numpy as np
 import pytest
+from scipy.optimize import nnls
 
+from autobalancer.fmus.composite.run import Run
 from autobalancer.harness import Scene
+from autobalancer.harness.master.one_file import composition
 from autobalancer.harness.master.one_file_run import OneFileRun
 from autobalancer.harness.master.recorder import Recorder
+from autobalancer.models.constants import FIRST_DERIVATIVE
 
 EXACT = 1e-6  # share of the tolerance that a step may err: rounding remains
 MASS, RADIUS, WEIGHT_RADIUS, KAPPA = 0.3, 0.2, 0.03, 1.4  # of the balls and their track
@@ -233,3 +237,50 @@ def test_bounces_end_in_a_contact_that_lasts():
     least = np.minimum(gap, other)
     assert least.min() > -1e-11
     assert np.abs(least[len(least) // 2 :]).max() < 1e-11
+
+
+def touching(angles):
+    """A light rotor with five balls in a row, all of which touch at the start."""
+    return Scene.from_document(
+        {
+            "title": "touching",
+            "rotor": {"kind": "planar", "mass": 0.4, "stiffness": 100.0, "damping": 0.0,
+                      "unbalance": 0.03},
+            "balancer": [{"kind": "balls", "name": "balls", "count": 5, "mass": MASS, "drag": 0.0,
+                          "track_radius": RADIUS, "weight_radius": WEIGHT_RADIUS,
+                          "restitution": 0.0, "angles": list(angles)}],
+            "operation": {"speed": 10.0},
+            "coupling": {"tolerance": 1e-6},
+            "run": {"revolutions": 1},
+        }
+    )  # fmt: skip
+
+
+def test_contacts_at_rest_are_a_complementarity_problem_of_the_whole_machine():
+    """Which of them open, and with what accelerations: by least squares, Gauss's principle."""
+    rng, opened = np.random.default_rng(8), 0
+    rows = np.hstack([np.zeros((4, 2)), np.diff(np.eye(5), axis=0)])
+    for start in rng.uniform(0.0, 2.0 * math.pi, 40):
+        angles = start + 2.0 * math.asin(WEIGHT_RADIUS / RADIUS) * np.arange(5)
+        made = composition(touching(angles))
+        names = ["der(rotor.vx)", "der(rotor.vy)"]
+        names += [f"der(balls.weight[{k}].speed)" for k in range(1, 6)]
+        states = [f"der({p.name}.{state})" for p in made.parts for state in p.states]
+        run = Run(made)
+        run.start()
+        found = np.empty(7)
+        run.read(np.array([states.index(n) for n in names], np.uintc) + FIRST_DERIVATIVE, found)
+        run.close()
+        matrix = np.zeros((7, 7))
+        matrix[:2, :2] = (0.4 + 5.0 * MASS) * np.eye(2)
+        matrix[2:, 2:] = KAPPA * MASS * RADIUS**2 * np.eye(5)
+        matrix[0, 2:] = matrix[2:, 0] = -MASS * RADIUS * np.sin(angles)
+        matrix[1, 2:] = matrix[2:, 1] = MASS * RADIUS * np.cos(angles)
+        pull = 100.0 * (0.03 + MASS * RADIUS * np.exp(1j * angles).sum())
+        free = np.linalg.solve(matrix, [pull.real, pull.imag, 0.0, 0.0, 0.0, 0.0, 0.0])
+        factor = np.linalg.cholesky(rows @ np.linalg.solve(matrix, rows.T)).T
+        forces = nnls(factor, -np.linalg.solve(factor.T, rows @ free))[0]
+        expected = free + np.linalg.solve(matrix, rows.T @ forces)
+        assert found == pytest.approx(expected, abs=1e-9 * np.abs(expected).max())
+        opened += int((forces == 0.0).sum())
+    assert opened > 20  # some contacts last, others do not

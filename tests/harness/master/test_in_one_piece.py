@@ -63,7 +63,13 @@ def test_both_engines_find_the_same_motion(name):
 
 @pytest.mark.parametrize(
     ("family", "numbers"),
-    [("finite", (2, 4, 5)), ("impacts", (0, 2, 9)), ("sticking", (0, 4, 9)), ("friction", (0, 4))],
+    [
+        ("finite", (2, 4, 5)),
+        ("impacts", (0, 2, 9)),
+        ("sticking", (0, 4, 9)),
+        ("friction", (0, 4)),
+        ("unequal", (8, 59)),
+    ],
 )
 def test_events_are_those_of_an_independent_integration(family, numbers):
     """By SciPy, whose equations share nothing with the series but the physics."""
