@@ -25,8 +25,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from . import rotor_kinds, rotor_matrices
 from .arrays import Numbers, numbers
+from .supports import Bearing, Support, summed, supported
 from .supports import Slider as Slider
-from .supports import Support, summed
 
 Matrix = NDArray[np.float64]
 Parameters = ParamSpec("Parameters")
@@ -83,6 +83,7 @@ class LinearRotor:
         internal_damping: float = 0.0,
         unbalance: float = 0.0,
         unbalance_angle: float = 0.0,
+        bearings: Sequence[Bearing] = (),
     ) -> LinearRotor:
         """Disc in one plane: Filimonikhina 2017 (4), Dubovik 2006 (5).
 
@@ -91,6 +92,7 @@ class LinearRotor:
             stiffness, damping: one number, or (x, y) [N/m, N s/m].
             internal_damping: Dubovik's p, damping of the rotating shaft [N s/m].
             unbalance, unbalance_angle: static moment [kg m] and its angle in the rotor [rad].
+            bearings: in place of the support's spring and damper.
         """
         k_x, k_y = np.broadcast_to(numbers(stiffness), 2)
         c_x, c_y = np.broadcast_to(numbers(damping), 2)
@@ -101,7 +103,7 @@ class LinearRotor:
         return cls(
             mass=cell(mass),
             elastic=cell(0.0),
-            supports=(Support.straight(numbers([1.0]), (k_x, k_y), (c_x, c_y)),),
+            supports=supported((0,), 1, [(k_x, k_y)], [(c_x, c_y)], bearings),
             internal_damping=cell(internal_damping),
             gyroscopic=cell(0.0),
             planes=cell(1.0),

@@ -14,15 +14,18 @@ from numpy.typing import NDArray
 
 from .arrays import numbers
 from .constants import SAME_PLACE
+from .rotor_tilting import Skew, tilting
 from .shaft import (
     Matrix,
+    Moment,
     beam_compliance,
     beam_shares,
     bending_rows,
     shaft_stiffness,
     symmetric_compliance,
 )
-from .supports import Support
+from .supports import Bearing, supported
+from .tilting import Solve
 
 Unbalance = tuple[float, float, float]
 
@@ -38,6 +41,7 @@ def two_support(
     com: float | None = None,
     planes: Sequence[float] = (),
     unbalances: Sequence[tuple[float, float, float]] = (),
+    bearings: Sequence[Bearing] = (),
 ) -> dict[str, Any]:
     """Rigid rotor, q = displacement at its two supports: Polushkin 2016 (8), (9).
 
@@ -52,6 +56,7 @@ def two_support(
         stiffness, damping: ((k1x, k1y), (k2x, k2y)) [N/m, N s/m].
         planes: correction planes' distances from support 1, overhung ones too [m].
         unbalances: (position from support 1 [m], amount [kg m], angle in the rotor [rad]).
+        bearings: in place of a support's spring and damper.
 
     Raises:
         ValueError: no body has this polar inertia.
@@ -67,7 +72,7 @@ def two_support(
     return {
         "mass": mass * at_centre.T @ at_centre + inertia * tilt.T @ tilt,
         "elastic": np.zeros((2, 2)),
-        "supports": supported((0, 1), 2, k, c),
+        "supports": supported((0, 1), 2, k, c, bearings),
         "internal_damping": np.zeros((2, 2)),
         "gyroscopic": polar_inertia * tilt.T @ tilt,
         "planes": line_rows(planes, span),
@@ -87,12 +92,21 @@ def flexible(
     compliance: Sequence[Sequence[float]] | None = None,
     internal_damping: float = 0.0,
     unbalances: Sequence[tuple[float, float, float]] = (),
+    transverse_inertias: Sequence[float] = (),
+    polar_inertias: Sequence[float] = (),
+    shear_stiffness: float | None = None,
+    skews: Sequence[Skew] = (),
+    bearings: Sequence[Bearing] = (),
     elastic: Callable[[Matrix, Matrix], tuple[Matrix, float]] = shaft_stiffness,
+    solve: Solve = np.linalg.solve,
+    larger: Callable[[Any, Any], Any] = max,
 ) -> dict[str, Any]:
     """Discs on a massless shaft, q = their displacements: Filimonikhin 2011 (1).
 
     Every disc is a correction plane.  The shaft's material is viscous (Dubovik's p = c * its
-    viscosity / E), so C_i is proportional to the shaft's stiffness, supports left out.
+    viscosity / E), so C_i is proportional to the shaft's stiffness, supports left out.  Discs with
+    inertia tilt: behind the stations' displacements q has one more for each of them, that of a
+    point of its axis one radius of gyration sqrt(It/m) beyond its station.
 
     Args:
         stations, masses: (n,) places [m], ascending, and discs [kg], each positive.
@@ -104,11 +118,17 @@ def flexible(
             feel where the shaft is softest; with one disc it is Dubovik's p.
         unbalances: (place [m], amount [kg m], angle in the rotor [rad]); a disc's place, or one
             between discs of a uniform shaft.
+        transverse_inertias, polar_inertias: (n,) of the discs about a diameter and about the
+            axis, 0 for a point [kg m^2]; none: all are points.
+        shear_stiffness: kappa G A of the shaft [N]; default: it does not shear.
+        skews: (station from 1, angle by which its disc is askew, direction in the rotor [rad]).
+        bearings: in place of a support's spring and damper.
         elastic: the shaft's stiffness and its largest compliance by compliance and bending rows.
+        solve, larger: matrix^-1 right, and the larger one, of numbers of any kind.
 
     Raises:
-        ValueError: stations, supports or unbalances have places that they cannot have, a station
-            has no mass, or the shaft is not elastic.
+        ValueError: stations, supports, unbalances or skews have places that they cannot have, a
+            station has no mass, no body has a disc's inertias, or the shaft is not elastic.
     """
     z, m = _discs(stations, masses)
     p, q = supports
@@ -116,6 +136,18 @@ def flexible(
         raise ValueError(f"supports = {[p, q]}: must be two different stations, 1 to {len(z)}")
     ends = p - 1, q - 1
     k, c = numbers(support_stiffness), numbers(support_damping)
+    if len(transverse_inertias) or shear_stiffness is not None:
+        if bending_stiffness is None:
+            raise ValueError("compliance: has no slopes: give bending_stiffness instead")
+        nothing = [0.0] * len(z)
+        found = tilting(
+            z, m, ends,
+            transverse=transverse_inertias or nothing, polar=polar_inertias or nothing,
+            bending_stiffness=bending_stiffness, shear_stiffness=shear_stiffness,
+            internal_damping=internal_damping, moments=_unbalances(unbalances), skews=skews,
+            solve=solve, larger=larger,
+        )  # fmt: skip
+        return found | {"supports": supported(ends, len(found["mass"]), k, c, bearings)}
     rows = bending_rows(z, ends)
     if compliance is not None:
         delta = symmetric_compliance(compliance, len(rows))
@@ -128,7 +160,7 @@ def flexible(
     return {
         "mass": np.diag(m),
         "elastic": shaft,
-        "supports": supported(ends, len(z), k, c),
+        "supports": supported(ends, len(z), k, c, bearings),
         # Dubovik's p belongs to the stiffness 1/delta that a disc feels where the shaft is softest
         "internal_damping": internal_damping * softest * shaft,
         "gyroscopic": np.zeros_like(shaft),
@@ -179,19 +211,8 @@ def _shaft_unbalance(
     return total
 
 
-def _unbalances(unbalances: Sequence[Unbalance]) -> list[tuple[float, complex]]:
+def _unbalances(unbalances: Sequence[Unbalance]) -> list[Moment]:
     """(position, complex static moment) of every unbalance."""
     return [
         (position, amount * complex(np.exp(1j * angle))) for position, amount, angle in unbalances
     ]
-
-
-def supported(
-    stations: Sequence[int], count: int, stiffness: Matrix, damping: Matrix
-) -> tuple[Support, ...]:
-    """Supports at stations (from 0) of `count`, each with stiffness and damping (x, y)."""
-    rows = np.eye(count)
-    return tuple(
-        Support.straight(rows[at], k, c)
-        for at, k, c in zip(stations, stiffness, damping, strict=True)
-    )

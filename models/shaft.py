@@ -15,6 +15,7 @@ from .arrays import numbers
 from .constants import SHAFT_SINGULAR, SHAFT_SYMMETRIC
 
 Matrix = NDArray[np.float64]
+Moment = tuple[float, complex]  # of an unbalance: its place [m], static moment [kg m]
 
 
 def bending_rows(z: Sequence[float] | Matrix, supports: tuple[int, int]) -> Matrix:

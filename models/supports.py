@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -67,6 +67,31 @@ class Support:
     def at_stations(self, block: Numbers) -> Numbers:
         """`stiffness` or `damping` as (2, 2, n, n) matrices of the stations."""
         return self.rows.T @ block @ self.rows
+
+
+Bearing = tuple[int, Sequence[Sequence[float]], Sequence[Sequence[float]]]
+"""Number of a support from 1, stiffness ((xx, xy), (yx, yy)) [N/m], damping alike [N s/m]."""
+
+
+def supported(
+    stations: Sequence[int],
+    count: int,
+    stiffness: Iterable[Sequence[float]],
+    damping: Iterable[Sequence[float]],
+    bearings: Sequence[Bearing] = (),
+) -> tuple[Support, ...]:
+    """Supports at stations (from 0) of `count`, each with stiffness and damping (x, y).
+
+    Bearings take the place of springs and dampers of their support.
+    """
+    rows = np.eye(count)
+    found = [
+        Support.straight(rows[at], k, c)
+        for at, k, c in zip(stations, stiffness, damping, strict=True)
+    ]
+    for number, k, c in bearings:
+        found[number - 1] = Support.bearing(rows[stations[number - 1]], k, c)
+    return tuple(found)
 
 
 def diagonal_pair(values: Sequence[float]) -> list[list[float]]:

@@ -32,7 +32,11 @@ def planar(values: Values, sizes: RotorSizes) -> LinearRotor:
 def two_support(values: Values, sizes: RotorSizes) -> LinearRotor:
     """A rigid body on two supports: Polushkin 2016."""
     return LinearRotor.two_support(
-        **{name: values[name] for name in ("mass", "inertia", "polar_inertia", "span", "com")},
+        mass=values["mass"],
+        inertia=values["inertia"],
+        polar_inertia=values["polar_inertia"],
+        span=values["span"],
+        com=values["com"],
         stiffness=_supports(values, "stiffness"),
         damping=_supports(values, "damping"),
         planes=[values[f"plane[{i}].position"] for i in range(1, sizes.planes + 1)],

@@ -48,7 +48,7 @@ class Machine(Closing):
         bare = scene.without_balancers().replace(self._room.changes)
         self.runs = 0
         self.revolution = Revolution(bare)
-        count = len(scene.rotor.stations)
+        count = len(scene.rotor.points)
         supports = [station(j, count) + self.setup.axis for j in scene.rotor.supports]
         self._watched = ["angle", *supports]
         rest = np.zeros(len(self.revolution.states))

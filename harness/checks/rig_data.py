@@ -72,7 +72,7 @@ def bearings(
     Raises:
         SimulationError: a run has failed.
     """
-    names = station_residuals(len(scene.rotor.stations))
+    names = station_residuals(len(scene.rotor.points))
     names = [names[number - 1] for number in scene.rotor.supports]
     scene = with_washers(scene, washers).replace({"run.revolutions": revolutions})
     found = cosimulate_many(scene, {"speed": RPM * np.asarray(speeds, float)}, results=names)

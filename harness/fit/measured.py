@@ -99,9 +99,9 @@ def read_measured(path: Path, scene: Scene) -> MeasuredAmplitudes:
     Raises:
         UserError: the file cannot be read, or a head or a cell is wrong.
     """
-    sized = [AMPLITUDE, LARGEST, *station_residuals(len(scene.rotor.stations))]
+    sized = [AMPLITUDE, LARGEST, *station_residuals(len(scene.rotor.points))]
     signals = list(
-        dict.fromkeys(signal for signal, _ in turning_parts(len(scene.rotor.stations)).values())
+        dict.fromkeys(signal for signal, _ in turning_parts(len(scene.rotor.points)).values())
     )
     known = [Known(name, ("m",), needs_unit=False, is_size=True) for name in sized]
     known += [column for signal in signals for column in columns(f"{signal}.", ("m",))]

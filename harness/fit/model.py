@@ -62,7 +62,7 @@ class Model:
         distinct, self._kind = np.unique(rows, axis=0, return_inverse=True)
         self._kind = self._kind.ravel()
         self._kinds = [dict(zip(others, row, strict=True)) for row in distinct.tolist()]
-        self._stations = station_residuals(len(scene.rotor.stations))
+        self._stations = station_residuals(len(scene.rotor.points))
         self._supports = [self._stations[number - 1] for number in scene.rotor.supports]
 
     def scene(self, values: Sequence[float]) -> Scene:

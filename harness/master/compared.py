@@ -49,7 +49,7 @@ def compared_motion(scene: Scene, meets_events: bool) -> Compared:
 
 def motion_signals(scene: Scene) -> list[str]:
     """Signals that together are the motion of a scene."""
-    prefixes = stations(len(scene.rotor.stations))
+    prefixes = stations(len(scene.rotor.points))
     names = [f"rotor.{prefix}{axis}" for prefix in prefixes for axis in "xy"]
     names += [f"{MOTOR}.speed"] if scene.operation.motor else []
     return names + [f"{b.label}.{v}" for b in scene.balancer for v in b.records if v != "clearance"]

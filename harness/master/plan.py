@@ -157,7 +157,7 @@ def plan(scene: Scene) -> Plan:
 
 def _initial(scene: Scene, speed: float) -> dict[str, float]:
     """The rotor's start values: `run.initial`, counted from the sag under gravity."""
-    prefixes = stations(len(scene.rotor.stations))
+    prefixes = stations(len(scene.rotor.points))
     start = {
         f"{'' if name == 'angle' else prefix}{name}0": value
         for name, value in scene.run.initial

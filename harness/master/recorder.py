@@ -25,7 +25,7 @@ def recorded(scene: Scene) -> list[str]:
     """Signals the scene asks for; by default the rotor's motion and what each balancer does."""
     if scene.run.record is not None:
         return list(scene.run.record)
-    prefixes = stations(len(scene.rotor.stations))
+    prefixes = stations(len(scene.rotor.points))
     names = [f"rotor.{prefix}{axis}" for prefix in prefixes for axis in "xy"]
     names += ["motor.speed"] if scene.operation.motor else []
     # what a balancer of another origin has, it need not call as ours do

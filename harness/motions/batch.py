@@ -26,7 +26,7 @@ def displacements(job: Job) -> tuple[Array, list[str]]:
     from ...fmus.composite.batch import BatchRuns
     from ..master.one_file import composition
 
-    names = [f"rotor.{p}{axis}" for p in stations(len(job.scene.rotor.stations)) for axis in "xy"]
+    names = [f"rotor.{p}{axis}" for p in stations(len(job.scene.rotor.points)) for axis in "xy"]
     points = math.ceil(_turns(job) * _PER_TURN)
     runs = BatchRuns(composition(job.scene), list(job.columns), names, points)
     signals, reasons = runs(job.values, np.full(len(job.values), job.seconds))
@@ -43,7 +43,7 @@ def run(job: Job) -> tuple[Seen, NDArray[np.object_], Array]:
     from ..master.one_file import composition
 
     scene = job.scene
-    rotor = [f"rotor.{p}{axis}" for p in stations(len(scene.rotor.stations)) for axis in "xy"]
+    rotor = [f"rotor.{p}{axis}" for p in stations(len(scene.rotor.points)) for axis in "xy"]
     angles = [
         f"{b.label}.{weight(k, 'angle')}" for b in holders(scene) for k in range(1, b.count + 1)
     ]

@@ -87,7 +87,7 @@ def distances(run: Result) -> Array:
     """Largest distance of a station from its rest at every time (T,) [m]."""
     moved = from_sag(run.signals, run.sag())
     assert run.scene is not None
-    prefixes = [f"rotor.{p}" for p in stations(len(run.scene.rotor.stations))]
+    prefixes = [f"rotor.{p}" for p in stations(len(run.scene.rotor.points))]
     found: Array = np.max([np.hypot(moved[f"{p}x"], moved[f"{p}y"]) for p in prefixes], axis=0)
     return found
 

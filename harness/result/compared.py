@@ -30,7 +30,7 @@ def compare(scene: Scene, time: Array, signals: dict[str, Array]) -> Picture:
     """
     if not scene.balancer:
         raise UserError("--compare: the scene has no balancer to leave out")
-    names = [f"rotor.{p}" for p in stations(len(scene.rotor.stations))]
+    names = [f"rotor.{p}" for p in stations(len(scene.rotor.points))]
     missing = [f"{n}{axis}" for n in names for axis in "xy" if f"{n}{axis}" not in signals]
     if missing:
         raise UserError(f"--compare: {', '.join(missing)}: not recorded; name them in run.record")

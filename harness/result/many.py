@@ -77,10 +77,10 @@ def cosimulate_many(
     columns = {str(name): np.asarray(table[name], float) for name in table}
     inputs = [v.name for v in layout.variables if v.causality != "output"]
     outputs = [v.name for v in layout.reals if v.causality == "output"]
-    residuals = station_residuals(len(scene.rotor.stations))
+    residuals = station_residuals(len(scene.rotor.points))
     means, profile = mean_angles(outputs), scene.profile()
     is_steady = not (profile.changes or scene.operation.motor)
-    parts_of = turning_parts(len(scene.rotor.stations)) if is_steady else {}
+    parts_of = turning_parts(len(scene.rotor.points)) if is_steady else {}
     _refuse_unknown(results, [*RESULTS, *residuals, *parts_of, *means, *outputs])
     shapes = {column.shape for column in columns.values()}
     if len(shapes) != 1 or len(shape := shapes.pop()) != 1 or not shape[0]:
@@ -90,7 +90,7 @@ def cosimulate_many(
     _refuse_unknown(columns, inputs)
     values = np.array(list(columns.values())).T
     asked = [
-        f"rotor.{prefix}{axis}" for prefix in stations(len(scene.rotor.stations)) for axis in "xy"
+        f"rotor.{prefix}{axis}" for prefix in stations(len(scene.rotor.points)) for axis in "xy"
     ]
     asked += dict.fromkeys(means[name] for name in results if name in means)
     states = names_of_states(scene) if "merged" in results else []
@@ -119,7 +119,7 @@ def cosimulate_many(
     def chunk(first: int) -> dict[str, NDArray]:
         part = slice(first, first + size)
         signals, at_end, reasons = runs.with_last(values[part], ends[part])
-        motion = signals[:, :, : 2 * len(scene.rotor.stations)]
+        motion = signals[:, :, : 2 * len(scene.rotor.points)]
         reduced = _reduced(motion, turns, ends[part], residuals, heavy)
         reduced |= dict(zip(["error", "loop_gain", *ending[2:]], at_end.T, strict=True))
         late = signals[:, -((signals.shape[1] - 1) // turns) :]

@@ -101,7 +101,7 @@ class Motion:
     @property
     def prefixes(self) -> list[str]:
         """Of every station's signals."""
-        return [f"rotor.{prefix}" for prefix in stations(len(self.scene.rotor.stations))]
+        return [f"rotor.{prefix}" for prefix in stations(len(self.scene.rotor.points))]
 
     @cached_property
     def displacement(self) -> Array:
@@ -167,9 +167,7 @@ def with_weights(scene: Scene) -> Sequence[WeightBalancer]:
 def places(scene: Scene) -> list[Place]:
     """Places along the shaft that move: position [m], name, and row over the stations (n,)."""
     rotor, planes = scene.rotor, scene.assembly().rotor.planes
-    along = list(
-        zip(rotor.stations, station_names(scene), np.eye(len(rotor.stations)), strict=True)
-    )
+    along = list(zip(rotor.points, station_names(scene), np.eye(len(rotor.points)), strict=True))
     for number, (z, row) in enumerate(zip(rotor.planes, planes, strict=True), start=1):
         if z not in rotor.stations:
             along.append((z, f"plane {number}", row))
@@ -178,8 +176,10 @@ def places(scene: Scene) -> list[Place]:
 
 def station_names(scene: Scene) -> list[str]:
     """Of a rotor's stations, for people."""
-    count = len(scene.rotor.stations)
-    return [f"station {j}" for j in range(1, count + 1)] if count > 1 else ["rotor"]
+    count = len(scene.rotor.points)
+    discs, beyond = len(scene.rotor.stations), scene.rotor.beyond
+    named = [f"station {j}" for j in range(1, discs + 1)] if count > 1 else ["rotor"]
+    return [*named, *beyond]
 
 
 @dataclass(frozen=True)

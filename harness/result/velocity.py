@@ -16,7 +16,7 @@ VELOCITY = "velocity_rms"
 
 def velocities(scene: Scene) -> list[str]:
     """The signals of all stations [m/s]."""
-    return [f"rotor.{prefix}{VELOCITY}" for prefix in stations(len(scene.rotor.stations))]
+    return [f"rotor.{prefix}{VELOCITY}" for prefix in stations(len(scene.rotor.points))]
 
 
 def recorded_for(names: Sequence[str]) -> tuple[list[str], list[str]]:

@@ -207,14 +207,14 @@ def _displacements(count: int) -> list[str]:
 
 def _steady(units: Revolution, speed: float) -> NDArray[np.complexfloating]:
     """Synchronous amplitude (2, n) of the revolution that repeats itself."""
-    count = len(units.scene.rotor.stations)
+    count = len(units.scene.rotor.points)
     table = units.record(units.steady(speed), speed, ["angle", *_displacements(count)])
     return synchronous(table[:, 0], table[:, 1:].T).reshape(2, count)
 
 
 def _displacement(rising: Scene) -> tuple[Array, Array]:
     """Speeds (m,) and sqrt(x^2 + y^2) from the sag (m, n); each run has times of its own."""
-    count = len(rising.rotor.stations)
+    count = len(rising.rotor.points)
     outputs = [f"rotor.{name}" for name in _displacements(count)]
     result = cosimulate(rising, record=outputs)
     moved = from_sag(result.signals, result.sag())

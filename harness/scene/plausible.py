@@ -13,6 +13,7 @@ from ...models.papers.capacity import weight_mass
 from ..units import engineers, in_both, readable_unbalance, rounded
 from .balancer import WeightBalancer
 from .quantities import each_of
+from .rotor import Flexible
 
 if TYPE_CHECKING:
     from .scene import Scene
@@ -22,6 +23,8 @@ FASTEST_TRACK = 100.0  # m/s of balls along their track: steel wheels burst at s
 FARTHEST = 0.1  # eccentricity over the track's radius
 FARTHEST_ALONE = 0.01  # m: eccentricity of a rotor without balancers
 LIGHTEST, DENSEST = 500.0, 20_000.0  # kg/m^3 of a ball: wood to tungsten
+MODES_OF_INTEREST = 1.5  # times the speed: slower ones are passed or near
+MOST_CHANGE_BY_SIZE = 0.05  # of a natural frequency, by the inertia that a disc must have
 _warnings_given: set[str] = set()  # warnings that this process has given
 WIDEST = 4.0 * math.pi  # rad: an angle beyond two turns is in degrees
 
@@ -106,6 +109,7 @@ def _implausible(scene: Scene) -> Iterator[str]:
                 'turns; are they in degrees? then write "120 deg"'
             )
     yield from _short_of_capacity(scene)
+    yield from _discs_without_size(scene)
     if (ratio := scene.rotor.largest_damping_ratio()) > 1.0:
         yield (
             f"rotor: the supports' damping is {ratio:.3g} times the critical one; usual are 0.01 "
@@ -134,6 +138,36 @@ def _short_of_capacity(scene: Scene) -> Iterator[str]:
                 f"the weights hold at most {readable_unbalance(most)}: take more or heavier "
                 "weights, or a larger track"
             )
+
+
+def _discs_without_size(scene: Scene) -> Iterator[str]:
+    """Points that carry a balancer so wide that their disc's inertia matters."""
+    rotor = scene.rotor
+    if not isinstance(rotor, Flexible) or rotor.transverse_inertias or rotor.compliance:
+        return
+    across = [0.0] * len(rotor.stations)
+    for one in scene.balancer:
+        radius = getattr(one, "track_radius", 0.0) or getattr(one, "chamber_radius", 0.0)
+        thin = rotor.masses[one.at - 1] * radius**2 / 4.0
+        across[one.at - 1] = max(across[one.at - 1], thin)
+    if not any(across):
+        return
+    sized = {"transverse_inertias": tuple(across), "polar_inertias": tuple(2.0 * i for i in across)}
+    speed = scene.profile().end
+    points, discs = (
+        np.sort(np.abs(table.build().free_rates(speed)))
+        for table in (rotor, rotor.model_copy(update=sized))
+    )
+    low = points < MODES_OF_INTEREST * speed
+    change = float(np.max(np.abs(discs[: len(points)] / points - 1.0)[low], initial=0.0))
+    if change > MOST_CHANGE_BY_SIZE:
+        station = int(np.argmax(across))
+        yield (
+            f"rotor.masses[{station + 1}] = {rotor.masses[station]:g} kg: a point, but a thin disc "
+            f"as wide as its balancer would move a natural frequency by {change:.0%}: give "
+            f"transverse_inertias, here about {across[station]:.3g} kg m^2, and polar_inertias, "
+            f"about {2.0 * across[station]:.3g} kg m^2"
+        )
 
 
 def _natural(scene: Scene) -> list[float]:

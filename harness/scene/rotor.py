@@ -7,10 +7,13 @@ from collections.abc import Sequence
 from itertools import pairwise
 from typing import Annotated, Any, ClassVar, Literal
 
+import numpy as np
 from pydantic import Field, field_validator, model_validator
 
 from ...models.rotor import LinearRotor
+from ...models.tilting import arms
 from .feeds import Feeds, Start, fed
+from .given import Acting
 from .quantities import (
     SI,
     Angle,
@@ -19,11 +22,13 @@ from .quantities import (
     Positive,
     PositivePair,
     Real,
+    Table,
     Whole,
     refusal,
     refuse_other_length,
 )
 from .rotor_table import (
+    Bearings,
     Corrections,
     DampingRatio,
     Friction,
@@ -40,14 +45,16 @@ class Planar(RotorTable):
     kind: Literal["planar"] = "planar"
     mass: Annotated[Positive, SI("kg"), Feeds()]
     """Without weights and liquid."""
-    stiffness: Annotated[PositivePair, SI("N/m"), Feeds("stiffness_{axis}")]
-    """Of the supports, fixed axes."""
+    stiffness: Annotated[PositivePair | None, SI("N/m"), Feeds("stiffness_{axis}")] = None
+    """Of the supports, fixed axes; this or `bearings`."""
     damping: Annotated[NotNegativePair, SI("N s/m"), Feeds("damping_{axis}")] = (0.0, 0.0)
     """Of the supports, fixed axes."""
     damping_ratio: DampingRatio = None
     """Instead of damping; 1 is critical for the mass that the support carries at rest."""
     friction: Friction = ()
     """Dry friction in the supports: sliders."""
+    bearings: Bearings = ()
+    """In place of stiffness and damping: supports with cross terms, one for each support."""
     internal_damping: Annotated[NotNegative, SI("N s/m"), Feeds()] = 0.0
     """Of the shaft, turns with it."""
     unbalance: Annotated[NotNegative, SI("kg m"), Feeds()] = 0.0
@@ -68,7 +75,13 @@ class Planar(RotorTable):
     @property
     def unbalance_names(self) -> list[tuple[str, str]]:
         """Of its only unbalance."""
+        if self.takes_matrices:
+            return [("unbalance[1].amount", "unbalance[1].angle")]
         return [("unbalance", "unbalance_angle")]
+
+    def acting(self) -> Acting:
+        """Its only unbalance."""
+        return [(self.unbalance, self.unbalance_angle, np.ones(1))]
 
     def with_unbalance(self, _number: int, amount: float, angle: float) -> Planar:
         """The same with another unbalance."""
@@ -81,7 +94,7 @@ class Planar(RotorTable):
 
     def sizes(self, planes: Sequence[int]) -> dict[str, Any]:
         """What the unit is built for: the sliders are all there is to choose."""
-        return self._sliders
+        return super().sizes(planes) if self.takes_matrices else self._sliders
 
     def build(self) -> LinearRotor:
         """The rotor's matrices."""
@@ -102,14 +115,16 @@ class TwoSupport(RotorTable):
     """Distance of the supports."""
     com: Annotated[Real | None, SI("m")] = None
     """Centre of mass, from support 1; default: `span/2`."""
-    stiffness: SupportStiffness
-    """One entry a support."""
+    stiffness: SupportStiffness = None
+    """One entry a support; this or `bearings`."""
     damping: SupportDamping = ((0.0, 0.0), (0.0, 0.0))
     """One entry a support."""
     damping_ratio: DampingRatio = None
     """Instead of damping; 1 is critical for the mass that the support carries at rest."""
     friction: Friction = ()
     """Dry friction in the supports: sliders."""
+    bearings: Bearings = ()
+    """In place of stiffness and damping: supports with cross terms, one for each support."""
     planes: Annotated[tuple[Real, ...], SI("m")] = ()
     """Where balancers can sit, from support 1."""
     unbalances: Annotated[Unbalances, Feeds("unbalance[{n}].")] = ()
@@ -138,11 +153,24 @@ class TwoSupport(RotorTable):
 
     def start(self, planes: Sequence[int]) -> Start:
         """Parameters of the unit."""
+        if self.takes_matrices:
+            return self._matrix_start(planes)
         return {**fed(self), "com": self.centre, **self._plane_start(planes)}
 
     def build(self) -> LinearRotor:
         """The rotor's matrices."""
         return self._with_friction(LinearRotor.two_support(**self._arguments()))
+
+
+class Skew(Table):
+    """A disc that sits askew on the shaft."""
+
+    station: Whole
+    """Number of the station."""
+    tilt: Annotated[NotNegative, SI("rad")]
+    """Angle between the disc's axis and the shaft."""
+    angle: Angle = 0.0
+    """Its direction in the rotor."""
 
 
 class Flexible(RotorTable):
@@ -155,14 +183,24 @@ class Flexible(RotorTable):
     """One a station."""
     supports: tuple[Whole, Whole]
     """Numbers of the two stations that are supported, from 1."""
-    support_stiffness: SupportStiffness
-    """One entry a support."""
+    support_stiffness: SupportStiffness = None
+    """One entry a support; this or `bearings`."""
     support_damping: SupportDamping = ((0.0, 0.0), (0.0, 0.0))
     """One entry a support."""
     damping_ratio: DampingRatio = None
     """Instead of damping; 1 is critical for the mass that the support carries at rest."""
     friction: Friction = ()
     """Dry friction in the supports: sliders."""
+    bearings: Bearings = ()
+    """In place of support_stiffness and support_damping: with cross terms, one for each support."""
+    transverse_inertias: Annotated[tuple[NotNegative, ...], SI("kg m^2")] = ()
+    """Of the discs about a diameter, one a station, 0: a point; with `polar_inertias`."""
+    polar_inertias: Annotated[tuple[NotNegative, ...], SI("kg m^2")] = ()
+    """Of the discs about the axis, one a station; a thin disc has twice the transverse one."""
+    shear_stiffness: Annotated[Positive | None, SI("N")] = None
+    """kappa G A of the shaft; default: it does not shear."""
+    skews: tuple[Skew, ...] = ()
+    """Discs that sit askew on the shaft: a couple that turns with it."""
     bending_stiffness: Annotated[Positive | None, SI("N m^2"), Feeds()] = None
     """E I of the shaft; this or `compliance`."""
     compliance: Annotated[tuple[tuple[Real, ...], ...] | None, SI("m/N")] = None
@@ -187,6 +225,7 @@ class Flexible(RotorTable):
             raise refusal("supports", f"must be two different stations, 1 to {count}")
         if (self.compliance is None) == (self.bending_stiffness is None):
             raise refusal("compliance", "give either bending_stiffness (N m^2) or compliance (m/N)")
+        self._tilts_as_a_body(count)
         size = count - 2
         if self.compliance is not None and [len(r) for r in self.compliance] != [size] * size:
             raise refusal(
@@ -194,6 +233,54 @@ class Flexible(RotorTable):
             )
         self._damp_by_ratio()
         return self
+
+    def _tilts_as_a_body(self, count: int) -> None:
+        given = {key: getattr(self, key) for key in ("transverse_inertias", "polar_inertias")}
+        for key, values in given.items():
+            if any(given.values()):
+                refuse_other_length(key, values, count, "station")
+        tilts = any(self.transverse_inertias) or self.shear_stiffness is not None
+        if tilts and self.compliance is not None:
+            raise refusal("compliance", "has no slopes: discs that tilt, or a shaft that shears, "
+                          "need bending_stiffness (N m^2)")  # fmt: skip
+        for k, (across, along) in enumerate(zip(*given.values(), strict=True), start=1):
+            if along > 2.0 * across:
+                words = f"no body has more than twice the transverse one, {2.0 * across:g} kg m^2"
+                raise refusal(f"polar_inertias[{k}]", words)
+        tilting = {k for k, one in enumerate(self.transverse_inertias, start=1) if one}
+        for k, skew in enumerate(self.skews, start=1):
+            if skew.station not in tilting:
+                raise refusal(f"skews[{k}].station", "must be a station whose disc has inertias")
+
+    @property
+    def takes_matrices(self) -> bool:
+        """Whether discs tilt, the shaft shears or bearings have cross terms."""
+        tilts = any(self.transverse_inertias) or self.shear_stiffness is not None
+        return tilts or bool(self.bearings)
+
+    @property
+    def points(self) -> tuple[float, ...]:
+        """The stations, and a point of the axis of every disc that tilts."""
+        lengths = arms(self.masses, self.transverse_inertias) if self.transverse_inertias else []
+        pairs = zip(self.stations, lengths, strict=False)
+        return (*self.stations, *(z + arm for z, arm in pairs if arm))
+
+    @property
+    def beyond(self) -> tuple[str, ...]:
+        """What the points of the discs' axes are called."""
+        tilting = [k for k, one in enumerate(self.transverse_inertias, start=1) if one]
+        return tuple(f"axis of station {k}" for k in tilting)
+
+    def acting(self) -> Acting:
+        """The unbalances, then the couples of discs that are askew, as forces at their arms."""
+        found = [*super(Flexible, self.model_copy(update={"skews": ()})).acting()]
+        empty = self.model_copy(update={"unbalances": ()})
+        for skew in self.skews:
+            one = skew.model_copy(update={"tilt": 1.0, "angle": 0.0})
+            row = empty.model_copy(update={"skews": (one,)}).build().unbalance.real
+            size = float(np.abs(row).max()) or 1.0
+            found.append((skew.tilt * size, skew.angle, row / size))
+        return found
 
     @property
     def mass(self) -> float:
@@ -216,11 +303,15 @@ class Flexible(RotorTable):
 
     def sizes(self, planes: Sequence[int]) -> dict[str, Any]:
         """What the unit is built for, the way its shaft is described included."""
+        if self.takes_matrices:
+            return super().sizes(planes)
         shaft = "uniform" if self.compliance is None else "compliance"
         return {**super().sizes(planes), "shaft": shaft}
 
     def start(self, planes: Sequence[int]) -> Start:
         """Parameters of the unit; a compliance that is not quite symmetric is made so."""
+        if self.takes_matrices:
+            return self._matrix_start(planes)
         values = {**fed(self), **self._plane_start(planes)}
         for s, place in enumerate(self.support_positions, start=1):
             values[f"support[{s}].position"] = place
@@ -230,9 +321,13 @@ class Flexible(RotorTable):
                 values[f"compliance[{j + 1},{k + 1}]"] = (row[k] + delta[k][j]) / 2.0
         return values
 
+    def _shaft_arguments(self) -> dict[str, Any]:
+        skews = [(skew.station, skew.tilt, skew.angle) for skew in self.skews]
+        return self._arguments() | {"skews": skews}
+
     def build(self) -> LinearRotor:
         """The rotor's matrices."""
-        return self._with_friction(LinearRotor.flexible(**self._arguments()))
+        return self._with_friction(LinearRotor.flexible(**self._shaft_arguments()))
 
 
 Rotor = Annotated[Planar | TwoSupport | Flexible, Field(discriminator="kind")]

@@ -15,7 +15,9 @@ from pydantic import Field, model_validator
 
 from ...models.rotor import LinearRotor
 from ...models.rotor import Slider as LinearSlider
+from .bearing import Bearing
 from .feeds import Feeds, Start, fed
+from .given import Acting, matrix_start
 from .quantities import (
     SI,
     Angle,
@@ -59,14 +61,20 @@ class Slider(Table):
 
 
 _NO_ARGUMENTS = ("kind", "fmu", "friction", "damping_ratio")  # of a constructor of `LinearRotor`
+Bearings = tuple[Bearing, ...]
 Friction = Annotated[tuple[Slider, ...], Feeds("slider[{n}].")]
 SupportStiffness = Annotated[
-    tuple[PositivePair, PositivePair], SI("N/m"), Feeds("support[{n}].stiffness_{axis}")
+    tuple[PositivePair, PositivePair] | None, SI("N/m"), Feeds("support[{n}].stiffness_{axis}")
 ]
 DampingRatio = Annotated[NotNegativePair | None, SI("")]
 SupportDamping = Annotated[
     tuple[NotNegativePair, NotNegativePair], SI("N s/m"), Feeds("support[{n}].damping_{axis}")
 ]
+
+
+def _unit(one: Unbalance) -> Unbalance:
+    """The same place with 1 kg m along x."""
+    return one.model_copy(update={"amount": 1.0, "angle": 0.0})
 
 
 @dataclass(frozen=True)
@@ -101,6 +109,7 @@ class RotorTable(Table):
     [our ports](units.md); default: ours."""
     if TYPE_CHECKING:  # a key of one kind, a property of another
         friction: tuple[Slider, ...]
+        bearings: Bearings
         damping_ratio: tuple[float, float] | None
 
         @property
@@ -115,6 +124,47 @@ class RotorTable(Table):
         def planes(self) -> tuple[float, ...]: ...
         @property
         def unbalances(self) -> Unbalances: ...
+
+    @property
+    def takes_matrices(self) -> bool:
+        """Whether its unit has no kind of its own: it is built by matrices."""
+        return bool(self.bearings)
+
+    @property
+    def points(self) -> tuple[float, ...]:
+        """Places of all that moves on its own: the stations, and behind them points beyond."""
+        return self.stations
+
+    @property
+    def beyond(self) -> tuple[str, ...]:
+        """Names of the points that are no stations."""
+        return ()
+
+    @property
+    def stiffness_key(self) -> str:
+        return self.damping_key.replace("damping", "stiffness")
+
+    @model_validator(mode="after")
+    def _is_supported(self) -> RotorTable:
+        key = self.stiffness_key
+        count = len(self.supports)
+        if not self.bearings:
+            if getattr(self, key) is None:
+                raise refusal(key, "is missing: give it (N/m), or bearings")
+            return self
+        for other in (key, self.damping_key, "damping_ratio"):
+            if other in self.model_fields_set:
+                raise refusal("bearings", f"give either bearings or {other}, not both")
+        if sorted(b.support for b in self.bearings) != list(range(1, count + 1)):
+            raise refusal(
+                "bearings",
+                f"must be {count}, one for each; a spring has no cross terms",
+            )
+        ordered = sorted(self.bearings, key=lambda bearing: bearing.support)
+        pairs = zip(*(bearing.diagonals for bearing in ordered), strict=True)
+        for name, each in zip((key, self.damping_key), pairs, strict=True):
+            self.__dict__[name] = each[0] if count == 1 and key == "stiffness" else each
+        return self
 
     @model_validator(mode="after")
     def _slides_one_way(self) -> RotorTable:
@@ -148,7 +198,7 @@ class RotorTable(Table):
 
     def critical_damping(self) -> NDArray[np.float64]:
         """2 sqrt(k m) of every support (s, 2), with the mass m that it carries at rest [N s/m]."""
-        springs = getattr(self, self.damping_key.replace("damping", "stiffness"))
+        springs = np.abs(getattr(self, self.stiffness_key))
         masses = np.abs(self.levers([self.centre])) * self.mass
         return np.asarray(2.0 * np.sqrt(np.reshape(springs, (-1, 2)) * masses))
 
@@ -187,16 +237,36 @@ class RotorTable(Table):
     def sizes(self, planes: Sequence[int]) -> dict[str, Any]:
         """What the unit is built for, with at least one unbalance; `planes` from `unit_planes`."""
         return {
-            "kind": self.kind,
-            "stations": len(self.stations),
+            "kind": "matrices" if self.takes_matrices else self.kind,
+            "stations": len(self.points),
             "planes": len(planes),
-            "unbalances": len(self.unbalances) or 1,
+            "unbalances": len(self.acting()) or 1,
             **self._sliders,
         }
 
     def start(self, planes: Sequence[int]) -> Start:
         """Parameters of the unit."""
-        return fed(self)
+        return self._matrix_start(planes) if self.takes_matrices else fed(self)
+
+    def acting(self) -> Acting:
+        """Every unbalance with the row by which it acts."""
+        alone = [self.model_copy(update={"unbalances": (_unit(one),)}) for one in self.unbalances]
+        return [
+            (one.amount, one.angle, rotor.build().unbalance.real)
+            for one, rotor in zip(self.unbalances, alone, strict=True)
+        ]
+
+    def _matrix_start(self, planes: Sequence[int]) -> Start:
+        """Parameters of a unit by matrices."""
+        given = matrix_start(self.build(), planes, self.acting())
+        sliders = {k: v for k, v in fed(self).items() if k.startswith("slider[")}
+        for n, slider in enumerate(self.friction, start=1):
+            sliders[f"slider[{n}].support"] = float(self.supports[slider.support - 1])
+        return given | sliders
+
+    def build(self) -> LinearRotor:
+        """The rotor's matrices."""
+        raise NotImplementedError
 
     def with_corrections(self, planes: Sequence[int]) -> Corrections:
         """Room for corrections in these planes: unbalances of nothing beside the rotor's own."""
@@ -224,6 +294,7 @@ class RotorTable(Table):
         if "unbalances" in values:
             triples = [(u.position, u.amount, u.angle) for u in self.unbalances]
             values["unbalances"] = triples
+        values["bearings"] = [(b.support, b.stiffness, b.damping) for b in self.bearings]
         return values
 
     @property

@@ -120,7 +120,7 @@ class _Runs(NamedTuple):
 
 def _run(scene: Scene, speeds: NDArray[np.float64], revolutions: int) -> _Runs:
     scene = scene.replace({SPEED: float(speeds[0]), "run.revolutions": revolutions})
-    amplitudes = station_residuals(len(scene.rotor.stations))
+    amplitudes = station_residuals(len(scene.rotor.points))
     angles = [
         f"{mounted.name}.{weight(k, 'mean_angle')}"
         for mounted in scene.assembly().weights

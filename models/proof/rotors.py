@@ -22,6 +22,7 @@ from .slopes import Exact, Number, Sloped, ball, largest
 
 _NO_ARGUMENTS = (  # of a constructor of `LinearRotor`, or used apart from it
     "kind", "fmu", "friction", "damping_ratio", "unbalance", "unbalance_angle", "unbalances",
+    "skews",
 )  # fmt: skip
 
 
@@ -121,8 +122,11 @@ def rotor_balls(table: Mapping[str, Any], added: Sequence[tuple[int, Number]]) -
     else:
         places = table.get("stations", table.get("planes"))
         loads = [(u["position"], u["amount"], u["angle"]) for u in table["unbalances"]]
+    given["bearings"] = [(b["support"], b["stiffness"], b["damping"]) for b in table["bearings"]]
+    if table.get("skews"):
+        raise Unproved("rotor.skews: no weights in planes undo the couple of a disc that is askew")
     if kind == "flexible":
-        given["elastic"] = _elastic
+        given |= {"elastic": _elastic, "solve": _solve, "larger": largest}
     try:
         rotor: LinearRotor = getattr(LinearRotor, kind)(**given)
     except ValueError as error:
@@ -140,6 +144,10 @@ def rotor_balls(table: Mapping[str, Any], added: Sequence[tuple[int, Number]]) -
                          for place, size, angle in loads),
         rigid=kind == "two_support",
     )  # fmt: skip
+
+
+def _solve(matrix: Exact, right: Exact) -> Exact:
+    return solve(balls(matrix), balls(right))
 
 
 def _elastic(delta: Exact, rows: Exact) -> tuple[Exact, Number]:

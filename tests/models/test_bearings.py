@@ -10,6 +10,7 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
 from autobalancer.models.assembly import Assembly, Mounted, SpeedProfile
+from autobalancer.models.journal import coefficients, critical_mass, short_bearing
 from autobalancer.models.linear.linearised import linearise
 from autobalancer.models.reference.coupled import Monolith
 from autobalancer.models.rotor import LinearRotor
@@ -110,3 +111,43 @@ def test_floquet_multipliers_of_cross_terms_are_those_of_the_equations_of_motion
     assert not rotor.isotropic
     assert rotor.crossed
     assert float(found[0]) == pytest.approx(largest, abs=2e-6)
+
+
+def test_the_short_bearing_has_the_coefficients_of_its_film_integrated():
+    """Friswell 2010; the film by Reynolds' equation: e .2662975, K and C to 1e-5."""
+    film = short_bearing(0.1, 0.03, 1e-4, 0.1, 525.0, 1500.0 * math.pi / 30.0)
+    assert film.eccentricity == pytest.approx(0.26629751, abs=1e-8)
+    assert math.degrees(film.attitude) == pytest.approx(70.62005, abs=1e-5)
+    expected = np.array([[12.807960, 16.393593], [-25.060393, 8.815303]])
+    integrated = np.array([[12.80803, 16.39361], [-25.06045, 8.81537]])
+    assert film.stiffness / 1e6 == pytest.approx(expected, rel=1e-6)
+    assert film.stiffness / 1e6 == pytest.approx(integrated, rel=1e-5)
+    expected = np.array([[232.8969, -81.9244], [-81.9244, 294.9116]])
+    integrated = np.array([[232.8998, -81.9237], [-81.9231, 294.9113]])
+    assert film.damping / 1e3 == pytest.approx(expected, rel=1e-6)
+    assert film.damping / 1e3 == pytest.approx(integrated, rel=2e-5)
+
+
+@pytest.mark.parametrize(
+    ("e", "threshold", "whirl"),
+    [(0.1, 2.741279, 0.502938), (0.3, 2.605786, 0.519417), (0.5, 2.541731, 0.514640)],
+)
+def test_a_rigid_rotor_in_short_bearings_whirls_from_the_speed_of_lund_on(e, threshold, whirl):
+    """w sqrt(c/g) and whirl/w, and the same by the rotor's eigenvalues with load m g."""
+    mass, square = critical_mass(*coefficients(e))
+    assert math.sqrt(mass) == pytest.approx(threshold, abs=1e-6)
+    assert math.sqrt(square) == pytest.approx(whirl, abs=1e-6)
+    for factor, sign in ((0.99, -1.0), (1.01, 1.0)):
+        k, c = coefficients(e)
+        assert growth(on_a_bearing(factor * mass, k, c)) * sign > 0.0
+
+
+def test_beyond_three_quarters_of_the_clearance_no_rigid_rotor_whirls():
+    limit = brentq(lambda e: critical_mass(*coefficients(e))[1], 0.5, 0.95)
+    assert limit == pytest.approx(0.7560304, abs=1e-7)
+    assert critical_mass(*coefficients(0.76))[0] == math.inf
+
+
+def test_a_long_bearing_is_refused():
+    with pytest.raises(ValueError, match=r"at most 0\.5 diameters"):
+        short_bearing(0.1, 0.06, 1e-4, 0.1, 525.0, 100.0)

@@ -13,7 +13,7 @@ DESCRIPTION = {
     f"models.{name}"
     for name in (
         *("arrays", "assembly", "constants", "liquid", "motor", "rotor", "rotor_kinds"),
-        *("rotor_matrices", "shaft", "supports", "weights"),
+        *("rotor_matrices", "rotor_tilting", "shaft", "supports", "tilting", "weights"),
     )
 }
 # the fastest vibration, which limits the steps of an integration, and the error of an eigenvalue

@@ -60,5 +60,5 @@ def cases() -> Iterator[Case]:
 
 def _against(name: str, changes: Mapping[str, Any], moving: tuple[str, ...] | None) -> Outcome:
     build = left_to_the_master(name, changes)
-    places = _places(range(1, len(build.rotor.stations) + 1))
+    places = _places(range(1, len(build.rotor.points) + 1))
     return against_monolith(build, signals=moving or (*places, *_MOMENTS), rtol=1e-11)

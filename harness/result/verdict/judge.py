@@ -28,7 +28,7 @@ _OPEN = (Outcome.NOT_SETTLED, Outcome.CANNOT_TELL)
 def judge(result: Result, scene: Scene) -> Verdict:
     """The verdict on a scene's run."""
     called = _called(scene)
-    prefixes = [f"rotor.{prefix}" for prefix in stations(len(scene.rotor.stations))]
+    prefixes = [f"rotor.{prefix}" for prefix in stations(len(scene.rotor.points))]
     missing = [
         f"{p}{axis}" for p in prefixes for axis in "xy" if f"{p}{axis}" not in result.signals
     ]

@@ -40,7 +40,7 @@ def passages(
 def without_balancers(scene: Scene) -> tuple[Array, Array] | None:
     """Times and largest distances of the rotor without balancers; None where it cannot run."""
     bare = scene.without_balancers()
-    prefixes = stations(len(bare.rotor.stations))
+    prefixes = stations(len(bare.rotor.points))
     run = run_again(bare, [f"rotor.{p}{axis}" for p in prefixes for axis in "xy"])
     if run is None:
         return None

@@ -47,7 +47,7 @@ class Run:
         else:
             self.angle = start + scene.profile().angles_at(self.time)
             self.stretches = prescribed(scene, float(self.time[-1]))
-        prefixes = [f"rotor.{prefix}" for prefix in stations(len(scene.rotor.stations))]
+        prefixes = [f"rotor.{prefix}" for prefix in stations(len(scene.rotor.points))]
         self.motion = np.array(
             [self.signals[f"{p}x"] + 1j * self.signals[f"{p}y"] for p in prefixes]
         )
@@ -178,7 +178,7 @@ class Run:
         return float(size[last].max()), size[np.isin(self.time, record.time)]
 
     def _velocity(self, upto: Mask) -> float | None:
-        names = [f"rotor.{p}{VELOCITY}" for p in stations(len(self.scene.rotor.stations))]
+        names = [f"rotor.{p}{VELOCITY}" for p in stations(len(self.scene.rotor.points))]
         if names[0] not in self.ran.velocity:
             return None
         return max(float(self.ran.velocity[name][upto][-1]) for name in names)

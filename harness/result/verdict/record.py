@@ -51,7 +51,7 @@ class Record:
     @cached_property
     def displacement(self) -> Array:
         """x, then y, of all stations (T, 2 n) [m]."""
-        prefixes = stations(len(self.scene.rotor.stations))
+        prefixes = stations(len(self.scene.rotor.points))
         names = [f"rotor.{prefix}{axis}" for axis in "xy" for prefix in prefixes]
         return np.stack([self.signals[name] for name in names], axis=1)
 

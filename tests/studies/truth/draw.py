@@ -105,6 +105,60 @@ def flexible(generator: random.Random) -> Document:
     )
 
 
+def tilting(generator: random.Random) -> Document:
+    """A flexible shaft, overhung in half of the cases, some of whose discs tilt."""
+    document = flexible(generator)
+    rotor = document["rotor"]
+    count, longest = len(rotor["stations"]), rotor["stations"][-1]
+    if generator.random() < 0.5:
+        rotor["supports"] = [1, count - 1]
+    across, along = [], []
+    for mass in rotor["masses"]:
+        size = mass * (longest * sized(generator, 0.01, 0.3)) ** 2
+        across.append(rounded(sometimes(generator, 0.6, size)))
+        along.append(rounded(across[-1] * even(generator, 0.0, 2.0) * (1.0 - 1e-3)))
+    across[-1] = across[-1] or rounded(rotor["masses"][-1] * (0.1 * longest) ** 2)
+    rotor |= {"transverse_inertias": across, "polar_inertias": along}
+    if generator.random() < 0.3:
+        rotor["shear_stiffness"] = rounded(
+            rotor["bending_stiffness"] / longest**2 * sized(generator, 3.0, 300.0)
+        )
+    if generator.random() < 0.3:
+        rotor["skews"] = [
+            {"station": count, "tilt": sized(generator, 1e-6, 1e-2), "angle": even(generator, 0, 6)}
+        ]
+    if generator.random() < 0.25:
+        sketch = Sketch(generator)
+        sketch.speed = document["operation"]["speed"]
+        return in_run_up(generator, sketch, document)
+    return document
+
+
+def bearings(generator: random.Random) -> Document:
+    """Any rotor on bearings with cross terms, below or above the threshold of whirl."""
+    document = generator.choice((planar, two_support, flexible, tilting))(generator)
+    rotor = document["rotor"]
+    flexible_one = rotor["kind"] == "flexible"
+    prefix = "support_" if flexible_one else ""
+    pairs = [rotor.pop(f"{prefix}{key}") for key in ("stiffness", "damping")]
+    if rotor["kind"] == "planar":
+        pairs = [[pair] for pair in pairs]
+    rotor["bearings"] = []
+    for number, (k, c) in enumerate(zip(*pairs, strict=True), start=1):
+        mass = rotor["mass"] if "mass" in rotor else sum(rotor["masses"])
+        cross = (max(c) * math.sqrt(max(k) / mass) + 1e-4 * max(k)) * even(generator, -1.5, 1.5)
+        skew = even(generator, 0.5, 1.5)
+        sheared = even(generator, -0.5, 0.5) * min(c)
+        rotor["bearings"].append(
+            {
+                "support": number,
+                "stiffness": [[k[0], rounded(cross)], [rounded(-cross * skew), k[1]]],
+                "damping": [[c[0], rounded(sheared)], [rounded(sheared), c[1]]],
+            }
+        )
+    return document
+
+
 def liquid(generator: random.Random) -> Document:
     """A disc with liquid through the added-mass port or as a force, half of them with weights."""
     sketch = Sketch(generator)
@@ -319,6 +373,8 @@ FAMILIES: dict[str, Callable[[random.Random], Document]] = {
     "run_up": run_up,
     "two_support": two_support,
     "flexible": flexible,
+    "tilting": tilting,
+    "bearings": bearings,
     "liquid": liquid,
     "heavy": heavy,
     "finite": finite,

@@ -1,0 +1,53 @@
+"""A rotor's unit by matrices: what it is built for and started with where no kind of unit fits."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...models.rotor import LinearRotor
+from .feeds import Start
+
+Acting = Sequence[tuple[float, float, NDArray[np.float64]]]
+"""Unbalances: amount [kg m], angle in the rotor [rad], and row (n,) by which they act."""
+
+
+def matrix_start(rotor: LinearRotor, planes: Sequence[int], acting: Acting) -> Start:
+    """Parameters of the unit of a rotor.
+
+    Args:
+        planes: numbers of the planes that the unit has, from 1.
+        acting: its unbalances; the unit has at least one.
+    """
+    nothing = [(0.0, 0.0, np.zeros(rotor.stations))]
+    values: Start = {}
+    for name, matrix in _matrices(rotor):
+        values |= _entries(name, matrix)
+    values |= _entries("plane_row", rotor.planes[[p - 1 for p in planes]])
+    for k, (amount, angle, _) in enumerate(acting or nothing, start=1):
+        values |= {f"unbalance[{k}].amount": amount, f"unbalance[{k}].angle": angle}
+    values |= _entries("unbalance_row", np.array([row for _, _, row in acting or nothing]))
+    bending = np.zeros((max(1, rotor.stations - 2), rotor.stations))
+    bending[: len(rotor.deflection)] = rotor.deflection
+    return values | _entries("bending_row", bending)
+
+
+def _matrices(rotor: LinearRotor) -> Iterator[tuple[str, Any]]:
+    """The unit's matrices, by name."""
+    springs = rotor.springs.copy()
+    springs[[0, 1], [0, 1]] += rotor.elastic
+    for what, blocks in (("damping", rotor.dampers), ("stiffness", springs)):
+        for i, to in enumerate("xy"):
+            for j, by in enumerate("xy"):
+                yield f"{what}_{to}{by}", blocks[i, j]
+    yield "mass", (rotor.mass + rotor.mass.T) / 2.0
+    yield "internal_damping", rotor.internal_damping
+    yield "gyroscopic", rotor.gyroscopic
+
+
+def _entries(name: str, matrix: NDArray[np.float64]) -> Start:
+    """A matrix as parameters."""
+    return {f"{name}[{i + 1},{j + 1}]": float(value) for (i, j), value in np.ndenumerate(matrix)}

@@ -1,0 +1,141 @@
+"""Scenes of machines as they are built: discs that tilt, bearings with cross terms."""
+
+from __future__ import annotations
+
+import fmpy
+import numpy as np
+import pytest
+from fmpy import platform_tuple
+
+import autobalancer as ab
+from autobalancer.fmus.catalogue import sized_unit
+from autobalancer.harness import cosimulate
+from autobalancer.harness.master.plan import plan
+from autobalancer.harness.scene.plausible import implausible
+
+OVERHUNG = {
+    "kind": "flexible",
+    "stations": [0.0, 0.4, 0.6],
+    "masses": [1.5, 1.5, 12.0],
+    "supports": [1, 2],
+    "support_stiffness": [[2e6, 2e6], [2e6, 1.5e6]],
+    "support_damping": [[2e3, 2e3]] * 2,
+    "bending_stiffness": 4030.0,
+    "transverse_inertias": [0.0, 0.0, 0.12],
+    "polar_inertias": [0.0, 0.0, 0.24],
+    "unbalances": [{"position": 0.6, "amount": 1.2e-3}],
+}
+BALLS = {
+    "name": "balls", "kind": "balls", "count": 2, "mass": 0.02, "track_radius": 0.08, "drag": 0.5,
+    "angles": [1.0, 2.8],
+}  # fmt: skip
+PLANAR = {"kind": "planar", "mass": 10.0, "unbalance": 1e-3}
+BEARING = {"stiffness": [[1e5, 3e3], [-2e3, 1.2e5]], "damping": [[60.0, 5.0], [5.0, 80.0]]}
+
+
+def machine(rotor, **more):
+    balancer = [BALLS | {"at": 3}] if rotor["kind"] == "flexible" else [BALLS]
+    return ab.Scene(rotor=rotor, balancer=balancer, speed=377.0, run={"revolutions": 12}, **more)
+
+
+@pytest.mark.parametrize(
+    "rotor", [OVERHUNG, PLANAR | {"bearings": [BEARING]}], ids=["overhung", "bearing"]
+)
+def test_separate_units_and_one_file_have_the_same_motion(rotor):
+    scene = machine(rotor)
+    one, several = (cosimulate(scene, separate=choice) for choice in (False, True))
+    name = f"rotor.{'station[3].' if rotor is OVERHUNG else ''}x"
+    size = np.abs(one[name]).max()
+    end = [run[name][-1] for run in (one, several)]
+    stated = max(run.estimated_error for run in (one, several))
+    assert end[0] == pytest.approx(end[1], abs=max(3.0 * stated, 1e-6) * size)
+    assert plan(scene).units[0].sizes["kind"] == "matrices"
+
+
+@pytest.mark.parametrize("name", ["two_balls", "drum", "three_mass_shaft"])
+def test_a_bearing_without_cross_terms_is_a_spring_and_a_damper(name):
+    scene = ab.load(name).replace({"run.revolutions": 3})
+    rotor = scene.rotor
+    key = rotor.damping_key
+    pairs = np.reshape([getattr(rotor, rotor.stiffness_key), getattr(rotor, key)], (2, -1, 2))
+    bearings = [
+        {"support": s, "stiffness": np.diag(k).tolist(), "damping": np.diag(c).tolist()}
+        for s, (k, c) in enumerate(zip(*pairs, strict=True), start=1)
+    ]
+    document = scene.document
+    for given in (key, rotor.stiffness_key, "damping_ratio"):
+        document["rotor"].pop(given, None)
+    document["rotor"]["bearings"] = bearings
+    document.pop("check", None)
+    found, expected = (cosimulate(each) for each in (ab.Scene.from_document(document), scene))
+    for signal, values in expected.signals.items():
+        assert found[signal] == pytest.approx(values, abs=1e-9 * np.abs(values).max()), signal
+
+
+def test_whirl_beyond_the_threshold_of_the_bearing_grows_in_a_run():
+    """q* = c sqrt(k/M) = 6000 N/m; above it the orbit grows at the rate of the equations."""
+
+    def last(cross):
+        k = [[1e5, cross], [-cross, 1e5]]
+        rotor = {"kind": "planar", "mass": 10.0, "unbalance": 1e-6}
+        rotor |= {"bearings": [{"stiffness": k, "damping": [[60.0, 0.0], [0.0, 60.0]]}]}
+        scene = ab.Scene(rotor=rotor, speed=40.0, run={"revolutions": 30, "initial": {"x": 1e-4}})
+        run = cosimulate(scene)
+        return np.hypot(run["rotor.x"], run["rotor.y"])[-1]
+
+    end = 30 * 2 * np.pi / 40.0
+    assert last(5000.0) < 1e-4 < last(7000.0)
+    forward = 0.5e-4  # the other half of the start whirls backward, and dies
+    assert np.log(last(9000.0) / forward) / end == pytest.approx(1.5, rel=0.01)
+
+
+def test_its_unit_is_described_and_built_for_both_versions_of_fmi(tmp_path):
+    scene = machine(OVERHUNG)
+    unit = plan(scene).units[0]
+    layout = sized_unit(unit.model, **unit.sizes).layout
+    assert set(unit.start) <= set(layout.index)
+    assert unit.start["mass[3,4]"] == unit.start["mass[4,3]"] != 0.0
+    for form in ({"fmi": 2}, {"fmi": 3, "one_file": True}, {"fmi": 3, "ssp": True}):
+        built = scene.build(tmp_path / str(len(form)), platforms=[platform_tuple], **form)
+        fmus = [path for path in built.files if path.suffix == ".fmu"]
+        for path in fmus:
+            fmpy.read_model_description(str(path), validate=True)
+        assert fmus or form.get("ssp")
+
+
+@pytest.mark.parametrize(
+    ("rotor", "words"),
+    [
+        (PLANAR, "rotor.stiffness: is missing: give it"),
+        (PLANAR | {"stiffness": 1e5, "bearings": [BEARING]}, "either bearings or stiffness"),
+        (OVERHUNG | {"polar_inertias": [0.0, 0.0, 0.25]}, r"polar_inertias\[3\]"),
+        (OVERHUNG | {"polar_inertias": [0.0, 0.24]}, "polar_inertias"),
+        (OVERHUNG | {"skews": [{"station": 1, "tilt": 1e-3}]}, r"skews\[1\].station"),
+    ],
+)
+def test_what_no_machine_has_is_refused(rotor, words):
+    with pytest.raises(ab.SceneError, match=words):
+        machine(rotor)
+
+
+def test_a_point_as_wide_as_its_balancer_is_warned_of():
+    point = {k: v for k, v in OVERHUNG.items() if not k.endswith("inertias")}
+    wide = [BALLS | {"at": 3, "track_radius": 0.19}]
+    scene = ab.Scene(rotor=point, balancer=wide, speed=377.0)
+    assert any(
+        "transverse_inertias, here about 0.108 kg m^2" in line for line in implausible(scene)
+    )
+    sized = ab.Scene(rotor=OVERHUNG, balancer=wide, speed=377.0)
+    assert not any("inertias" in line for line in implausible(sized))
+
+
+def test_stability_is_proved_of_discs_that_tilt_and_of_bearings():
+    for rotor, span in ((OVERHUNG, (330.0, 380.0)), (PLANAR | {"bearings": [BEARING]}, (120, 160))):
+        scene = machine(rotor)
+        found = scene.speeds(*span, "floquet")
+        proof = scene.speeds(*span, "proved", narrowest=0.5).proof
+        decided = [band for band in proof.bands if band.state != "undecided"]
+        assert decided
+        limits = [crossing.speed for crossing in found.methods["floquet"]]
+        for band in decided:
+            assert not any(band.low < limit < band.high for limit in limits)
