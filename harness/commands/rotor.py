@@ -41,6 +41,8 @@ def command(
     say(f"Critical speeds, undamped: {_listed(found.critical)}")
     if loaded.balancer:
         say(f"with the balancers' masses fixed to it: {_listed(found.critical_loaded)}")
+    if loaded.rotor.bodies:
+        show(_shown(found.forces()))
     with progress_bars() as bars:
         for kind, path in wanted.items():
             if path is not None:
@@ -50,6 +52,14 @@ def command(
                 say(f"Picture: {path}")
     if json_file is not None:
         write_json(found.as_json(), json_file)
+
+
+def _shown(sheet: Sheet) -> Sheet:
+    """Numbers as text, without columns in which nothing stands."""
+    kept = [k for k, _ in enumerate(sheet.columns) if any(row[k] != "" for row in sheet.rows)]
+    rows = [[c if isinstance(c := row[k], str) else f"{c:.4g}" for k in kept] for row in sheet.rows]
+    align = "".join(sheet.align[k] for k in kept)
+    return Sheet([sheet.columns[k] for k in kept], rows, align, sheet.title)
 
 
 _WORDS = {"stable": "", "neutral": ", neutral", "unstable": ", UNSTABLE"}

@@ -21,6 +21,7 @@ INTERNAL = {
     "Scene.refuse_friction",
     "Scene.refuse_changes",
     "Scene.refuse_unrest",
+    "Scene.refuse_guests",
     "Scene.rotor_at",
     "RunMap.lines",
     "Fit.warnings",

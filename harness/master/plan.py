@@ -12,6 +12,7 @@ from typing import Any, Literal, NamedTuple
 from ...fmus.catalogue import sized_unit
 from ..scene import Scene
 from ..scene.balancer import Balancer
+from ..scene.begin import free_motion
 from ..scene.run import Motor
 from .names import components, plane, readable, stations
 from .schedule import end_time, step_size
@@ -163,6 +164,11 @@ def _initial(scene: Scene, speed: float) -> dict[str, float]:
         for name, value in scene.run.initial
         for prefix in prefixes
     }
+    if scene.rotor.is_free:
+        parts = zip(("x", "y", "vx", "vy"), free_motion(scene).tolist(), strict=True)
+        for name, values in parts:
+            for prefix, value in zip(prefixes, values, strict=True):
+                start[f"{prefix}{name}0"] += value
     if scene.operation.gravity:
         sag = scene.assembly().loaded_rotor.rest_position(speed)
         for axis, at_rest in zip("xy", sag.tolist(), strict=True):

@@ -323,6 +323,22 @@ class Result(Pictures):
         if found.after is None or not found.after <= latest:
             raise AssertionError(f"not settled within {latest:g} s: {found} {self._label}")
 
+    def forces(self) -> Sheet:
+        """Forces at supports and feet, vibration at feet and handles: the part that turns.
+
+        The unbalance to which the transmissibility refers is the rotor's, without weights.
+
+        Raises:
+            UserError: the speed changes at the end of the run.
+
+        >>> run = ab.load("two_balls").run()
+        >>> [row[0] for row in run.forces().rows]
+        ['support[1]']
+        """
+        from .supports import of_run
+
+        return of_run(self)
+
     def residual_moment(self, balancer: str) -> Signal:
         """Static moment of a balancer's weights |sum m R e^{i theta}|, (T,) [kg m].
 

@@ -29,6 +29,7 @@ from ..output.outcome import Outcome
 from ..output.table import Sheet
 from ..result.run import cosimulate
 from ..result.sag import from_sag
+from ..result.supports import HEADS, support_sheet
 from ..scene import Scene
 from ..scene.quantities import LARGEST
 from ..stability.revolution import Revolution
@@ -153,6 +154,19 @@ class RotorAnalysis(Outcome):
         alone = _displacement(rising.without_balancers()) if self.scene.balancer else None
         return RunUpMotion(seconds, _displacement(rising), alone)
 
+    def forces(self) -> Sheet:
+        """Forces at supports and feet at the speed of operation, by the unbalance alone.
+
+        >>> ab.load("drum").rotor(5.0, 200.0).forces().columns[:2]
+        ('place', 'force [N]')
+        """
+        rotor, speed = self.scene.assembly().rotor, self.modes.speed
+        try:
+            motion = influence(rotor, speed, np.eye(rotor.stations)) @ rotor.unbalance
+        except ValueError as error:
+            raise UserError(str(error)) from error
+        return support_sheet(self.scene, rotor, motion, speed)
+
     def table(self) -> Sheet:
         """Natural frequency, damping and whirl of every mode."""
         found = self.modes
@@ -179,6 +193,7 @@ class RotorAnalysis(Outcome):
         return {
             "scene": self.scene.name,
             "speed": self.modes.speed,
+            "forces": [dict(zip(HEADS, row, strict=True)) for row in self.forces().rows],
             "critical_speeds": self.critical.tolist(),
             "critical_speeds_loaded": self.critical_loaded.tolist(),
             "modes": [dict(zip(columns, row, strict=True)) for row in rows],

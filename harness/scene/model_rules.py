@@ -18,6 +18,11 @@ if TYPE_CHECKING:
 def model_problems(scene: Scene, rotor: LinearRotor) -> Iterator[str]:
     """A line for every problem."""
     yield from _under_a_motor(scene, rotor)
+    if scene.operation.gravity and scene.rotor.is_free:
+        yield (
+            f"operation.gravity: nothing carries {scene.rotor.on!r}: give it feet, or leave "
+            "gravity out"
+        )
     if scene.coupling.units == "python":
         for key in _native_alone(scene):
             yield (

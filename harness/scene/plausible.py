@@ -23,6 +23,7 @@ FASTEST_TRACK = 100.0  # m/s of balls along their track: steel wheels burst at s
 FARTHEST = 0.1  # eccentricity over the track's radius
 FARTHEST_ALONE = 0.01  # m: eccentricity of a rotor without balancers
 LIGHTEST, DENSEST = 500.0, 20_000.0  # kg/m^3 of a ball: wood to tungsten
+STIFF = 1e-6  # of the highest frequency: lower ones are those of a free body
 MODES_OF_INTEREST = 1.5  # times the speed: slower ones are passed or near
 MOST_CHANGE_BY_SIZE = 0.05  # of a natural frequency, by the inertia that a disc must have
 _warnings_given: set[str] = set()  # warnings that this process has given
@@ -173,6 +174,8 @@ def _discs_without_size(scene: Scene) -> Iterator[str]:
 def _natural(scene: Scene) -> list[float]:
     """Natural frequencies of the rotor with its balancers at standstill [rad/s]."""
     rates = np.abs(scene.assembly().loaded_rotor.free_rates(0.0)).round(9)
+    if scene.rotor.is_free:
+        rates = rates[rates > STIFF * rates.max()]
     return sorted(set(rates.tolist()))  # np.unique loads masked arrays
 
 

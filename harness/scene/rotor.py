@@ -28,10 +28,10 @@ from .quantities import (
     refuse_other_length,
 )
 from .rotor_table import (
-    Bearings,
     Corrections,
     DampingRatio,
     Friction,
+    OrBearings,
     RotorTable,
     SupportDamping,
     SupportStiffness,
@@ -45,7 +45,13 @@ class Planar(RotorTable):
     kind: Literal["planar"] = "planar"
     mass: Annotated[Positive, SI("kg"), Feeds()]
     """Without weights and liquid."""
-    stiffness: Annotated[PositivePair | None, SI("N/m"), Feeds("stiffness_{axis}")] = None
+    stiffness: Annotated[
+        PositivePair | None,
+        SI("N/m"),
+        Feeds("stiffness_{axis}"),
+        Field(validate_default=True),
+        OrBearings,
+    ] = None
     """Of the supports, fixed axes; this or `bearings`."""
     damping: Annotated[NotNegativePair, SI("N s/m"), Feeds("damping_{axis}")] = (0.0, 0.0)
     """Of the supports, fixed axes."""
@@ -53,8 +59,6 @@ class Planar(RotorTable):
     """Instead of damping; 1 is critical for the mass that the support carries at rest."""
     friction: Friction = ()
     """Dry friction in the supports: sliders."""
-    bearings: Bearings = ()
-    """In place of stiffness and damping: supports with cross terms, one for each support."""
     internal_damping: Annotated[NotNegative, SI("N s/m"), Feeds()] = 0.0
     """Of the shaft, turns with it."""
     unbalance: Annotated[NotNegative, SI("kg m"), Feeds()] = 0.0
@@ -81,7 +85,7 @@ class Planar(RotorTable):
 
     def acting(self) -> Acting:
         """Its only unbalance."""
-        return [(self.unbalance, self.unbalance_angle, np.ones(1))]
+        return [(self.unbalance, self.unbalance_angle, np.eye(1, len(self.points))[0])]
 
     def with_unbalance(self, _number: int, amount: float, angle: float) -> Planar:
         """The same with another unbalance."""
@@ -123,8 +127,6 @@ class TwoSupport(RotorTable):
     """Instead of damping; 1 is critical for the mass that the support carries at rest."""
     friction: Friction = ()
     """Dry friction in the supports: sliders."""
-    bearings: Bearings = ()
-    """In place of stiffness and damping: supports with cross terms, one for each support."""
     planes: Annotated[tuple[Real, ...], SI("m")] = ()
     """Where balancers can sit, from support 1."""
     unbalances: Annotated[Unbalances, Feeds("unbalance[{n}].")] = ()
@@ -191,8 +193,6 @@ class Flexible(RotorTable):
     """Instead of damping; 1 is critical for the mass that the support carries at rest."""
     friction: Friction = ()
     """Dry friction in the supports: sliders."""
-    bearings: Bearings = ()
-    """In place of support_stiffness and support_damping: with cross terms, one for each support."""
     transverse_inertias: Annotated[tuple[NotNegative, ...], SI("kg m^2")] = ()
     """Of the discs about a diameter, one a station, 0: a point; with `polar_inertias`."""
     polar_inertias: Annotated[tuple[NotNegative, ...], SI("kg m^2")] = ()
@@ -256,20 +256,21 @@ class Flexible(RotorTable):
     def takes_matrices(self) -> bool:
         """Whether discs tilt, the shaft shears or bearings have cross terms."""
         tilts = any(self.transverse_inertias) or self.shear_stiffness is not None
-        return tilts or bool(self.bearings)
+        return tilts or super().takes_matrices
 
     @property
     def points(self) -> tuple[float, ...]:
         """The stations, and a point of the axis of every disc that tilts."""
         lengths = arms(self.masses, self.transverse_inertias) if self.transverse_inertias else []
         pairs = zip(self.stations, lengths, strict=False)
-        return (*self.stations, *(z + arm for z, arm in pairs if arm))
+        axes = tuple(z + arm for z, arm in pairs if arm)
+        return self.stations + axes + self.support_positions * len(self.bodies)
 
     @property
     def beyond(self) -> tuple[str, ...]:
         """What the points of the discs' axes are called."""
         tilting = [k for k, one in enumerate(self.transverse_inertias, start=1) if one]
-        return tuple(f"axis of station {k}" for k in tilting)
+        return (*(f"axis of station {k}" for k in tilting), *super().beyond)
 
     def acting(self) -> Acting:
         """The unbalances, then the couples of discs that are askew, as forces at their arms."""

@@ -11,11 +11,14 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import Field, model_validator
+from pydantic import AfterValidator, Field, ValidationInfo, model_validator
+from pydantic_core import PydanticKnownError
 
+from ...models.bodies import GROUND, ROTOR, with_bodies
 from ...models.rotor import LinearRotor
 from ...models.rotor import Slider as LinearSlider
 from .bearing import Bearing
+from .bodies import BodyTable
 from .feeds import Feeds, Start, fed
 from .given import Acting, matrix_start
 from .quantities import (
@@ -23,9 +26,11 @@ from .quantities import (
     Angle,
     NotNegative,
     NotNegativePair,
+    Positive,
     PositivePair,
     Real,
     Table,
+    Text,
     Whole,
     refusal,
 )
@@ -60,11 +65,27 @@ class Slider(Table):
     """Of a spring in series with it; default: none, it is rigid."""
 
 
-_NO_ARGUMENTS = ("kind", "fmu", "friction", "damping_ratio")  # of a constructor of `LinearRotor`
+_NO_ARGUMENTS = (  # of a constructor of `LinearRotor`
+    *("kind", "fmu", "friction", "damping_ratio", "bodies", "on", "zone_limits"),
+)
 Bearings = tuple[Bearing, ...]
 Friction = Annotated[tuple[Slider, ...], Feeds("slider[{n}].")]
+
+
+def _or_bearings(value: Any, info: ValidationInfo) -> Any:
+    """A stiffness, which may be left out where bearings take its place."""
+    if value is None and not info.data.get("bearings"):
+        raise PydanticKnownError("missing")
+    return value
+
+
+OrBearings = AfterValidator(_or_bearings)
 SupportStiffness = Annotated[
-    tuple[PositivePair, PositivePair] | None, SI("N/m"), Feeds("support[{n}].stiffness_{axis}")
+    tuple[PositivePair, PositivePair] | None,
+    SI("N/m"),
+    Feeds("support[{n}].stiffness_{axis}"),
+    Field(validate_default=True),
+    OrBearings,
 ]
 DampingRatio = Annotated[NotNegativePair | None, SI("")]
 SupportDamping = Annotated[
@@ -107,9 +128,16 @@ class RotorTable(Table):
     fmu: FmuPath = None
     """FMU that steps the rotor instead of ours, from the folder of the scene file; it has
     [our ports](units.md); default: ours."""
+    bearings: Bearings = ()
+    """In place of stiffness and damping: supports with cross terms, one for each support."""
+    bodies: tuple[BodyTable, ...] = ()
+    """Bodies that carry the rotor or hang on it, also as [[body]] tables of the scene."""
+    on: Text = GROUND
+    """What its supports stand on: "ground", or the name of a body."""
+    zone_limits: Annotated[tuple[Positive, Positive, Positive] | None, SI("m/s")] = None
+    """Vibration of feet, rms, at which zones A, B and C end: those of a standard or contract."""
     if TYPE_CHECKING:  # a key of one kind, a property of another
         friction: tuple[Slider, ...]
-        bearings: Bearings
         damping_ratio: tuple[float, float] | None
 
         @property
@@ -128,17 +156,48 @@ class RotorTable(Table):
     @property
     def takes_matrices(self) -> bool:
         """Whether its unit has no kind of its own: it is built by matrices."""
-        return bool(self.bearings)
+        return bool(self.bearings or self.bodies)
 
     @property
     def points(self) -> tuple[float, ...]:
-        """Places of all that moves on its own: the stations, and behind them points beyond."""
-        return self.stations
+        """Places of all that moves on its own: stations, points beyond them, bodies."""
+        return self.stations + self.support_positions * len(self.bodies)
 
     @property
     def beyond(self) -> tuple[str, ...]:
         """Names of the points that are no stations."""
-        return ()
+        if len(self.supports) == 1:
+            return tuple(body.name for body in self.bodies)
+        return tuple(f"{body.name} at support {s}" for body in self.bodies for s in (1, 2))
+
+    @property
+    def is_free(self) -> bool:
+        """Whether nothing holds the body that carries it."""
+        under = {body.name: body for body in self.bodies}
+        at, seen = self.on, 0
+        while at in under and under[at].feet and seen <= len(under):
+            at, seen = under[at].on, seen + 1
+        return at != GROUND
+
+    @model_validator(mode="after")
+    def _stands(self) -> RotorTable:
+        names = [body.name for body in self.bodies]
+        if self.friction and self.bodies:
+            raise refusal("friction", "not with bodies: sliders stand on the ground")
+        for k, body in enumerate(self.bodies, start=1):
+            if body.name in (GROUND, ROTOR) or names.count(body.name) > 1:
+                raise refusal(f"bodies[{k}].name", "must be another name than any other has")
+            if not body.feet and body.name != self.on:
+                words = "must not be empty: only the body that carries the rotor can be free"
+                raise refusal(f"bodies[{k}].feet", words)
+            if len(self.supports) > 1 and not body.transverse_inertia:
+                words = "must be above 0: the body tilts with the supports of the rotor"
+                raise refusal(f"bodies[{k}].transverse_inertia", words)
+        if self.zone_limits and sorted(set(self.zone_limits)) != list(self.zone_limits):
+            raise refusal("zone_limits", "must ascend: the ends of zones A, B and C")
+        if self.on != GROUND and self.on not in names:
+            raise refusal("on", f"must be one of {', '.join(map(repr, (GROUND, *names)))}")
+        return self
 
     @property
     def stiffness_key(self) -> str:
@@ -149,8 +208,6 @@ class RotorTable(Table):
         key = self.stiffness_key
         count = len(self.supports)
         if not self.bearings:
-            if getattr(self, key) is None:
-                raise refusal(key, "is missing: give it (N/m), or bearings")
             return self
         for other in (key, self.damping_key, "damping_ratio"):
             if other in self.model_fields_set:
@@ -303,7 +360,10 @@ class RotorTable(Table):
         return {"sliders": len(self.friction)} if self.friction else {}
 
     def _with_friction(self, rotor: LinearRotor) -> LinearRotor:
-        """The same rotor with the sliders in its supports."""
+        """The same rotor with the sliders in its supports, and with its bodies."""
+        if self.bodies:
+            bodies = [body.build() for body in self.bodies]
+            rotor = with_bodies(rotor, self.support_positions, self.planes, bodies, self.on)
         sliders = [
             LinearSlider(self.supports[s.support - 1] - 1, axis, s.limit[axis],
                         s.stiffness[axis] if s.stiffness else 0.0)

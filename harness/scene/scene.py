@@ -22,6 +22,7 @@ from ...models.rotor import LinearRotor
 from ..errors import SceneError
 from .balancer import AnyBalancer
 from .balancing import Balancing
+from .bodies import bodies_inside
 from .check import AnyCheck
 from .document import Described
 from .file import bundled_scenes, find, read, refuse_deep
@@ -121,7 +122,7 @@ class Scene(Described):
         return cls._of(read(path), path, path.name if is_name else str(source))
 
     def _fill(self, document: dict[str, Any], path: Path | None, label: str) -> None:
-        document = with_corners(document, path.parent if path else Path())
+        document = bodies_inside(with_corners(document, path.parent if path else Path()))
         try:
             BaseModel.__init__(self, **document)
         except ValidationError as error:

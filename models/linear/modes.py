@@ -12,13 +12,14 @@ from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import eigh
+from scipy.linalg import eigh, eigvals, eigvalsh
 
 from ..rotor import LinearRotor
 from .growth import Growth, State, eigenpairs_with_errors
 
 _PLANAR = 1e-6  # |whirl| below it is a straight line: rounding of equal x and y frequencies
 _REAL = 1e-9  # |Im|/|lambda| below it is an overdamped motion, not an oscillation
+_RIGID = 1e-12  # of the largest stiffness, or squared frequency: a motion without stiffness
 _ABOVE = 1.3  # a range ends this much above the highest speed of interest
 _LOWEST = 0.01  # of a range's end: a rotor that stands still has neither whirl nor response
 _FAR = 3.0  # critical speeds beyond this many operating speeds are of no interest
@@ -141,10 +142,22 @@ def critical_speeds(rotor: LinearRotor) -> NDArray[np.float64]:
     _, turning, _ = rotor.coefficients(1.0)
     elastic = stiffness.real if rotor.isotropic else stiffness
     inertial = mass - 1j * (turning - damping)
+    elastic = (elastic + elastic.conj().T) / 2.0  # what cross terms do beyond is like damping
+    strength = eigvalsh(elastic)
+    if strength[0] <= _RIGID * strength[-1]:  # a body that is free
+        return _critical_of_free(elastic, inertial)
     # K is positive definite, M - i J G need not be: solve for 1/w^2
     inverse_squares = eigh(inertial, elastic, eigvals_only=True)
     real = inverse_squares[inverse_squares > np.finfo(float).eps * np.abs(inverse_squares).max()]
     return np.sort(1.0 / np.sqrt(real))
+
+
+def _critical_of_free(elastic: NDArray, inertial: NDArray) -> NDArray[np.float64]:
+    """`critical_speeds` where a motion has no stiffness, which is critical at no speed."""
+    found = eigvals(elastic, inertial)
+    size = np.abs(found[np.isfinite(found)]).max(initial=0.0)
+    is_square = (np.abs(found.imag) <= _REAL * size) & (found.real > _RIGID * size)
+    return np.sort(np.sqrt(found[is_square].real))
 
 
 def speeds_of_interest(rotor: LinearRotor, speed: float) -> tuple[float, float]:

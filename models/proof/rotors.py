@@ -15,6 +15,7 @@ import numpy as np
 from flint import arb, arb_mat
 
 from ..arrays import Numbers
+from ..bodies import Body, Foot, with_bodies
 from ..constants import SAME_PLACE
 from ..linear.linearised import RotorParts
 from ..rotor import LinearRotor
@@ -22,7 +23,7 @@ from .slopes import Exact, Number, Sloped, ball, largest
 
 _NO_ARGUMENTS = (  # of a constructor of `LinearRotor`, or used apart from it
     "kind", "fmu", "friction", "damping_ratio", "unbalance", "unbalance_angle", "unbalances",
-    "skews",
+    "skews", "bodies", "on", "zone_limits",
 )  # fmt: skip
 
 
@@ -131,6 +132,8 @@ def rotor_balls(table: Mapping[str, Any], added: Sequence[tuple[int, Number]]) -
         rotor: LinearRotor = getattr(LinearRotor, kind)(**given)
     except ValueError as error:
         raise Unproved(str(error)) from error
+    if table["bodies"]:
+        rotor = _with_bodies(rotor, table, places)
     masses = balls([0] * rotor.plane_count)
     for plane, mass in added:
         masses[plane] += mass
@@ -144,6 +147,28 @@ def rotor_balls(table: Mapping[str, Any], added: Sequence[tuple[int, Number]]) -
                          for place, size, angle in loads),
         rigid=kind == "two_support",
     )  # fmt: skip
+
+
+def _with_bodies(
+    rotor: LinearRotor, table: Mapping[str, Any], places: Sequence[Any]
+) -> LinearRotor:
+    """The rotor with the bodies of its table."""
+    supports: list[Any]
+    if table["kind"] == "planar":
+        supports = [arb(0)]
+    elif table["kind"] == "two_support":
+        supports = [arb(0), table["span"]]
+    else:
+        supports = [places[k - 1] for k in table["supports"]]
+    bodies = [
+        Body(
+            body["name"], body["mass"], body["transverse_inertia"], body["center"],
+            tuple(Foot(f["position"], f["stiffness"], f["damping"]) for f in body["feet"]),
+            body["on"],
+        )
+        for body in table["bodies"]
+    ]  # fmt: skip
+    return with_bodies(rotor, supports, places, bodies, table["on"])
 
 
 def _solve(matrix: Exact, right: Exact) -> Exact:

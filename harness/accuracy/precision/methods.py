@@ -21,6 +21,7 @@ from ...master.recorder import Recorder
 from ...master.runtime import Backend
 from ...master.schedule import end_time
 from ...scene import Scene
+from ...scene.begin import motion_at_start
 
 EXPLICIT_STEPS = (10, 20, 40, 80, 160)
 ITERATED_STEPS = (8, 10, 14, 20, 28, 40, 80)
@@ -156,7 +157,7 @@ def _monolith(scene: Scene, names: Sequence[str], method: str, rtol: float) -> R
 
     Its points are those of its own steps, as with the couplings: dense output would cost extra.
     """
-    start = scene.run.initial.motion()
+    start = motion_at_start(scene)
     system = equations(scene.assembly(), scene.operation.drive(), start.angle)
 
     def run() -> TimedRun:

@@ -16,6 +16,7 @@ from ...master.names import weight
 from ...master.plan import plan
 from ...scene import Scene
 from ...scene.balancer import WeightBalancer
+from ...scene.begin import motion_at_start
 
 RTOL = 3e-14  # a hair above the smallest SciPy accepts
 BOUND = 1e-3  # two methods that differ by more give no reference at all
@@ -61,7 +62,7 @@ def right_motion(
             scene.assembly(),
             scene.operation.drive(),
             every,
-            initial=scene.run.initial.motion(),
+            initial=motion_at_start(scene),
             rtol=RTOL,
             bound=BOUND,
             signals=[n for n in states if not n.startswith(("rotor.angle", "motor."))] or None,

@@ -10,8 +10,11 @@ from fmpy import platform_tuple
 import autobalancer as ab
 from autobalancer.fmus.catalogue import sized_unit
 from autobalancer.harness import cosimulate
+from autobalancer.harness.master.names import stations
 from autobalancer.harness.master.plan import plan
 from autobalancer.harness.scene.plausible import implausible
+from autobalancer.models.monolith import reference
+from autobalancer.models.papers.influence import influence
 
 OVERHUNG = {
     "kind": "flexible",
@@ -106,7 +109,7 @@ def test_its_unit_is_described_and_built_for_both_versions_of_fmi(tmp_path):
 @pytest.mark.parametrize(
     ("rotor", "words"),
     [
-        (PLANAR, "rotor.stiffness: is missing: give it"),
+        (PLANAR, "rotor.stiffness: missing; give a value in N/m"),
         (PLANAR | {"stiffness": 1e5, "bearings": [BEARING]}, "either bearings or stiffness"),
         (OVERHUNG | {"polar_inertias": [0.0, 0.0, 0.25]}, r"polar_inertias\[3\]"),
         (OVERHUNG | {"polar_inertias": [0.0, 0.24]}, "polar_inertias"),
@@ -130,7 +133,7 @@ def test_a_point_as_wide_as_its_balancer_is_warned_of():
 
 
 def test_stability_is_proved_of_discs_that_tilt_and_of_bearings():
-    for rotor, span in ((OVERHUNG, (330.0, 380.0)), (PLANAR | {"bearings": [BEARING]}, (120, 160))):
+    for rotor, span in ((OVERHUNG, (370.0, 380.0)), (PLANAR | {"bearings": [BEARING]}, (120, 160))):
         scene = machine(rotor)
         found = scene.speeds(*span, "floquet")
         proof = scene.speeds(*span, "proved", narrowest=0.5).proof
@@ -139,3 +142,94 @@ def test_stability_is_proved_of_discs_that_tilt_and_of_bearings():
         limits = [crossing.speed for crossing in found.methods["floquet"]]
         for band in decided:
             assert not any(band.low < limit < band.high for limit in limits)
+
+
+TUB = {"name": "tub", "mass": 30.0, "feet": [{"stiffness": 6e4, "damping": 200.0}]}
+DISC = {"kind": "planar", "mass": 10.0, "stiffness": 4e4, "damping": 40.0, "unbalance": 3e-3}
+
+
+def on_a_tub(rotor=DISC, body=TUB, **more):
+    more = {"speed": 150.0, "run": {"revolutions": 20}, **more}
+    speed = more.pop("speed")
+    return ab.Scene.from_document(
+        {"rotor": rotor | {"on": "tub"}, "body": [body], "operation": {"speed": speed}, **more}
+    )
+
+
+@pytest.mark.parametrize("kind", ["tub", "overhung", "bearing"])
+def test_a_run_ends_as_the_integration_in_one_piece(kind):
+    scene = {
+        "tub": lambda: on_a_tub(balancer=[BALLS], rotor=DISC | {"internal_damping": 5.0}),
+        "overhung": lambda: machine(OVERHUNG),
+        "bearing": lambda: machine(PLANAR | {"bearings": [BEARING]}),
+    }[kind]()
+    run = cosimulate(scene)
+    expected, _ = reference(scene.assembly(), scene.profile(), run.time[-1:])
+    for at, prefix in enumerate(stations(len(scene.rotor.points))):
+        size = np.abs(run[f"rotor.{prefix}x"]).max()
+        assert run[f"rotor.{prefix}x"][-1] == pytest.approx(expected.x[0, at], abs=1e-4 * size)
+
+
+def test_a_settled_run_and_the_equations_have_the_same_forces_at_the_feet():
+    limits = [1.4e-3, 2.8e-3, 4.5e-3]
+    scene = on_a_tub(run={"revolutions": 400}, rotor=DISC | {"zone_limits": limits})
+    expected, found = scene.rotor().forces(), cosimulate(scene).forces()
+    by_run, by_equations = ({row[0]: row for row in sheet.rows} for sheet in (found, expected))
+    assert set(by_run) == {"support[1]", "tub.foot[1]"}
+    for place, row in by_run.items():
+        assert row[1:3] == pytest.approx(by_equations[place][1:3], rel=1e-6)
+    foot = by_run["tub.foot[1]"]
+    assert foot[2] == pytest.approx(foot[1] / (3e-3 * 150.0**2), rel=1e-12)
+    assert foot[4] == "B"
+    assert by_run["support[1]"][4] == ""
+
+
+def test_a_free_tool_does_not_drift_and_says_what_hands_feel():
+    tool = {
+        "kind": "two_support", "mass": 0.5, "inertia": 1e-3, "polar_inertia": 4e-4, "span": 0.1,
+        "stiffness": [[1e7, 1e7]] * 2, "planes": [0.14],
+        "unbalances": [{"position": 0.14, "amount": 2e-5}],
+    }  # fmt: skip
+    rest = {"name": "tub", "mass": 2.0, "transverse_inertia": 7e-3, "center": 0.05}
+    rest["handles"] = [{"name": "side", "position": 0.1}]
+    scene = on_a_tub(tool, rest, speed=1000.0, run={"revolutions": 100})
+    run = cosimulate(scene)
+    moved = np.hypot(run["rotor.station[3].x"], run["rotor.station[3].y"])
+    assert moved.max() == pytest.approx(moved.min(), rel=1e-6)
+    side = next(row for row in run.forces().rows if row[0] == "tub.side")
+    assert side[5] == pytest.approx(19.842, rel=0.02)  # of a rigid tool
+    with pytest.raises(ab.SceneError, match="nothing carries 'tub'"):
+        scene.replace({"operation.gravity": 9.81})
+
+
+def test_an_absorber_hangs_on_the_rotor():
+    """Tuned to the speed and undamped, it leaves the rotor at rest."""
+    absorber = {"name": "absorber", "mass": 1.0, "on": "rotor"}
+    absorber["feet"] = [{"stiffness": 1.0 * 150.0**2}]
+    scene = ab.Scene(rotor=DISC | {"bodies": [absorber]}, speed=150.0)
+    motion = influence(scene.assembly().rotor, 150.0, np.eye(2)) @ scene.assembly().rotor.unbalance
+    assert abs(motion[0, 0]) < 1e-9 * abs(motion[0, 1])
+
+
+@pytest.mark.parametrize(
+    ("rotor", "body", "words"),
+    [
+        (DISC, TUB | {"name": "ground"}, r"rotor\.bodies\[1\]\.name"),
+        (DISC | {"on": "floor"}, TUB, "must be one of 'ground', 'tub'"),
+        (DISC, TUB | {"feet": []}, "only the body that carries the rotor can be free"),
+    ],
+)
+def test_bodies_that_cannot_be_are_refused(rotor, body, words):
+    with pytest.raises(ab.SceneError, match=words):
+        ab.Scene(rotor={"on": "ground"} | rotor | {"bodies": [body]}, speed=100.0)
+
+
+def test_stability_on_a_tub_is_proved_as_floquet_has_it():
+    scene = on_a_tub(balancer=[BALLS])
+    found = scene.speeds(50.0, 300.0, "floquet").methods["floquet"]
+    limits = [crossing.speed for crossing in found]
+    bands = scene.speeds(50.0, 300.0, "proved", narrowest=0.5).proof.bands
+    assert len(limits) >= 2
+    assert {band.state for band in bands} >= {"stable", "unstable"}
+    for limit in limits:
+        assert any(b.low <= limit <= b.high for b in bands if b.state == "undecided")

@@ -6,6 +6,8 @@ import math
 import random
 from collections.abc import Callable, Sequence
 
+import numpy as np
+
 from tests.studies.truth.sketch import (
     TURN,
     Document,
@@ -156,6 +158,46 @@ def bearings(generator: random.Random) -> Document:
                 "damping": [[c[0], rounded(sheared)], [rounded(sheared), c[1]]],
             }
         )
+    return document
+
+
+def bodies(generator: random.Random) -> Document:
+    """Any rotor on a tub or base with feet, on one that is free, or with an absorber."""
+    document = generator.choice((planar, two_support, flexible, tilting))(generator)
+    rotor = document["rotor"]
+    mass = rotor["mass"] if "mass" in rotor else sum(rotor["masses"])
+    key = "support_stiffness" if rotor["kind"] == "flexible" else "stiffness"
+    pairs = np.reshape(rotor[key], (-1, 2))
+    damping = np.reshape(rotor[key.replace("stiffness", "damping")], (-1, 2))
+    places = {"planar": [0.0], "two_support": [0.0, rotor.get("span")]}.get(rotor["kind"])
+    places = places or [rotor["stations"][k - 1] for k in rotor["supports"]]
+    length = places[-1] - places[0]
+    own = mass * sized(generator, 0.05, 20.0)
+    share = sized(generator, 0.05, 20.0)
+    feet = [
+        {
+            "position": place,
+            "stiffness": [rounded(share * value) for value in k],
+            "damping": [rounded(share * value) for value in c],
+        }
+        for place, k, c in zip(places, pairs.tolist(), damping.tolist(), strict=True)
+    ]
+    body = {"name": "base", "mass": rounded(own), "feet": feet}
+    if length:
+        body["center"] = rounded(places[0] + length * even(generator, 0.1, 0.9))
+        body["transverse_inertia"] = rounded(own * (length * sized(generator, 0.1, 1.0)) ** 2)
+    choice = generator.random()
+    if choice < 0.15 and rotor["kind"] != "flexible":
+        body["on"] = "rotor"
+        body["feet"] = feet[:1] if not length else []
+        if length:
+            body |= {"on": "ground", "feet": feet}
+    elif choice < 0.3:
+        body["feet"] = []
+    rotor["bodies"] = [body]
+    rotor["on"] = "ground" if body.get("on") == "rotor" else "base"
+    if rotor["kind"] == "planar" and generator.random() < 0.3:
+        rotor["internal_damping"] = rounded(0.1 * float(damping.max()))
     return document
 
 
@@ -375,6 +417,7 @@ FAMILIES: dict[str, Callable[[random.Random], Document]] = {
     "flexible": flexible,
     "tilting": tilting,
     "bearings": bearings,
+    "bodies": bodies,
     "liquid": liquid,
     "heavy": heavy,
     "finite": finite,

@@ -17,6 +17,7 @@ from autobalancer.harness.errors import SimulationError, UserError
 from autobalancer.harness.master.names import kin
 from autobalancer.harness.result.result import Result
 from autobalancer.harness.result.run import cosimulate
+from autobalancer.harness.scene.begin import motion_at_start
 from autobalancer.harness.scene.plausible import ImplausibleWarning
 from autobalancer.models.assembly import Assembly
 from autobalancer.models.constants import STATED_ERROR
@@ -230,7 +231,7 @@ def referred(
         scene.assembly(),
         scene.operation.drive(),
         result.time,
-        initial=scene.run.initial.motion(),
+        initial=motion_at_start(scene),
         rtol=rtol,
         bound=REFERENCE_BOUND,
         signals=[n for n in names if n.endswith((".x", ".y"))],
@@ -240,7 +241,7 @@ def referred(
 
 def growth(scene: Scene, times: NDArray) -> float:
     """How many times as large a small turn of every first weight is at most by the end."""
-    start, drive = scene.run.initial.motion(), scene.operation.drive()
+    start, drive = motion_at_start(scene), scene.operation.drive()
     ends = []
     for turn in (0.0, DISTURBANCE):
         assembly = _turned(scene.assembly(), turn)

@@ -1,0 +1,63 @@
+"""Bodies that carry a rotor or hang on it, in a scene."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any
+
+from pydantic import Field
+
+from ...models.bodies import GROUND, Body, Foot
+from .quantities import SI, NotNegative, NotNegativePair, Positive, PositivePair, Real, Table, Text
+
+
+class FootTable(Table):
+    """A spring and a damper between a body and what it stands on."""
+
+    position: Annotated[Real, SI("m")] = 0.0
+    """Along the axis, from support 1; of a planar rotor none."""
+    stiffness: Annotated[PositivePair, SI("N/m")]
+    """[x, y]."""
+    damping: Annotated[NotNegativePair, SI("N s/m")] = (0.0, 0.0)
+    """[x, y]."""
+
+
+class Handle(Table):
+    """Where a hand holds a body: vibration there is an answer."""
+
+    name: Text
+    """What the answer calls it."""
+    position: Annotated[Real, SI("m")] = 0.0
+    """Along the axis, from support 1."""
+
+
+class BodyTable(Table):
+    """A body that does not turn: a tub, a casing, a base, an absorber, the rest of a hand tool."""
+
+    name: Annotated[Text, Field(pattern=r"^[A-Za-z][\w-]*$")]
+    """What outputs call it."""
+    mass: Annotated[Positive, SI("kg")]
+    """Without the rotor."""
+    transverse_inertia: Annotated[NotNegative, SI("kg m^2")] = 0.0
+    """About a transverse axis through its centre of mass; above 0 unless the rotor is planar."""
+    center: Annotated[Real, SI("m")] = 0.0
+    """Centre of mass along the axis, from support 1."""
+    feet: tuple[FootTable, ...] = ()
+    """What it stands on; none: the body that carries the rotor is free, as in hands."""
+    on: Text = GROUND
+    """What it stands on: "ground", "rotor" (an absorber), or the name of another body."""
+    handles: tuple[Handle, ...] = ()
+    """Where hands hold it."""
+
+    def build(self) -> Body:
+        """For the models."""
+        feet = tuple(Foot(foot.position, foot.stiffness, foot.damping) for foot in self.feet)
+        return Body(self.name, self.mass, self.transverse_inertia, self.center, feet, self.on)
+
+
+def bodies_inside(document: dict[str, Any]) -> dict[str, Any]:
+    """A document whose [[body]] tables stand in its rotor's table, as `bodies`."""
+    rotor = document.get("rotor")
+    if "body" not in document or not isinstance(rotor, dict) or "bodies" in rotor:
+        return document
+    kept = {key: value for key, value in document.items() if key != "body"}
+    return {**kept, "rotor": {**rotor, "bodies": document["body"]}}

@@ -1,0 +1,182 @@
+"""Bodies that do not turn: a tub, a casing or a base that carries the rotor, or an absorber.
+
+A body moves as the rotor's supports do: a planar rotor's has one displacement for each axis, any
+other's two, p_1 and p_2 in the planes z_1, z_2 of the supports.  With a = (s - z_1)/l for the
+centre of mass at s, l = z_2 - z_1,
+
+    M_b = [[m (1 - a)^2 + It/l^2, m a (1 - a) - It/l^2], [m a (1 - a) - It/l^2, m a^2 + It/l^2]]
+
+as that of the rigid rotor on two supports without polar inertia.  Internal damping of the shaft
+acts on its bending, which is the motion of the rotor relative to what carries it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from .arrays import Numbers, numbers
+from .rotor import LinearRotor
+from .supports import Support, diagonal_pair
+
+GROUND, ROTOR = "ground", "rotor"
+
+
+@dataclass(frozen=True)
+class Foot:
+    """A spring and a damper under a body.
+
+    Attributes:
+        position: along the axis [m].
+        stiffness, damping: (x, y) [N/m, N s/m].
+    """
+
+    position: float
+    stiffness: Sequence[float]
+    damping: Sequence[float] = (0.0, 0.0)
+
+
+@dataclass(frozen=True)
+class Body:
+    """A body that does not turn.
+
+    Attributes:
+        name: of the body.
+        mass: [kg].
+        inertia: about a transverse axis through its centre of mass [kg m^2].
+        centre: of mass, along the axis [m].
+        feet: between it and what it stands on; none: it is free.
+        on: "ground", "rotor" (an absorber) or another body's name.
+    """
+
+    name: str
+    mass: float
+    inertia: float = 0.0
+    centre: float = 0.0
+    feet: tuple[Foot, ...] = ()
+    on: str = GROUND
+
+
+class Places:
+    """Where rotor and bodies stand among the coordinates, and how their places move.
+
+    Args:
+        supports: places of the rotor's supports, one or two [m].
+        rows: (p, n) of the rotor at `along` (p,) [m].
+    """
+
+    def __init__(
+        self,
+        supports: Sequence[float],
+        rows: Numbers,
+        along: Sequence[float],
+        bodies: Sequence[Body],
+    ) -> None:
+        self.supports, self.rows, self.along = tuple(supports), rows, tuple(along)
+        self.own = len(self.supports)
+        self.first = {body.name: rows.shape[1] + k * self.own for k, body in enumerate(bodies)}
+        self.size = rows.shape[1] + self.own * len(bodies)
+
+    def shares(self, position: float) -> list[float]:
+        """Parts that a body's coordinates have in the displacement of its place."""
+        if self.own == 1:
+            return [1.0]
+        begin, end = self.supports
+        part = (position - begin) / (end - begin)
+        return [1.0 - part, part]
+
+    def row(self, of: str, position: float) -> Numbers:
+        """(size,) displacement of a place of the ground, the rotor or a body.
+
+        Raises:
+            ValueError: the rotor has no such place.
+        """
+        found: list[float] = [0.0] * self.size
+        if of == ROTOR:
+            at = min(range(len(self.along)), key=lambda k: abs(float(self.along[k] - position)))
+            if self.own > 1 and self.along[at] != position:
+                raise ValueError(
+                    f"feet: position = {position:g} m: of a body on the rotor must be one of its "
+                    f"places, {[float(z) for z in self.along]} m"
+                )
+            found[: self.rows.shape[1]] = self.rows[at].tolist()
+        elif of != GROUND:
+            at = self.first[of]
+            found[at : at + self.own] = self.shares(position)
+        return numbers(found)
+
+
+def with_bodies(
+    rotor: LinearRotor,
+    supports: Sequence[float],
+    along: Sequence[float],
+    bodies: Sequence[Body],
+    carrier: str = GROUND,
+) -> LinearRotor:
+    """A rotor with bodies; their coordinates stand behind its own.
+
+    Args:
+        supports: places of its supports, one for each of `rotor.supports` [m].
+        along: places of its planes [m].
+        carrier: what the supports stand on.
+
+    Raises:
+        ValueError: a body stands on what there is not, or where the rotor has no place.
+    """
+    places = Places(supports, rotor.planes, along, bodies)
+    _refuse_unknown(bodies, carrier, places.first)
+    n, size = rotor.stations, places.size
+    wide = np.eye(n, size)
+    mass = wide.T @ rotor.mass @ wide
+    for body in bodies:
+        at = slice(places.first[body.name], places.first[body.name] + places.own)
+        mass[at, at] = _inertia(body, places)
+    held = []
+    for k, (support, place) in enumerate(zip(rotor.supports, supports, strict=True), start=1):
+        rows = support.rows @ wide - places.row(carrier, place)
+        held.append(replace(support, rows=rows, name=f"support[{k}]"))
+    for body in bodies:
+        for number, foot in enumerate(body.feet, start=1):
+            row = places.row(body.name, foot.position) - places.row(body.on, foot.position)
+            springs, dampers = diagonal_pair(foot.stiffness), diagonal_pair(foot.damping)
+            held.append(Support.bearing(row, springs, dampers, name=f"{body.name}.foot[{number}]"))
+    bent = wide
+    if n == 1:  # the disc's bending is its way from what carries it; other shafts bend alone
+        bent = wide - places.row(carrier, supports[0])
+    return replace(
+        rotor,
+        mass=mass,
+        elastic=wide.T @ rotor.elastic @ wide,
+        supports=tuple(held),
+        internal_damping=bent.T @ rotor.internal_damping @ bent,
+        gyroscopic=wide.T @ rotor.gyroscopic @ wide,
+        planes=rotor.planes @ wide,
+        unbalance=rotor.unbalance @ wide,
+        deflection=rotor.deflection @ bent,
+    )
+
+
+def _inertia(body: Body, places: Places) -> Numbers:
+    """Mass matrix of a body's own coordinates."""
+    at = numbers([places.shares(body.centre)])
+    found = body.mass * at.T @ at
+    if places.own == 2:
+        begin, end = places.supports
+        tilt = np.array([[-1.0, 1.0]]) / (end - begin)
+        found = found + body.inertia * tilt.T @ tilt
+    return found
+
+
+def _refuse_unknown(bodies: Sequence[Body], carrier: str, names: Mapping[str, int]) -> None:
+    known = [GROUND, *names]
+    if carrier not in known:
+        raise ValueError(f"on = {carrier!r}: must be one of {', '.join(map(repr, known))}")
+    for body in bodies:
+        others = [name for name in (GROUND, ROTOR, *names) if name != body.name]
+        if body.on not in others:
+            raise ValueError(
+                f"body {body.name!r}: on = {body.on!r}: must be one of "
+                f"{', '.join(map(repr, others))}"
+            )
