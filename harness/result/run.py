@@ -185,6 +185,7 @@ def result(
         passes=facts.passes,
         calls=dict(facts.calls),
         unconverged=facts.unconverged,
+        series_order=facts.series_order,
         estimated_error=facts.estimated_error,
         unknown_error=facts.unknown_error,
         signal_units={name: units.get(name, "m/s") for name in names},
