@@ -18,10 +18,12 @@ def from_facts(known: Known) -> Ruling | None:
     """What no run can change."""
     if known.exceeds_capacity:
         assert known.reach is not None
+        aside = f" with the track off centre by {millimetres(known.off_centre)}"
         return Ruling(
             Outcome.OVER_CAPACITY,
-            f"capacity exceeded: {readable_unbalance(known.reach.needed)} to balance, the weights "
-            f"hold at most {readable_unbalance(known.reach.capacity)}",
+            f"capacity exceeded: {readable_unbalance(known.reach.needed)} to balance"
+            f"{aside * bool(known.off_centre)}, the weights hold at most "
+            f"{readable_unbalance(known.reach.capacity)}",
         )
     if known.is_out_of_reach:
         assert known.reach is not None

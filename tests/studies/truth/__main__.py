@@ -1,7 +1,7 @@
 """Command: draw random scenes, run them as they are, and count how many are right.
 
-python -m tests.studies.truth --family planar=3000 --family heavy=500 [--seed 2] [--separate]
-    [--tolerance 1e-5] [--markdown FILE]
+python -m tests.studies.truth --family planar=3000 --family heavy=500 [--seed 2] [--first 100]
+    [--separate] [--tolerance 1e-5] [--markdown FILE]
 """
 
 from __future__ import annotations
@@ -25,6 +25,9 @@ def command(
         typer.Option(metavar="NAME=N", help=f"Only these: {', '.join(FAMILIES)}."),
     ] = None,
     seed: Annotated[int, typer.Option(help="Another seed draws other scenes.")] = 1,
+    first: Annotated[
+        int, typer.Option(min=0, help="Number of the first scene, to go on after another study.")
+    ] = 0,
     tolerance: Annotated[
         float | None, typer.Option(help="Of every run, instead of the default coupling.")
     ] = None,
@@ -38,7 +41,7 @@ def command(
 ) -> None:
     """Random scenes against an independent integration."""
     changes = {} if tolerance is None else {"coupling.tolerance": tolerance}
-    options: dict[str, Any] = {"changes": changes, "separate": separate}
+    options: dict[str, Any] = {"changes": changes, "separate": separate, "first": first}
     with progress_bar("random scenes") as progress:
         found = verdicts(counts(family), seed, workers, progress, **options)
     for verdict in misses(found):

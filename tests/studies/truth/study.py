@@ -18,16 +18,18 @@ def verdicts(
     seed: int = 1,
     workers: Workers = 1,
     progress: Progress | None = None,
+    first: int = 0,
     **options: Any,
 ) -> list[Verdict]:
     """Verdicts of all scenes, by family and number.
 
     Args:
         counts: how many scenes of each family.
+        first: number of the first scene of each.
         seed: they are drawn with.
         options: of `judge`.
     """
-    items = [(family, n) for family, count in counts.items() for n in range(count)]
+    items = [(family, n) for family, count in counts.items() for n in range(first, first + count)]
     return in_order(partial(_judged, seed, options), items, workers, progress)
 
 

@@ -207,6 +207,14 @@ def test_a_track_off_centre_leaves_the_vibration_of_its_offset(share, outcome):
         assert found.vibration == pytest.approx(share * alone, rel=0.1)
 
 
+def test_a_track_far_off_centre_takes_more_than_the_weights_hold():
+    """Opposite to the unbalance: far above the critical speed, the mass times the offset more."""
+    found = verdict(drum(turns=30, balls__track_offset_xi=-5e-3))
+    assert found.outcome is Outcome.OVER_CAPACITY
+    assert "to balance with the track off centre by 5 mm, the weights hold" in found.reason
+    assert found.needed == pytest.approx(0.02 + 8.0 * 5e-3, rel=0.15)
+
+
 def test_every_plateau_has_its_verdict():
     found = verdict(profile((0, 40), (5, 40), (8, 150), (14, 150)))
     assert [one.outcome for *_, one in found.plateaus] == [
