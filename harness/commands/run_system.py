@@ -14,8 +14,6 @@ from ..scene.changes import parse_change
 if TYPE_CHECKING:
     from ..api.system import System
 
-ENDINGS = (".fmu", ".ssp")
-
 
 def system_of(source: str, changes: list[str] | None) -> System | None:
     """The system that a path names, with every KEY=VALUE put in its place; None of a scene.
@@ -23,11 +21,9 @@ def system_of(source: str, changes: list[str] | None) -> System | None:
     Raises:
         UserError: it is wrong, or a change is.
     """
-    from ..scene.file import find, is_system, read
+    from ..scene.file import names_system
 
-    path = Path(source)
-    is_file = path.is_file() and path.suffix in ENDINGS
-    if not is_file and not is_system(read(find(source))):
+    if not names_system(source):
         return None
     from autobalancer.system import load_system
 

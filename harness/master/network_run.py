@@ -123,6 +123,12 @@ class NetworkRun(Coupled):
         inlets = [inlet for each in self.wiring.inlets.values() for inlet in each]
         return all(self.wiring.has_slope) and all(inlet.takes == CUBIC for inlet in inlets)
 
+    def _unsettled(self) -> list[Member]:
+        """Units whose outputs at the start need not know their inputs yet: all in a loop."""
+        if not (self.system.coupled and self.system.can_restore):
+            return []
+        return [m for m in self.system.members if m.is_free and m.inlets]
+
     def record(self, recorder: Recorder, progress: Progress | None) -> None:
         """`Coupled.record`, with outputs as they are at each point, not at the mean of a step."""
         outputs: dict[str, set[str]] = {name: set() for name in self.units}
@@ -134,7 +140,7 @@ class NetworkRun(Coupled):
 
     def _record_row(self, recorder: Recorder) -> None:
         step = BRIEF * self._schedule[0][0] / self._parts
-        lagging = self._lagging if self.time > 0.0 else []
+        lagging = self._lagging if self.time > 0.0 else self._unsettled()
         self.system.read_ahead(lagging, self.time, step)
         super()._record_row(recorder)
         self.system.go_back(lagging)

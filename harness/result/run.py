@@ -97,7 +97,7 @@ def load(scene: Scene, fmus: Path | None = None, separate: bool = False) -> Simu
         from ..master.plan import plan
         from ..master.unit_files import has_strangers
 
-        if scene.guests or has_strangers(plan(scene).units, fmus):
+        if scene.guests or (fmus is not None and has_strangers(plan(scene).units, fmus)):
             return MixedRun(scene, fmus=fmus)
         return CoSimulation(scene, fmus=fmus)
     from ..master.one_file_run import OneFileRun  # compiles where it has to

@@ -142,3 +142,15 @@ def _is_toml(text: str) -> bool:
 def is_system(document: Mapping[str, Any]) -> bool:
     """Whether a document is one of units and connections alone."""
     return "rotor" not in document and "unit" in document
+
+
+def names_system(source: str | Path) -> bool:
+    """Whether a path is that of a system of units: an FMU, an SSP, or a file without a rotor.
+
+    Raises:
+        SceneError: there is no such file, or it is not TOML.
+    """
+    path = Path(source)
+    if path.is_file() and path.suffix in COMMANDS_OF:
+        return True
+    return is_system(read(find(source)))

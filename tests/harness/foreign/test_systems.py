@@ -166,3 +166,17 @@ def test_fmi_3_runs_as_fmi_2(tmp_path):
         found.append(system.replace({f"{name}.x0": 1e-3}).run(record=[f"{name}.x"])[f"{name}.x"])
     np.testing.assert_array_equal(*found)
     assert np.ptp(found[0]) > 1e-4
+
+
+def test_the_fixture_runs_a_system_and_its_signals_assert_themselves(cosim, guest, tmp_path):
+    (tmp_path / "mass.toml").write_text(
+        f'unit = [{{name = "m", fmu = "{guest("mass")}", start = {{x0 = 1.0, c = 0.0}}}}]\n'
+        "coupling.step = 0.01\nrun.duration = 1.0\n"
+    )
+    result = cosim(tmp_path / "mass.toml", **{"m.k": 4.0})
+    result.assert_close("m.x", np.cos(2.0 * result.time), 1e-6)
+    result.assert_bounded("m.x", 1.0 + 1e-9)
+    assert result.to_csv(tmp_path / "mass.csv").read_text().startswith("time,m.x")
+    assert result.plot(tmp_path / "mass.png").stat().st_size > 1000
+    with pytest.raises(AssertionError, match="differs by"):
+        result.assert_close("m.x", 0.0, 1e-6)

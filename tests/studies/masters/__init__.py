@@ -1,0 +1,1 @@
+"""Coupling problems with exact solutions, run by our master and by others."""
