@@ -327,7 +327,7 @@ class Scene(Described):
         if self.guests:
             raise SceneError(
                 f"{self.name}: {', '.join(self.guests)}: {what} requires equations, and those of "
-                "an FMU of any origin are not known: `run`, `scatter --results` and `fit` take it"
+                "an FMU of any origin are not known: `run` takes it"
             )
 
     def _wrongly_connected(self) -> list[str]:

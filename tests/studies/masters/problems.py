@@ -106,12 +106,12 @@ def _bolted(gain: float) -> Problem:
 PROBLEMS = (
     _chain(
         "quarter truck",
-        "chassis and wheel on a road step of 0.1 m, the example of the Open Simulation Platform",
+        "chassis and wheel on a road step of 0.1 m; in libcosim's form, with our own values",
         (400.0, 40.0), ((0.0, 0.0), (150e3, 0.0)), (15e3, 1e3), (-0.1, -0.1), (2e-3, 1e-3), 1.0,
     ),
     _chain(
         "dual mass oscillator",
-        "displacement against force, the benchmark of Busch",
+        "displacement against force, in the form of Busch's benchmark with our own values",
         (1.0, 1.0), ((10.0, 0.1), (20.0, 0.1)), (5.0, 0.2), (1.0, 0.0), (0.02, 0.01), 3.0,
     ),
     _chain(
