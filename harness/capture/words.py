@@ -24,11 +24,11 @@ def sentence(data: Captured) -> str:
         return (
             f"Closed form: not judged at {at}: the rotor itself is unstable (its internal damping)."
         )
+    if found.all_pass is None:
+        return _cannot_tell(data)
     if not found.natural:
         why = "no natural frequency below that speed brakes them"
         return f"Closed form: no {called} can be left behind at {at}: {why}."
-    if found.all_pass is None:
-        return _cannot_tell(data)
     if found.all_pass:
         known = not math.isnan(found.release_speed)
         let_go = in_both(found.release_speed, "rad/s") if known else ""
@@ -57,13 +57,9 @@ def sentence(data: Captured) -> str:
 def _cannot_tell(data: Captured) -> str:
     """Weights that neither turn with the rotor nor are left behind."""
     found = data.found
-    above = min(
-        (one.frequency for one in found.natural if one.motions[-1].peak[0] > found.speed),
-        default=found.natural[-1].frequency,
-    )
     return (
-        f"Closed form: cannot tell at {in_both(data.speed, 'rad/s')}, which lies below the natural "
-        f"frequency {in_both(above, 'rad/s')}: bunched {data.called} can slip there, by up to "
+        f"Closed form: cannot tell at {in_both(data.speed, 'rad/s')}, which lies below a natural "
+        f"frequency: bunched {data.called} can slip there, by up to "
         f"{100.0 * found.slip / found.speed:.2g} % of the speed. Count what happens: "
         "`autobalancer motions`."
     )

@@ -259,6 +259,14 @@ def ratio_below_speed(branches: Branches, row: int) -> float:
     return max((ratio for ratio in ratios if ratio > 0.0), default=0.0)
 
 
+def largest_slip(branches: Branches) -> float:
+    """Lag [rad/s] that natural frequencies above the rotor's speed hold there, peak or not."""
+    at = (1.0 - LAGS) * branches.speed
+    rows = np.flatnonzero(branches.own.frequency > at).tolist()
+    lags = (_between(branches.frequency[row], branches.lags[row], at) for row in rows)
+    return max((lag for lag in lags if lag > 0.0), default=0.0)
+
+
 class _Crossing:
     """Roots of w + lag = Om of several rows, by bisection with several points at once."""
 

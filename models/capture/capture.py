@@ -22,7 +22,7 @@ import numpy as np
 from ..arrays import Array
 from ..assembly import Assembly, weights_of
 from ..harmonic_balance import NoResponse, largest_displacement, unbalance_response
-from .branch import LAGS, WITH, Branches, find_branches, follow
+from .branch import WITH, Branches, find_branches, follow, largest_slip
 from .groups import Group, Lag, groups_of
 from .limit import drag_limit, drag_ratio
 from .receptance import Receptance
@@ -92,6 +92,9 @@ class Capture:
         unbalance_share: unbalance over capacity.
         drag_ratio: drag over the present one from which on no weights can be left behind at this
             speed.
+        slip: how far bunched weights can lag below a natural frequency above this speed [rad/s].
+            There the brake rises up to the rotor's speed: the weights slip in the rotor, however
+            large the drag, unless the unbalance holds them.
         unstable: the rotor is unstable at this speed: nothing is said.
     """
 
@@ -102,6 +105,7 @@ class Capture:
     unbalance_amplitude: Array
     unbalance_share: float
     drag_ratio: float = 0.0
+    slip: float = 0.0
     unstable: bool = False
 
     @property
@@ -125,17 +129,6 @@ class Capture:
             return math.nan
         return max((m.release_speed for one in self.natural for m in one.motions
                     if not math.isnan(m.release_speed)), default=0.0)  # fmt: skip
-
-    @property
-    def slip(self) -> float:
-        """How far bunched weights can lag below a natural frequency above this speed [rad/s].
-
-        There the brake rises up to the rotor's speed: the weights slip in the rotor, however large
-        the drag, unless the unbalance holds them.
-        """
-        above = (1.0 - LAGS) * self.speed
-        ratios = (m.drag_ratio for one in self.natural for m in one.motions if m.peak[0] > above)
-        return LAGS * self.speed * max(ratios, default=0.0)
 
     @property
     def all_pass(self) -> bool | None:
@@ -179,7 +172,12 @@ def capture(assembly: Assembly, speed: float) -> Capture:
         return replace(found, unstable=True)
     branches = find_branches(receptance, lag, speed)
     limit = drag_limit(branches, receptance, lag)
-    return replace(found, natural=tuple(_natural(branches, receptance, lag)), drag_ratio=limit)
+    return replace(
+        found,
+        natural=tuple(_natural(branches, receptance, lag)),
+        drag_ratio=limit,
+        slip=largest_slip(branches),
+    )
 
 
 def _unbalance(assembly: Assembly, speed: float) -> tuple[Array, float]:

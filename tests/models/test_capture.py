@@ -123,6 +123,23 @@ def test_nothing_is_said_where_weights_slip_below_a_natural_frequency_above_the_
     assert capture(gyroscopic(0.02), 1.9).all_pass is False
 
 
+def test_slip_below_a_strongly_damped_natural_frequency_is_seen_without_a_peak_of_its_brake():
+    """Balls on a bending rotor turn at 0.979 of its speed in an integration, for ever."""
+    damping = ((0.2963, 0.2963), (0.2963, 0.2963))
+    rotor = LinearRotor.flexible(
+        stations=(0.0, 0.3775, 0.6601, 1.0), masses=(0.1, 0.5, 0.5, 0.1), supports=(1, 4),
+        support_stiffness=((2.0, 2.0), (2.0, 2.0)), support_damping=damping,
+        bending_stiffness=0.0408, unbalances=[(0.3775, 0.00356, 0.0), (0.6601, 0.00356, 3.41)],
+    )  # fmt: skip
+    device = Weights(2, 0.0353, 1.0, 0.1126, 1.4)
+    assembly = Assembly(
+        rotor, tuple(Mounted(n, device, p, (0.0, 0.0)) for p, n in ((1, "a"), (2, "b")))
+    )
+    found = capture(assembly, 2.634)
+    assert found.all_pass is None
+    assert found.slip / 2.634 == pytest.approx(1.0 - 0.979, rel=0.02)
+
+
 def test_the_drag_limit_does_not_depend_on_the_present_drag():
     """Weights that turn with the rotor feed its motion by their drag: k < N alone depend on it."""
     limits = [drag * capture(gyroscopic(drag), 4.0).drag_ratio for drag in (0.02, 0.1, 0.3, 1.0)]
