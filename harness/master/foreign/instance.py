@@ -15,12 +15,11 @@ from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
 from ctypes import byref, c_void_p
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from fmpy import fmi2, fmi3
 from fmpy.fmi1 import FMICallException
-from fmpy.model_description import ModelVariable
 
 from ...errors import SimulationError, UnitError
 from ...scene.messages import did_you_mean
@@ -30,6 +29,9 @@ from . import python_guest
 from .abilities import abilities, kind_of
 from .archive import read_description, unpacked
 from .measures import measured, measures
+
+if TYPE_CHECKING:
+    from fmpy.model_description import ModelVariable
 
 PATIENCE = 5.0  # s in which a unit must come back when it is freed
 _STATUS = ("OK", "Warning", "Discard", "Error", "Fatal", "Pending")

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import re
 from functools import cache
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from fmpy.model_description import BaseUnit, ModelDescription, ModelVariable
+if TYPE_CHECKING:
+    from fmpy.model_description import BaseUnit, ModelDescription, ModelVariable
+
 
 _EXPONENTS = ("kg", "m", "s", "A", "K", "mol", "cd", "rad")
 _POWER = re.compile(r"(?<=[A-Za-z])(-?\d+)")

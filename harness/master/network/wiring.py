@@ -5,9 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any, NamedTuple
-
-from fmpy.model_description import ModelVariable
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from ...errors import UnitError
 from ...scene.messages import did_you_mean
@@ -16,6 +14,9 @@ from ..foreign.abilities import CUBIC, HELD, LINEAR, abilities, kind_of
 from ..foreign.measures import Incompatible, conversion, measured, measures
 from ..names import derivatives
 from .order import loops_of
+
+if TYPE_CHECKING:
+    from fmpy.model_description import ModelVariable
 
 
 class Wire(NamedTuple):
