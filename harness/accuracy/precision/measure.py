@@ -34,6 +34,7 @@ from .methods import (
 )
 from .reference import refuse_without_reference, right_motion, signal_ranges
 
+LEAST_GROWTH = 1.5  # of the work, over the points that show an order
 TWO_DECADES = 100.0  # the reference must be that much better than a point whose error counts
 ASYMPTOTIC = 0.03  # an error above it says nothing of a method's order
 FEWEST_ROUNDS, MOST_ROUNDS = 2, 7
@@ -248,7 +249,8 @@ def observed_orders(points: Sequence[Point], own: float) -> dict[str, float]:
     """Slope of log error against log work of every family, over its points in the asymptotic range.
 
     Those are errors below `ASYMPTOTIC` and two decades above the reference's own; at least two,
-    and of more the three finest.
+    and of more the three finest.  Where their work hardly differs there is none: a power series
+    meets a smaller tolerance by more terms.
     """
     families: dict[str, list[tuple[float, float]]] = {}
     for point in points:
@@ -257,6 +259,6 @@ def observed_orders(points: Sequence[Point], own: float) -> dict[str, float]:
     orders = {}
     for family, pairs in families.items():
         work, errors = np.log(sorted(pairs)[-3:]).T
-        if np.ptp(work) > 0.0:
+        if np.ptp(work) > np.log(LEAST_GROWTH):
             orders[family] = -float(np.polyfit(work, errors, 1)[0])
     return orders
