@@ -67,7 +67,7 @@ def run_time() -> Sheet:
 
 
 def _fastest(run: Callable[[], object]) -> float:
-    """Processor seconds of the fastest of some runs, loading left out: other work does not count."""
+    """Processor seconds of the fastest of some runs, loading left out."""
     run()
     spent = []
     for _ in range(ROUNDS):
