@@ -23,6 +23,7 @@ TABLES = {
     "filimonikhina": {"rotor.unbalance": (0.01, 0.3)},
     "balls_and_liquid": {"balls.drag": (1e-5, 1e-4)},
     "sommerfeld": {"rotor.unbalance": (1e-4, 1e-3)},
+    "two_plane_rodrigues": {"left.drag": (5e-5, 2e-4)},
 }
 RUNS, POINTS = 11, 90
 
@@ -78,3 +79,12 @@ def test_lanes_of_other_kinds_go_on_beside_each_other():
         for side in (1, 4)
     ]
     assert found[0].tobytes() == found[1].tobytes()
+
+
+def test_gravity_acts_in_every_lane():
+    table = {"weights.drag": (0.01, 0.05)}
+    heavy, beside = (
+        batch("two_balls", table, side, **{"operation.gravity": 0.1}) for side in (1, 4)
+    )
+    assert heavy[0].tobytes() == beside[0].tobytes()
+    assert heavy[0].tobytes() != batch("two_balls", table, 1)[0].tobytes()
