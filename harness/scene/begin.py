@@ -8,7 +8,6 @@ import numpy as np
 
 from ...models.arrays import Array
 from ...models.assembly import Start
-from ...models.papers.influence import influence
 
 if TYPE_CHECKING:
     from .scene import Scene
@@ -22,6 +21,8 @@ def free_motion(scene: Scene) -> Array:
     rotor, speed = scene.assembly().loaded_rotor, scene.operation.start_speed
     if not speed or not scene.rotor.is_free:
         return np.zeros((4, rotor.stations))
+    from ...models.papers.influence import influence  # loads SciPy, which few runs need
+
     motion = influence(rotor, speed, np.eye(rotor.stations)) @ rotor.unbalance
     turned = motion * np.exp(1j * scene.run.initial.angle)
     return np.concatenate([turned.real, (1j * speed * turned).real])
