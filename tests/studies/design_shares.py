@@ -25,7 +25,7 @@ from autobalancer.harness.motions.starts import perturbed
 from autobalancer.harness.motions.study import _runs
 
 MACHINES, RUN_UPS, SEED, CHUNK = 20, 400, 977, 50
-MOST_BALLS, RESERVE = 2, 1.5
+MOST_BALLS, RESERVE = 4, 1.5
 
 
 @dataclass
@@ -54,7 +54,7 @@ def case(number: int) -> Case:
              "damping": [2.0 * zeta * math.sqrt(k * mass) for k in stiffness],
              "unbalance": unbalance}  # fmt: skip
     race, width = random.uniform(0.05, 0.12), random.uniform(0.01, 0.02)
-    drag = float(np.exp(random.uniform(np.log(3e-5), np.log(0.03))))
+    drag = float(np.exp(random.uniform(np.log(1e-3), np.log(0.1))))
     run_up = float(np.exp(random.uniform(np.log(1.0), np.log(30.0))))
     scene = ab.Scene(rotor=rotor, operation={"speed": speed})
     return Case(scene, unbalance, race, width, run_up, drag)
