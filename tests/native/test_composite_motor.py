@@ -78,6 +78,21 @@ def test_a_state_within_a_step_is_everything(state_is_everything):
     state_is_everything(scene, {"motor.inertia": 0.02}, times, RECORD)
 
 
+def test_a_state_goes_into_an_instance_that_has_not_begun(instance):
+    """Its motor has made no lines of the characteristic yet, on one of which the state stands."""
+    scene = Scene.from_document(DOCUMENT).replace(
+        {**CORNERS, "coupling.steps_per_rev": None, "coupling.tolerance": 1e-6}
+    )
+    times = np.linspace(0.0, end_time(scene), 60)
+    host = instance(scene).begin()
+    host.driven(times[:20], RECORD)
+    kept = host.slave.serializeFMUState(host.slave.getFMUState())
+    expected = host.driven(times[19:], RECORD).tolist()
+    other = instance(scene)
+    other.slave.setFMUState(other.slave.deserializeFMUState(kept))
+    assert other.driven(times[19:], RECORD).tolist() == expected
+
+
 def test_a_force_from_outside_that_begins_within_a_step_moves_rotor_and_shaft(hosted):
     """Against DOP853; the force lies along a fixed axis."""
     scene = Scene.from_document({**DOCUMENT, "balancer": []}).replace(

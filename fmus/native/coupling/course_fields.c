@@ -79,7 +79,7 @@ static void declare_adaptation(Fields *fields)
 static void declare_one_piece(Fields *fields, const Composite *c)
 {
     const OnePiece *one_piece = fields_here(fields);
-    const double last_line = c->motor ? ((const Motor *)c->motor->unit->own)->count - 2.0 : 0.0;
+    const double last_line = c->motor ? c->motor->unit->layout.sizes.points - 2.0 : 0.0;
     fields_flag(fields, "one_piece.active", &one_piece->active);
     fields_whole(fields, "one_piece.order", &one_piece->order, 1, 0.0, MOST_ORDER);
     fields_flag(fields, "one_piece.stands", &one_piece->stands);
