@@ -86,10 +86,11 @@ def interrupted_once(monkeypatch) -> Callable[[object, str, int], list]:
 @cache
 def _motion(name: str, changes: tuple, times: tuple[float, ...], signals: tuple[str, ...]):
     from autobalancer.harness import load_scene
+    from autobalancer.harness.scene.begin import motion_at_start
     from autobalancer.models.monolith import reference
 
     scene = load_scene(name).replace(dict(changes))
-    start = scene.run.initial.motion()
+    start = motion_at_start(scene)
     motion, own_error = reference(
         scene.assembly(), scene.profile(), times, initial=start, rtol=1e-12
     )

@@ -124,10 +124,13 @@ class NetworkRun(Coupled):
         return all(self.wiring.has_slope) and all(inlet.takes == CUBIC for inlet in inlets)
 
     def _unsettled(self) -> list[Member]:
-        """Units whose outputs at the start need not know their inputs yet: all in a loop."""
+        """Units in loops, whose outputs at the start need not know their inputs yet.
+
+        What nobody listens to is in none.
+        """
         if not (self.system.coupled and self.system.can_restore):
             return []
-        return [m for m in self.system.members if m.is_free and m.inlets]
+        return [m for m in self.system.members if m.is_free and m.inlets and m.sources]
 
     def record(self, recorder: Recorder, progress: Progress | None) -> None:
         """`Coupled.record`, with outputs as they are at each point, not at the mean of a step."""
