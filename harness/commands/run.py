@@ -9,11 +9,10 @@ import typer
 
 from ..errors import UserError
 from ..output import options
-from ..output.files import write_json
 from ..output.terminal import progress_bar, say, say_facts, show
 from . import run_pictures as drawings
 from .changes import changed_scene, set_option
-from .run_system import run_system, system_of
+from .run_system import run_system, say_notes_and_write, system_of
 
 
 def command(
@@ -73,7 +72,7 @@ def command(
     from ..capture.captured import left_behind
     from ..output.report import Report
     from ..result.run import refuse_separate
-    from ..result.tables import as_json, summary
+    from ..result.tables import summary
 
     wanted = {"weights": weights, "waterfall": waterfall, "polar": polar, "orbits": orbits}
     wanted["compared"] = compare
@@ -115,14 +114,7 @@ def command(
             f"{result.seconds:.3f} s; estimated error {result.estimated_error:.1g}"
             + ("" if result.error_known else ", not known")
         )
-    for event in result.events:
-        say(f"NOTE: {event}", style="bold yellow", error=True)
-    if output is not None:
-        say(f"Signals: {result.to_csv(output)}")
-    if json_file is not None:
-        write_json(as_json(result), json_file)
-    if plot is not None:
-        say(f"Picture: {result.plot(plot)}")
+    say_notes_and_write(result, output, json_file, plot)
     if drawn := page.picture(loaded.name) if result.signals else None:
         result.plot(drawn)
     page.write()

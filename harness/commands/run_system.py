@@ -13,6 +13,7 @@ from ..scene.changes import parse_change
 
 if TYPE_CHECKING:
     from ..api.system import System
+    from ..result.result import Result
 
 
 def system_of(source: str, changes: list[str] | None) -> System | None:
@@ -47,7 +48,7 @@ def run_system(
     Raises:
         UserError: one of these is given.
     """
-    from ..result.tables import as_json, summary
+    from ..result.tables import summary
 
     for name, value in unsupported.items():
         if value:
@@ -64,6 +65,15 @@ def run_system(
             f"{result.steps} steps, {result.passes} passes, {calls} FMI calls in "
             f"{result.seconds:.3f} s"
         )
+    say_notes_and_write(result, output, json_file, plot)
+
+
+def say_notes_and_write(
+    result: Result, output: Path | None, json_file: Path | None, plot: Path | None
+) -> None:
+    """End of a run of any kind: its notes, and the files that are asked for."""
+    from ..result.tables import as_json
+
     for event in result.events:
         say(f"NOTE: {event}", style="bold yellow", error=True)
     if output is not None:

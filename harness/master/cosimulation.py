@@ -150,15 +150,20 @@ class CoSimulation(Coupled):
     def _about_loop(self, error: SimulationError) -> str:
         return f"loop gain {self.gain:.3g}{advice(error, self.scene)}"
 
+    def _cross_jump(self, step: float) -> float:
+        """Cross a jump of the drive here, if there is one; the part of the step that took [s]."""
+        if not self._drive_jumps():
+            return 0.0
+        negligible = min(KINK_STEP * step, brief_step(self.scene))
+        self.scheme.cross_jump(self.system, self.time, negligible)
+        self.system.drop_past()
+        self.time += negligible
+        return negligible
+
     def _cover(self, step: float) -> None:
         """A communication step: behind a jump of the drive, and divided where it has no past."""
-        started, begin, left = self.system.has_no_past, self.time, step
-        if self._drive_jumps():
-            negligible = min(KINK_STEP * step, brief_step(self.scene))
-            self.scheme.cross_jump(self.system, begin, negligible)
-            self.system.drop_past()
-            left -= negligible
-            self.time += negligible
+        started, begin = self.system.has_no_past, self.time
+        left = step - self._cross_jump(step)
         halvings = self.scheme.startup_halvings
         parts = [left]
         if self.system.has_no_past and (started or halvings):

@@ -13,7 +13,6 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from ...models.constants import KINK_STEP
 from ..errors import SceneError, UnitError
 from ..scene import Scene
 from ..scene.unit import connection_problems, fmu_path
@@ -28,7 +27,6 @@ from .network.words import notes
 from .network_run import NetworkRun
 from .plan import ROTOR, Plan, UnitPlan, plan
 from .runtime import runtime
-from .schedule import brief_step
 from .simulation import refuse_loose_tolerance
 from .unit_files import Found, find_parts
 
@@ -58,7 +56,7 @@ class DrivenNetwork(Network):
 
 
 class MixedRun(NetworkRun, CoSimulation):
-    """The units of a scene with parts of any origin; restarted and stepped as often as wanted.
+    """The units of a scene with parts of any origin; restarted and stepped any number of times.
 
     Args:
         scene: what to simulate.
@@ -153,14 +151,8 @@ class MixedRun(NetworkRun, CoSimulation):
 
     def _cover(self, step: float) -> None:
         """A communication step, behind a jump of the drive."""
-        begin, left = self.time, step
-        if self._drive_jumps():
-            negligible = min(KINK_STEP * step, brief_step(self.scene))
-            self.scheme.cross_jump(self.system, begin, negligible)
-            self.system.drop_past()
-            left -= negligible
-            self.time += negligible
-        self._advance_part(left)
+        begin = self.time
+        self._advance_part(step - self._cross_jump(step))
         self.time = begin + step
 
     def compared(self) -> Compared:

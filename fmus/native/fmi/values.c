@@ -106,19 +106,18 @@ Status unit_get_reals(Unit *unit, const unsigned *references, size_t count, doub
     const size_t states = exchange_count(unit), indicators = exchange_indicators(unit);
     size_t k;
     for (k = 0; k < count; k++) { /* derivatives of states and indicators stand behind all that the layout has */
-        if (references[k] - FIRST_INDICATOR < indicators) {
+        const unsigned indicator = references[k] - FIRST_INDICATOR, derivative = references[k] - FIRST_DERIVATIVE;
+        const bool is_indicator = indicator < indicators;
+        if (is_indicator || derivative < states) {
             const Status status = unit_get_reals(unit, references, k, values);
-            return status   ? status
-                   : exchange_indicator(unit, references[k] - FIRST_INDICATOR, values + k)
-                       ? STATUS_ERROR
-                       : unit_get_reals(unit, references + k + 1, count - k - 1, values + k + 1);
-        }
-        if (references[k] - FIRST_DERIVATIVE < states) {
-            const Status status = unit_get_reals(unit, references, k, values);
-            return status   ? status
-                   : exchange_derivative(unit, references[k] - FIRST_DERIVATIVE, values + k)
-                       ? STATUS_ERROR
-                       : unit_get_reals(unit, references + k + 1, count - k - 1, values + k + 1);
+            if (status) {
+                return status;
+            }
+            if (is_indicator ? exchange_indicator(unit, indicator, values + k)
+                             : exchange_derivative(unit, derivative, values + k)) {
+                return STATUS_ERROR;
+            }
+            return unit_get_reals(unit, references + k + 1, count - k - 1, values + k + 1);
         }
     }
     if (unknown(unit, references, count, 0, unit->layout.real_count)) {
