@@ -13,7 +13,7 @@ from ..scene.check import AnyCheck, CriticalSpeedsCheck
 from .row import Row
 
 Work = Callable[..., Iterator[Row]]  # scene -> rows, with the options of one of the check's parts
-# the functions by their modules, which load SciPy: who only shares the work out does without
+# by module: the functions load SciPy, which a process that only distributes the work does without
 CHECKS: dict[str, str | Work] = {
     "liquid_window": ".liquid_window:check_liquid_window",
     "critical_speeds": ".critical_speeds:check_critical_speeds",

@@ -42,7 +42,7 @@ class Unit(Table):
     fmu: Annotated[Text, Field(min_length=1)]
     """Path of the FMU file, from the folder of the scene file."""
     start: StartValues = Field(default_factory=dict)
-    """Start values of parameters and inputs by their names in the FMU, in the FMU's units."""
+    """Start values of parameters and inputs, by name of the variable, in the units of the FMU."""
 
 
 class Connection(Table):

@@ -62,7 +62,7 @@ class Compared:
 
     @property
     def is_missed(self) -> bool:
-        """Whether the tolerance is not kept, and the estimate does not say so."""
+        """Whether the error exceeds the tolerance though the estimate is within it."""
         return self.true > self.tolerance >= self.estimate
 
 

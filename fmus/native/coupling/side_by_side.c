@@ -5,7 +5,7 @@
 #include "coupling/batch_run.h"
 #include "coupling/composite.h"
 
-/* The step to come of a run, as lanes are told of it. */
+/* The next step of a run, for the lanes. */
 typedef struct {
     NumberBlock *constants, *state, *results;
     int *shape, order;

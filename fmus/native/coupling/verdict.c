@@ -44,7 +44,7 @@ static double amplitude(const Composite *c)
     return most;
 }
 
-/* Where a revolution is complete, its vibration is the last one, and the next begins there. */
+/* At the end of a revolution: keep its vibration as that of the last one, and begin the next. */
 static void end_revolution(Composite *c, const double *place, double turned)
 {
     Vibration *vibration = &c->course->vibration;
