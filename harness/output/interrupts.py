@@ -32,6 +32,9 @@ _MATPLOTLIB = "MPLCONFIGDIR"  # the place of its configuration and cache
 _CLEAR_LINE = b"\r\x1b[K\x1b[?25h"  # takes a progress bar away and shows the cursor again
 _folder = ""  # of temporary files
 _ending = threading.Lock()  # held by the thread that ends the process
+_unbroken = threading.Lock()  # held within a block of `unbroken`
+_put_off: list[int] = []  # signals that came within it
+_STARTING = 20.0  # s that another thread waits for such a block: a busy machine begins slowly
 
 
 def answer_signals() -> None:
@@ -67,6 +70,23 @@ def ended_after(seconds: float, words: Callable[[], str]) -> Iterator[None]:
     finally:
         signal.setitimer(signal.ITIMER_REAL, 0.0)
         signal.signal(signal.SIGALRM, before)
+
+
+@contextmanager
+def unbroken() -> Iterator[None]:
+    """Within the block, of the main thread, a signal waits: it ends the process after the block.
+
+    To be short, as the start of a process: one that is not yet known here could not be ended.
+    """
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    try:
+        with _unbroken:
+            yield
+    finally:
+        if _put_off:
+            _answer(_put_off[0], None)
 
 
 @contextmanager
@@ -106,6 +126,9 @@ def temporary_files() -> Iterator[None]:
 
 def _answer(number: int, _frame: FrameType | None) -> None:
     """Python's handler of the signals, in the main thread."""
+    if _unbroken.locked():  # by this thread
+        _put_off.append(number)
+        return
     for each in _SAID:
         signal.signal(each, signal.SIG_IGN)
     _end(number)
@@ -116,6 +139,7 @@ def _answer_late(pipe: int) -> None:
     while (number := os.read(pipe, 1)[0]) not in _SAID:
         pass
     time.sleep(_GRACE)
+    _unbroken.acquire(timeout=_STARTING)
     _end(number)
 
 

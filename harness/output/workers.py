@@ -27,6 +27,7 @@ from multiprocessing import resource_tracker
 from typing import Any, Protocol, TypeVar
 
 from ..errors import SimulationError
+from .interrupts import unbroken
 from .terminal import is_quiet
 
 Item = TypeVar("Item")
@@ -159,16 +160,21 @@ def _start_tracker() -> None:
 
 
 class _Pool(ProcessPoolExecutor):
-    """Processes that ignore Ctrl-C even while their interpreter loads."""
+    """Processes that ignore Ctrl-C even while their interpreter loads.
+
+    A signal that ends this process waits until they are begun: one that has not yet been told its
+    work would say that its pipe broke.
+    """
 
     def submit(self, *arguments: Any, **options: Any) -> Future[Any]:
-        if not hasattr(signal, "pthread_sigmask"):  # Windows
-            return super().submit(*arguments, **options)
-        before = signal.pthread_sigmask(signal.SIG_BLOCK, [signal.SIGINT])
-        try:
-            return super().submit(*arguments, **options)  # begins the processes
-        finally:
-            signal.pthread_sigmask(signal.SIG_SETMASK, before)
+        with unbroken():
+            if not hasattr(signal, "pthread_sigmask"):  # Windows
+                return super().submit(*arguments, **options)
+            before = signal.pthread_sigmask(signal.SIG_BLOCK, [signal.SIGINT])
+            try:
+                return super().submit(*arguments, **options)  # begins the processes
+            finally:
+                signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
 def _begin(directory: str, quiet: bool) -> None:

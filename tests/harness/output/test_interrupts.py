@@ -85,6 +85,13 @@ with whole_file(pathlib.Path(tempfile.tempdir).parent / "file"):
 other = "import tempfile, time; tempfile.mkdtemp(); print(flush=True); time.sleep(2.0)"
 begun = subprocess.Popen([sys.executable, "-c", other], stdout=subprocess.PIPE)
 begun.stdout.readline(); send(); time.sleep(30.0)""",
+    "before a worker process knows its work": """
+from multiprocessing import util
+from autobalancer.harness.output.workers import processes
+begin = util.spawnv_passfds
+util.spawnv_passfds = lambda *told: (begin(*told), send())[0]
+with processes(1) as pool:
+    pool.submit(abs, -3); time.sleep(30.0)""",
 }
 LOADING = """
 import os, sys, time
