@@ -89,8 +89,8 @@ begun.stdout.readline(); send(); time.sleep(30.0)""",
 from multiprocessing import util
 from autobalancer.harness.output.workers import processes
 begin = util.spawnv_passfds
-util.spawnv_passfds = lambda *told: (begin(*told), send())[0]
 with processes(1) as pool:
+    util.spawnv_passfds = lambda *told: (begin(*told), send())[0]
     pool.submit(abs, -3); time.sleep(30.0)""",
 }
 LOADING = """
