@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ctypes
+import math
 import struct
 
 import pytest
@@ -67,3 +68,23 @@ def test_a_restore_that_fails_leaves_the_instance_as_it_was(hosted):
     after = ctypes.c_void_p()
     host.slave.fmi2GetFMUstate(host.slave.component, ctypes.byref(after))
     assert host.slave.serializeFMUState(after) == before
+
+
+SLOW = {"coupling.tolerance": 1e-5, "coupling.steps_per_rev": 0.0, "coupling.top_speed": 100.0}
+SLOW |= {"speed": 0.0}
+
+
+def test_a_speed_that_no_step_resolves_ends_with_a_message(hosted):
+    """Its series has coefficients that are not finite; 1e284 looks in a step would never end."""
+    host = hosted(load_scene("two_balls"), {"acceleration": 1e283} | SLOW)
+    assert "too fast for the time to go on" in host.refused(lambda: host.step(0.001))
+
+
+def test_a_speed_far_beyond_the_top_speed_takes_steps_of_bounded_turn(hosted):
+    """Of a rotor that nothing moves a series says nothing about the length of a step."""
+    still = {"rotor.unbalance": 0.0, "weights.drag": 0.0, "weights.angles": [0.0, math.pi]}
+    host = hosted(load_scene("two_balls").replace(still), {"acceleration": 1e9} | SLOW)
+    host.step(1e-2)
+    turned = 0.5 * 1e9 * 1e-2**2
+    (steps,) = host.get("coupling.steps")
+    assert steps >= turned / 800.0

@@ -6,7 +6,7 @@
 #include "coupling/composite.h"
 
 #define MOST_RUNGS 8192.0 /* of steps from 2^-2048 to 2^2048 */
-enum { MOST_LOOKS = 4096, MOST_STEPS_OF_EVENT = 2000, MOST_CORRECTIONS = 127 };
+enum { MOST_STEPS_OF_EVENT = 2000, MOST_CORRECTIONS = 127 };
 
 static void declare_clock(Fields *fields)
 {

@@ -13,6 +13,8 @@
 
 enum { SPEED_OF_MOTOR = 2 }; /* of the outputs that its unit computes: behind it all are of its state alone */
 
+enum { MOST_LOOKS = 4096 }; /* of a step: MOST_TURN has fewer */
+
 /* In a unit's memory; doubles alone. */
 typedef struct {
     double active;     /* whether the composite goes on in one piece */

@@ -5,7 +5,7 @@
 #include "constants.h"
 #include "coupling/composite.h"
 
-enum { FEWEST_LOOKS_OF_STEP = 8, MOST_EVENTS_AT_ONCE = 30 };
+enum { FEWEST_LOOKS_OF_STEP = 8, LOOKS_OF_PASS = 64, MOST_EVENTS_AT_ONCE = 30 };
 #define SHORTEST_STEP 1e-15   /* of the time, and of the machine's unit of it */
 #define SHORTEST_LENGTH 1e-12 /* of a step to a corner: less is none */
 
@@ -131,6 +131,13 @@ static int begin_next(Unit *unit)
     return 0;
 }
 
+static int fail_as_too_fast(Unit *unit)
+{
+    const Clock *clock = &((const Composite *)unit->own)->course->clock;
+    return unit_fail(unit, "the motion at t = %6 s is not finite, or too fast for the time to go on",
+                     unit_host_time(unit, clock->begin));
+}
+
 /* Begin the next step behind the events where it begins; its length in the machine's time and its end.
    1 with the reason. */
 static int open_step(Unit *unit, double *length, double *end)
@@ -151,8 +158,7 @@ static int open_step(Unit *unit, double *length, double *end)
             return 0;
         }
         if (course->one_piece.event == NO_EVENT) {
-            return unit_fail(unit, "the motion at t = %6 s is not finite, or too fast for the time to go on",
-                             unit_host_time(unit, course->clock.begin));
+            return fail_as_too_fast(unit);
         }
         one_piece_pass_event(unit);
         begin_step(unit);
@@ -191,6 +197,10 @@ int one_piece_step(Unit *unit)
     turned = machine_turned(&c->pieces.step, one_piece_order(c), length);
     one_piece->looks =
         larger(FEWEST_LOOKS_OF_STEP, nearest(absolute(turned) / TAU * FEWEST_LOOKS + 0.5));
+    if (!(one_piece->looks <= MOST_LOOKS)) {
+        return fail_as_too_fast(unit);
+    }
+    course->total.passes += (double)((int)one_piece->looks / LOOKS_OF_PASS); /* they take time as passes do */
     if (one_piece_is_unwatched(unit)) {
         one_piece->looked = one_piece->looks;
     }

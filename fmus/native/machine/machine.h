@@ -32,6 +32,7 @@
 
 enum { LEAST_ORDER = 8, MOST_ORDER = 36 };
 #define LONGEST_STEP 12.0     /* rad of the rotor at about its fastest speed: of a step */
+#define MOST_TURN 800.0       /* rad of the rotor in a step, at any speed */
 #define SMALLEST_TERM 1e-40   /* of the tolerance: a term that is nothing */
 
 /* The weights of one balancer. */

@@ -33,17 +33,28 @@ static double root_of(double term, double tolerance, int k)
     return root;
 }
 
-/* The largest coefficient of an order: of displacements over `largest`, of angles over 1. */
+/* The largest coefficient of an order: of displacements over `largest`, of angles over 1; NaN where one is
+   not finite. */
 static double term_of(const Machine *m, int k, double per_largest)
 {
     const Pair *motion = m->motion + k * m->width;
-    double most = 0.0;
+    double most = 0.0, finite = 0.0;
     int i;
     for (i = 0; i < m->width; i++) {
-        const double size = larger(absolute(pair_x(motion[i])), absolute(pair_y(motion[i])));
-        most = larger(most, i < m->stations ? per_largest * size : size);
+        const double x = absolute(pair_x(motion[i])), y = absolute(pair_y(motion[i]));
+        most = larger(most, (i < m->stations ? per_largest : 1.0) * larger(x, y));
+        finite += 0.0 * x + 0.0 * y; /* a comparison with NaN is false: `larger` does not see it */
     }
-    return m->drive.motor ? larger(most, absolute(m->speed[k - 1]) / k) : most;
+    return finite + (m->drive.motor ? larger(most, absolute(m->speed[k - 1]) / k) : most);
+}
+
+/* A step in which the rotor turns at most `most` [rad], where its speed is far beyond that of the unit of time. */
+static double length_of_turn(const Machine *m, int order, double length, double most)
+{
+    while (length > 0.0 && !(absolute(machine_turned(m, order, length)) <= most)) {
+        length *= 0.5;
+    }
+    return length;
 }
 
 double machine_length(const Machine *m, int order, double tolerance, double largest)
@@ -57,7 +68,7 @@ double machine_length(const Machine *m, int order, double tolerance, double larg
             length = smaller(length, root_of(term, tolerance, k));
         }
     }
-    return is_finite(finite) ? length : not_a_number();
+    return is_finite(finite) ? length_of_turn(m, order, length, MOST_TURN) : not_a_number();
 }
 
 Pair machine_at(const Pair *series, int stride, int order, double time)
