@@ -70,6 +70,17 @@ class Assembly:
         passed = [rotor for start, rotor in self.later if start <= time]
         return replace(self, rotor=passed[-1], later=()) if passed else self
 
+    def at_speed(self, speed: float) -> Assembly:
+        """The assembly with the bearings that it has at a speed [rad/s].
+
+        Raises:
+            ValueError: a table of a bearing does not hold the speed.
+        """
+        if not self.rotor.varies:
+            return self
+        later = tuple((time, rotor.at(speed)) for time, rotor in self.later)
+        return replace(self, rotor=self.rotor.at(speed), later=later)
+
     @property
     def largest_unbalance(self) -> float:
         """Largest sum of the rotor's generalised unbalances at any time [kg m]."""

@@ -19,9 +19,10 @@ import numpy as np
 
 from .arrays import Numbers, numbers
 from .rotor import LinearRotor
-from .supports import Support, diagonal_pair
+from .supports import Support, diagonal_pair, two_ways
 
 GROUND, ROTOR = "ground", "rotor"
+AXES = "xy"
 
 
 @dataclass(frozen=True)
@@ -49,6 +50,7 @@ class Body:
         centre: of mass, along the axis [m].
         feet: between it and what it stands on; none: it is free.
         on: "ground", "rotor" (an absorber) or another body's name.
+        free: "xy", or "x" or "y" alone: its feet are rigid along the other axis.
     """
 
     name: str
@@ -57,6 +59,7 @@ class Body:
     centre: float = 0.0
     feet: tuple[Foot, ...] = ()
     on: str = GROUND
+    free: str = AXES
 
 
 class Places:
@@ -76,6 +79,7 @@ class Places:
     ) -> None:
         self.supports, self.rows, self.along = tuple(supports), rows, tuple(along)
         self.own = len(self.supports)
+        self.free = {body.name: body.free for body in bodies}
         self.first = {body.name: rows.shape[1] + k * self.own for k, body in enumerate(bodies)}
         self.size = rows.shape[1] + self.own * len(bodies)
 
@@ -86,6 +90,13 @@ class Places:
         begin, end = self.supports
         part = (position - begin) / (end - begin)
         return [1.0 - part, part]
+
+    def rows_of(self, of: str, position: float) -> tuple[Numbers, Numbers]:
+        """As `row`, along x and along y: zeros along an axis in which a body cannot move."""
+        row = self.row(of, position)
+        free = self.free.get(of, AXES)
+        along_x, along_y = (row if axis in free else numbers([0.0] * self.size) for axis in AXES)
+        return along_x, along_y
 
     def row(self, of: str, position: float) -> Numbers:
         """(size,) displacement of a place of the ground, the rotor or a body.
@@ -135,15 +146,22 @@ def with_bodies(
         mass[at, at] = _inertia(body, places)
     held = []
     for k, (support, place) in enumerate(zip(rotor.supports, supports, strict=True), start=1):
-        rows = support.rows @ wide - places.row(carrier, place)
-        held.append(replace(support, rows=rows, name=f"support[{k}]"))
+        x, y = (support.rows[0] @ wide - row for row in places.rows_of(carrier, place))
+        held.append(replace(two_ways(support, x, y), name=f"support[{k}]"))
     for body in bodies:
         for number, foot in enumerate(body.feet, start=1):
-            row = places.row(body.name, foot.position) - places.row(body.on, foot.position)
+            own, under = (places.rows_of(of, foot.position) for of in (body.name, body.on))
             springs, dampers = diagonal_pair(foot.stiffness), diagonal_pair(foot.damping)
-            held.append(Support.bearing(row, springs, dampers, name=f"{body.name}.foot[{number}]"))
+            one = Support.bearing(own[0], springs, dampers, name=f"{body.name}.foot[{number}]")
+            held.append(two_ways(one, *(a - b for a, b in zip(own, under, strict=True))))
+        held += _locked(body, places, mass)
     bent = wide
     if n == 1:  # the disc's bending is its way from what carries it; other shafts bend alone
+        if places.free.get(carrier, AXES) != AXES and rotor.internal_damping.any():
+            raise ValueError(
+                f"internal_damping: not on the body {carrier!r}, which is free along "
+                f"{places.free[carrier]} alone"
+            )
         bent = wide - places.row(carrier, supports[0])
     return replace(
         rotor,
@@ -155,7 +173,37 @@ def with_bodies(
         planes=rotor.planes @ wide,
         unbalance=rotor.unbalance @ wide,
         deflection=rotor.deflection @ bent,
+        locked=tuple(
+            (axis, places.first[body.name] + k)
+            for body in bodies
+            for axis, name in enumerate(AXES)
+            if name not in body.free
+            for k in range(places.own)
+        ),
     )
+
+
+def _locked(body: Body, places: Places, mass: Numbers) -> list[Support]:
+    """What holds coordinates of a body along an axis in which it cannot move.
+
+    They are there, as both axes have the same ones, and nothing pushes them.  They are held as by
+    the feet of the free axis, with critical damping, and stay at zero.
+    """
+    if body.free == AXES:
+        return []
+    locked = 1 - AXES.index(body.free)
+    first, own = places.first[body.name], places.own
+    rows = np.eye(own, places.size, first)
+    shares = [numbers([places.shares(foot.position)]) for foot in body.feet]
+    pairs = zip(shares, body.feet, strict=True)
+    springs = sum(
+        (foot.stiffness[1 - locked] * one.T @ one for one, foot in pairs), np.eye(own) * 0
+    )
+    inertia = mass[first : first + own, first : first + own]
+    rate = float(np.abs(np.linalg.eigvals(np.linalg.solve(inertia, springs))).max()) ** 0.5
+    stiffness, damping = np.zeros((2, 2, own, own)), np.zeros((2, 2, own, own))
+    stiffness[locked, locked], damping[locked, locked] = rate**2 * inertia, 2.0 * rate * inertia
+    return [Support(rows, stiffness, damping, across=0)]
 
 
 def _inertia(body: Body, places: Places) -> Numbers:

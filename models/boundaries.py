@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import math
-from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
 
 from .assembly import Assembly
 from .linear.balanced import WeightTable
-from .linear.linearised import Linearised, linearise
+from .linear.linearised import linearise, linearise_at
 from .linear.regions import Crossing, Measure, Regions, Samples, Side, find_regions
 from .stability import growth_and_errors
 
@@ -21,12 +20,24 @@ _PROBE_ROUNDS = 6  # an extremum is located to (2/_SPLIT)^rounds of the scan's s
 _TOLERANCE = 1e-9  # of the speed
 
 
-def _measure(system: Linearised, speeds: NDArray) -> tuple[NDArray, NDArray]:
-    """Growth rates of one system and their errors [1/s] at speeds of any shape."""
-    which = np.zeros(speeds.size, int)
-    found = growth_and_errors([system], which, speeds.ravel())
-    growth, error = (each.reshape(speeds.shape) for each in found)
-    return growth, error
+def measure_of(assembly: Assembly) -> Measure:
+    """Growth rates of an assembly and their errors [1/s] at speeds of any shape [rad/s].
+
+    Raises:
+        CannotBalance: the weights cannot undo the unbalance.
+    """
+    one = None if assembly.rotor.varies else linearise(assembly)
+
+    def measure(speeds: NDArray) -> tuple[NDArray, NDArray]:
+        flat = speeds.ravel()
+        systems, which = [one] if one else [], np.zeros(flat.size, int)
+        if one is None:
+            systems, which = linearise_at(assembly, flat)
+        found = growth_and_errors(systems, which, flat)
+        growth, error = (each.reshape(speeds.shape) for each in found)
+        return growth, error
+
+    return measure
 
 
 def _probe(measure: Measure, samples: Samples) -> Samples:
@@ -102,8 +113,7 @@ def balancing_regions(
     if not width > 0.0:
         raise ValueError(f"narrowest = {width:g} rad/s: must be positive")
     scan = np.linspace(low, high, max(3, math.ceil((high - low) / width) + 1))
-    measure, word = partial(_measure, linearise(assembly)), unknown_word(assembly)
-    return growth_regions(measure, scan, tolerance, word)
+    return growth_regions(measure_of(assembly), scan, tolerance, unknown_word(assembly))
 
 
 def growth_regions(
@@ -123,7 +133,7 @@ def growth_regions(
 
 def unknown_word(assembly: Assembly) -> Side:
     """What a growth rate within its error is called: "neutral" where nothing damps the machine."""
-    rotor = assembly.rotor
+    rotor = assembly.rotor.at(assembly.rotor.table_speeds[0])
     parts = [rotor.damping_x, rotor.damping_y, rotor.internal_damping]
     parts.append(WeightTable.of(assembly).damping_rate)
     return "undecided" if any(part.any() for part in parts) else "neutral"

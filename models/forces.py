@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+import numpy as np
+
 from .arrays import Complex
 from .rotor import LinearRotor
 
@@ -32,18 +34,21 @@ class Force:
 
 
 def forces(rotor: LinearRotor, motion: Complex, speed: float) -> list[Force]:
-    """The force of every support with one row.
+    """The force of every bearing and foot.
 
     Args:
         motion: (2, n) complex amplitudes of x and y of the stations [m].
         speed: of the rotor [rad/s].
     """
     found = []
-    for k, support in enumerate(rotor.supports, start=1):
-        if len(support.rows) == 1:
-            d = motion @ support.rows[0]
-            dynamic = support.stiffness[..., 0, 0] + 1j * speed * support.damping[..., 0, 0]
-            found.append(Force(support.name or f"support[{k}]", d, dynamic @ d))
+    for k, support in enumerate(rotor.at(speed).supports, start=1):
+        if support.across:
+            along = [0, 1], [0, support.across - 1]  # axes, and rows along them
+            d = motion @ support.rows.T  # (2, s)
+            dynamic = support.stiffness + 1j * speed * support.damping
+            force = np.einsum("abij,bj->ai", dynamic, d)
+            name = support.name or f"support[{k}]"
+            found.append(Force(name, d[along], force[along]))
     return found
 
 

@@ -32,6 +32,9 @@ def unbalance_response(rotor: LinearRotor, speeds: ArrayLike) -> Complex:
         NoResponse: a slider is rigid; an undamped rotor has no bounded response; Newton's method
             does not settle.
     """
+    if rotor.varies:
+        each = [unbalance_response(rotor.at(float(w)), [w])[0] for w in np.asarray(speeds)]
+        return np.array(each).reshape(-1, 2, rotor.stations)
     sliders = [slider for slider in rotor.sliders if slider.limit]
     at = [slider.axis * rotor.stations + slider.station for slider in sliders]
     spring, limit = np.array([(s.stiffness, s.limit) for s in sliders]).reshape(-1, 2).T

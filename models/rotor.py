@@ -15,6 +15,7 @@ and is half the size of the real one; an anisotropic rotor needs both axes.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, wraps
@@ -61,6 +62,8 @@ class LinearRotor:
         deflection: (d, n) rows whose largest modulus is the shaft's bending.
         gravity: acceleration of what falls, across the axis in fixed axes, gx + i gy [m/s^2].
         sliders: dry friction in the supports.
+        inner: how many of the stations, the last ones, are inner displacements of rubber.
+        locked: axis and station from 0 of what does not move, of bodies with one free axis.
     """
 
     mass: Matrix
@@ -73,6 +76,8 @@ class LinearRotor:
     deflection: Matrix
     gravity: complex = 0j
     sliders: tuple[Slider, ...] = ()
+    inner: int = 0
+    locked: tuple[tuple[int, int], ...] = ()
 
     @classmethod
     def planar(
@@ -126,14 +131,53 @@ class LinearRotor:
         return int(self.planes.shape[0])
 
     @cached_property
+    def varies(self) -> bool:
+        """Whether bearings change with the speed: then the matrices are those of `at` a speed."""
+        return any(support.table is not None for support in self.supports)
+
+    def at(self, speed: float) -> LinearRotor:
+        """The rotor with the bearings that it has at a speed [rad/s].
+
+        Raises:
+            ValueError: a table of a bearing does not hold the speed.
+        """
+        if not self.varies:
+            return self
+        return replace(self, supports=tuple(support.at(speed) for support in self.supports))
+
+    @property
+    def table_speeds(self) -> tuple[float, float]:
+        """Lowest and highest speed that the tables of all bearings hold [rad/s]."""
+        tables = [support.table.speeds for support in self.supports if support.table is not None]
+        low = max((float(speeds[0]) for speeds in tables), default=0.0)
+        return low, min((float(speeds[-1]) for speeds in tables), default=math.inf)
+
+    @cached_property
     def springs(self) -> Numbers:
-        """(2, 2, n, n) force along x, y by displacement along x, y of all supports [N/m]."""
+        """(2, 2, n, n) force along x, y by displacement along x, y of all supports [N/m].
+
+        Raises:
+            ValueError: bearings change with the speed.
+        """
+        self._refuse_varying()
         return summed(self.supports, "stiffness", self.stations)
 
     @cached_property
     def dampers(self) -> Numbers:
-        """(2, 2, n, n) force along x, y by velocity along x, y of all supports [N s/m]."""
+        """(2, 2, n, n) force along x, y by velocity along x, y of all supports [N s/m].
+
+        Raises:
+            ValueError: bearings change with the speed.
+        """
+        self._refuse_varying()
         return summed(self.supports, "damping", self.stations)
+
+    def _refuse_varying(self) -> None:
+        if self.varies:
+            raise ValueError(
+                "bearings: a table over the speed is not supported here; give stiffness and "
+                "damping at one speed"
+            )
 
     @cached_property
     def stiffness_x(self) -> Matrix:
@@ -157,7 +201,9 @@ class LinearRotor:
 
     @cached_property
     def crossed(self) -> bool:
-        """Whether a support pushes along one axis by a motion along the other one."""
+        """Whether a support pushes along one axis by a motion along the other one, or may."""
+        if self.varies:
+            return True
         blocks = (each[a, 1 - a] for each in (self.springs, self.dampers) for a in (0, 1))
         return not all(bool(np.all(block == 0)) for block in blocks)
 
@@ -231,12 +277,12 @@ class LinearRotor:
 
     def real_coefficients(self, speed: float) -> tuple[NDArray, NDArray, NDArray]:
         """The same for (x, y), real (2n, 2n) for every rotor."""
-        internal = self.internal_damping
+        here, internal = self.at(speed), self.internal_damping
         turned, followed = speed * self.gyroscopic, speed * internal
-        (_, k_xy), (k_yx, _) = self.springs
-        (c_xx, c_xy), (c_yx, c_yy) = self.dampers
+        (_, k_xy), (k_yx, _) = here.springs
+        (c_xx, c_xy), (c_yx, c_yy) = here.dampers
         damped = [[c_xx + internal, c_xy + turned], [c_yx - turned, c_yy + internal]]
-        stiff = [[self.stiffness_x, k_xy + followed], [k_yx - followed, self.stiffness_y]]
+        stiff = [[here.stiffness_x, k_xy + followed], [k_yx - followed, here.stiffness_y]]
         return np.kron(np.eye(2), self.mass), np.block(damped), np.block(stiff)
 
     def free_rates(self, speed: float) -> NDArray:

@@ -59,12 +59,12 @@ def from_matrices(
     u = np.zeros(n, complex) if unbalance is None else np.asarray(unbalance, complex)
     if u.shape != (n,):
         raise ValueError(f"unbalance: has {u.size} values: must have {n}, one for each point")
-    ground = Support(np.eye(n), blocks[0], blocks[1])
+    ground = Support(np.eye(n), blocks[0], blocks[1], across=0)
     plain = not any(block.any() for block in blocks[0][[0, 1], [1, 0]]) and np.array_equal(
         blocks[0][0, 0], blocks[0][1, 1]
     )
     if plain:
-        ground = Support(np.eye(n), np.zeros_like(blocks[0]), blocks[1])
+        ground = Support(np.eye(n), np.zeros_like(blocks[0]), blocks[1], across=0)
     return {
         "mass": m,
         "elastic": blocks[0][0, 0] if plain else zero,

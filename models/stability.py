@@ -22,7 +22,7 @@ from .linear.floquet import (
     one_turn_multipliers,
 )
 from .linear.growth import Growth, eigenvalues_with_errors, largest
-from .linear.linearised import Linearised, linearise
+from .linear.linearised import Linearised, linearise, linearise_at
 
 # growth per revolution below which errors are looked at; collocation errs by 4e-7 at most, and
 # eigenvalues of matrices with drag rates far above the speed by more
@@ -114,7 +114,7 @@ def find_growth(assembly: Assembly, speed: float) -> Growth:
     'stable'
     """
     speeds = _speeds(speed)
-    growth, error = growth_and_errors([linearise(assembly)], np.zeros(len(speeds), int), speeds)
+    growth, error = growth_and_errors(*linearise_at(assembly, speeds), speeds)
     return Growth(float(growth[0]), float(error[0]))
 
 
@@ -130,7 +130,7 @@ def growth_rates(assembly: Assembly, speeds: ArrayLike) -> NDArray[np.float64]:
         CannotBalance: the weights cannot undo the unbalance.
     """
     w = _speeds(speeds)
-    return active_growth([linearise(assembly)], np.zeros(len(w), int), w)
+    return active_growth(*linearise_at(assembly, w), w)
 
 
 def growth_map(assemblies: Sequence[Assembly], speeds: ArrayLike) -> NDArray[np.float64]:
@@ -151,6 +151,9 @@ def growth_map_with_errors(
     groups: dict[tuple[int, bool], list[tuple[int, Linearised]]] = {}
     for i, assembly in enumerate(assemblies):
         try:
+            if assembly.rotor.varies:
+                rates[i], errors[i] = growth_and_errors(*linearise_at(assembly, w), w)
+                continue
             system = linearise(assembly)
         except CannotBalance:
             continue

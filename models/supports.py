@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from .arrays import Numbers, numbers
+
+OUTSIDE = 1e-9  # of the highest speed of a table: rounding of the speed at its ends
 
 
 @dataclass(frozen=True)
@@ -27,22 +29,80 @@ class Slider:
 
 
 @dataclass(frozen=True, eq=False)
+class SpeedTable:
+    """Stiffness and damping of a bearing that change with the speed, on lines between rows.
+
+    Attributes:
+        speeds: (r,) ascending, two or more [rad/s].
+        stiffness, damping: (r, 2, 2) of each row [N/m, N s/m].
+    """
+
+    speeds: Numbers
+    stiffness: Numbers
+    damping: Numbers
+
+    def at(self, speed: float) -> tuple[Numbers, Numbers]:
+        """Stiffness and damping (2, 2) at a speed [rad/s].
+
+        Raises:
+            ValueError: the table does not hold it.
+        """
+        low, high = float(self.speeds[0]), float(self.speeds[-1])
+        slack = OUTSIDE * high
+        if not low - slack <= speed <= high + slack:
+            raise ValueError(
+                f"bearing table: speed = {speed:.6g} rad/s: must be {low:.6g} to {high:.6g} rad/s, "
+                "the speeds of the table"
+            )
+        row = int(np.clip(np.searchsorted(self.speeds, speed, side="right") - 1, 0, self.last))
+        begin, end = float(self.speeds[row]), float(self.speeds[row + 1])
+        part = (speed - begin) / (end - begin)
+        first, second = (
+            each[row] + part * (each[row + 1] - each[row])
+            for each in (self.stiffness, self.damping)
+        )
+        return first, second
+
+    @property
+    def last(self) -> int:
+        """Number of the last line, from 0."""
+        return len(self.speeds) - 2
+
+
+@dataclass(frozen=True, eq=False)
 class Support:
     """A linear element: its force on the rotor is -rows^T (K d + C d'), d = rows q for each axis.
 
-    A bearing has one row; an element that is known by its matrices alone has as many as stations.
+    A bearing has one row; rubber has a second one, of its inner displacement; an element that is
+    known by its matrices alone has as many as stations.
 
     Attributes:
         rows: (s, n) displacement across it from that of the stations.
         stiffness, damping: (2, 2, s, s): force along x, y by displacement along x, y
             [N/m, N s/m].
         name: what outputs call it.
+        table: what they are over the speed, of a bearing; None: the same at every speed.
+        across: the first rows are the displacement across a bearing or foot: one for both axes, or
+            two, of x and of y; 0: it is neither, and has no force of its own.
     """
 
     rows: Numbers
     stiffness: Numbers
     damping: Numbers
     name: str = ""
+    table: SpeedTable | None = None
+    across: int = 1
+
+    def at(self, speed: float) -> Support:
+        """The support at a speed [rad/s].
+
+        Raises:
+            ValueError: its table does not hold the speed.
+        """
+        if self.table is None:
+            return self
+        k, c = (_spread(each, self.across) for each in self.table.at(speed))
+        return replace(self, stiffness=k, damping=c, table=None)
 
     @classmethod
     def bearing(
@@ -69,8 +129,9 @@ class Support:
         return self.rows.T @ block @ self.rows
 
 
-Bearing = tuple[int, Sequence[Sequence[float]], Sequence[Sequence[float]]]
-"""Number of a support from 1, stiffness ((xx, xy), (yx, yy)) [N/m], damping alike [N s/m]."""
+Bearing = tuple[int, Sequence[Sequence[float]], Sequence[Sequence[float]]] | tuple[int, SpeedTable]
+"""Number of a support from 1, stiffness ((xx, xy), (yx, yy)) [N/m], damping alike [N s/m]; or
+number and table over the speed."""
 
 
 def supported(
@@ -89,9 +150,33 @@ def supported(
         Support.straight(rows[at], k, c)
         for at, k, c in zip(stations, stiffness, damping, strict=True)
     ]
-    for number, k, c in bearings:
-        found[number - 1] = Support.bearing(rows[stations[number - 1]], k, c)
+    for number, *values in bearings:
+        row = rows[stations[number - 1]]
+        if isinstance(values[0], SpeedTable):
+            nothing = np.zeros((2, 2, 1, 1))
+            found[number - 1] = Support(row[None], nothing, nothing, table=values[0])
+        else:
+            k, c = values
+            found[number - 1] = Support.bearing(row, k, c)
     return tuple(found)
+
+
+def two_ways(support: Support, x: Numbers, y: Numbers) -> Support:
+    """A bearing or foot across which displacement is x (n,) along x and y (n,) along y."""
+    if np.array_equal(x, y):
+        return replace(support, rows=x[None])
+    k, c = (_spread(each[..., 0, 0], 2) for each in (support.stiffness, support.damping))
+    return replace(support, rows=np.array([x, y]), stiffness=k, damping=c, across=2)
+
+
+def _spread(square: Numbers, across: int) -> Numbers:
+    """(2, 2, across, across) of a bearing's (2, 2)."""
+    if across == 1:
+        return square.reshape(2, 2, 1, 1)
+    pair = np.array([0, 1])
+    found = np.zeros((2, 2, 2, 2), square.dtype)
+    found[pair[:, None], pair, pair[:, None], pair] = square
+    return found
 
 
 def diagonal_pair(values: Sequence[float]) -> list[list[float]]:

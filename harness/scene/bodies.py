@@ -2,12 +2,22 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
-from pydantic import Field
+from pydantic import Field, model_validator
 
 from ...models.bodies import GROUND, Body, Foot
-from .quantities import SI, NotNegative, NotNegativePair, Positive, PositivePair, Real, Table, Text
+from .quantities import (
+    SI,
+    NotNegative,
+    NotNegativePair,
+    Positive,
+    PositivePair,
+    Real,
+    Table,
+    Text,
+    refusal,
+)
 
 
 class FootTable(Table):
@@ -19,6 +29,24 @@ class FootTable(Table):
     """[x, y]."""
     damping: Annotated[NotNegativePair, SI("N s/m")] = (0.0, 0.0)
     """[x, y]."""
+    loss_factor: Annotated[PositivePair | None, SI("")] = None
+    """Of rubber, [x, y]; `stiffness` is then the dynamic one at `loss_frequency`."""
+    loss_frequency: Annotated[Positive | None, SI("rad/s")] = None
+    """Frequency at which stiffness and loss factor were measured, such as "50 Hz"."""
+
+    @model_validator(mode="after")
+    def _is_rubber(self) -> FootTable:
+        refuse_half_of_rubber(self.loss_factor, self.loss_frequency, "loss_factor")
+        return self
+
+
+def refuse_half_of_rubber(factor: object, frequency: object, key: str) -> None:
+    """Raise for a loss factor without its frequency, or the other way round."""
+    if factor is None and frequency is not None:
+        raise refusal("loss_frequency", f"belongs to {key}: give both, or none")
+    if frequency is None and factor is not None:
+        words = 'requires loss_frequency, at which it was measured, such as "50 Hz"'
+        raise refusal(key, words)
 
 
 class Handle(Table):
@@ -45,13 +73,22 @@ class BodyTable(Table):
     """What it stands on; none: the body that carries the rotor is free, as in hands."""
     on: Text = GROUND
     """What it stands on: "ground", "rotor" (an absorber), or the name of another body."""
+    free: Literal["xy", "x", "y"] = "xy"
+    """Axes along which it moves; along the other one its feet are rigid."""
     handles: tuple[Handle, ...] = ()
     """Where hands hold it."""
+
+    @model_validator(mode="after")
+    def _is_held(self) -> BodyTable:
+        if self.free != "xy" and not self.feet:
+            raise refusal("free", f"requires feet that hold the body along {self.free}")
+        return self
 
     def build(self) -> Body:
         """For the models."""
         feet = tuple(Foot(foot.position, foot.stiffness, foot.damping) for foot in self.feet)
-        return Body(self.name, self.mass, self.transverse_inertia, self.center, feet, self.on)
+        mass, inertia = self.mass, self.transverse_inertia
+        return Body(self.name, mass, inertia, self.center, feet, self.on, self.free)
 
 
 def bodies_inside(document: dict[str, Any]) -> dict[str, Any]:

@@ -23,6 +23,20 @@ def model_problems(scene: Scene, rotor: LinearRotor) -> Iterator[str]:
             f"operation.gravity: nothing carries {scene.rotor.on!r}: give it feet, or leave "
             "gravity out"
         )
+    if scene.operation.gravity and rotor.inner:
+        yield (
+            "operation.gravity: does not support rubber (support_loss_factor, loss_factor): its "
+            "inner displacement has no weight; leave one of the two out"
+        )
+    held = {"xy"[axis] for axis, _ in rotor.locked}
+    for axis, pull in zip(
+        "xy", (scene.operation.field.real, scene.operation.field.imag), strict=True
+    ):
+        if pull and axis in held:
+            yield (
+                f"operation.gravity: has a part along {axis}, in which a body cannot move (free): "
+                "leave it out, or turn it by gravity_angle"
+            )
     if scene.coupling.units == "python":
         for key in _native_alone(scene):
             yield (

@@ -264,7 +264,8 @@ class Flexible(RotorTable):
         lengths = arms(self.masses, self.transverse_inertias) if self.transverse_inertias else []
         pairs = zip(self.stations, lengths, strict=False)
         axes = tuple(z + arm for z, arm in pairs if arm)
-        return self.stations + axes + self.support_positions * len(self.bodies)
+        count = len(self.stations)
+        return self.stations + axes + super().points[count:]
 
     @property
     def beyond(self) -> tuple[str, ...]:

@@ -17,8 +17,9 @@ from pydantic_core import PydanticKnownError
 from ...models.bodies import GROUND, ROTOR, with_bodies
 from ...models.rotor import LinearRotor
 from ...models.rotor import Slider as LinearSlider
+from ...models.rubber import Zener, with_rubber, zener
 from .bearing import Bearing
-from .bodies import BodyTable
+from .bodies import BodyTable, refuse_half_of_rubber
 from .feeds import Feeds, Start, fed
 from .given import Acting, matrix_start
 from .quantities import (
@@ -67,6 +68,7 @@ class Slider(Table):
 
 _NO_ARGUMENTS = (  # of a constructor of `LinearRotor`
     *("kind", "fmu", "friction", "damping_ratio", "bodies", "on", "zone_limits"),
+    *("support_loss_factor", "loss_frequency"),
 )
 Bearings = tuple[Bearing, ...]
 Friction = Annotated[tuple[Slider, ...], Feeds("slider[{n}].")]
@@ -91,6 +93,11 @@ DampingRatio = Annotated[NotNegativePair | None, SI("")]
 SupportDamping = Annotated[
     tuple[NotNegativePair, NotNegativePair], SI("N s/m"), Feeds("support[{n}].damping_{axis}")
 ]
+
+
+def _elements(spring: Sequence[float], factor: Sequence[float], frequency: float) -> list[Zener]:
+    """Elements of rubber along x and y."""
+    return [zener(k, eta, frequency) for k, eta in zip(spring, factor, strict=True)]
 
 
 def _unit(one: Unbalance) -> Unbalance:
@@ -134,6 +141,10 @@ class RotorTable(Table):
     """Bodies that carry the rotor or hang on it, also as [[body]] tables of the scene."""
     on: Text = GROUND
     """What its supports stand on: "ground", or the name of a body."""
+    support_loss_factor: Annotated[PositivePair | None, SI("")] = None
+    """Of rubber supports, [x, y]; their stiffness is the dynamic one at `loss_frequency`."""
+    loss_frequency: Annotated[Positive | None, SI("rad/s")] = None
+    """Frequency at which stiffness and loss factor were measured, such as "50 Hz"."""
     zone_limits: Annotated[tuple[Positive, Positive, Positive] | None, SI("m/s")] = None
     """Vibration of feet, rms, at which zones A, B and C end: those of a standard or contract."""
     if TYPE_CHECKING:  # a key of one kind, a property of another
@@ -156,19 +167,41 @@ class RotorTable(Table):
     @property
     def takes_matrices(self) -> bool:
         """Whether its unit has no kind of its own: it is built by matrices."""
-        return bool(self.bearings or self.bodies)
+        return bool(self.bearings or self.bodies or self.support_loss_factor)
 
     @property
     def points(self) -> tuple[float, ...]:
-        """Places of all that moves on its own: stations, points beyond them, bodies."""
-        return self.stations + self.support_positions * len(self.bodies)
+        """Places of all that moves on its own: stations, points beyond them, bodies, rubber."""
+        rubber = tuple(place for _, place, _ in self._rubber)
+        return self.stations + self.support_positions * len(self.bodies) + rubber
 
     @property
     def beyond(self) -> tuple[str, ...]:
         """Names of the points that are no stations."""
+        inside = tuple(f"rubber of {name}" for name, _, _ in self._rubber)
         if len(self.supports) == 1:
-            return tuple(body.name for body in self.bodies)
-        return tuple(f"{body.name} at support {s}" for body in self.bodies for s in (1, 2))
+            return tuple(body.name for body in self.bodies) + inside
+        carried = (f"{body.name} at support {s}" for body in self.bodies for s in (1, 2))
+        return (*carried, *inside)
+
+    @property
+    def _rubber(self) -> list[tuple[str, float, tuple[int, list[Zener]]]]:
+        """Name, place [m], and number from 0 with elements along x, y of supports of rubber."""
+        found: list[tuple[str, float, tuple[int, list[Zener]]]] = []
+        places = self.support_positions
+        if self.support_loss_factor and self.loss_frequency:
+            springs = np.reshape(getattr(self, self.stiffness_key), (-1, 2)).tolist()
+            for k, spring in enumerate(springs):
+                pair = _elements(spring, self.support_loss_factor, self.loss_frequency)
+                found.append((f"support {k + 1}", places[k], (k, pair)))
+        number = len(places)
+        for body in self.bodies:
+            for k, foot in enumerate(body.feet, start=1):
+                if foot.loss_factor and foot.loss_frequency:
+                    pair = _elements(foot.stiffness, foot.loss_factor, foot.loss_frequency)
+                    found.append((f"{body.name}.foot[{k}]", foot.position, (number, pair)))
+                number += 1 + (body.free != "xy") * (k == len(body.feet))
+        return found
 
     @property
     def is_free(self) -> bool:
@@ -182,6 +215,9 @@ class RotorTable(Table):
     @model_validator(mode="after")
     def _stands(self) -> RotorTable:
         names = [body.name for body in self.bodies]
+        refuse_half_of_rubber(self.support_loss_factor, self.loss_frequency, "support_loss_factor")
+        if self.support_loss_factor and self.bearings:
+            raise refusal("support_loss_factor", "not with bearings: give stiffness, not bearings")
         if self.friction and self.bodies:
             raise refusal("friction", "not with bodies: sliders stand on the ground")
         for k, body in enumerate(self.bodies, start=1):
@@ -364,6 +400,8 @@ class RotorTable(Table):
         if self.bodies:
             bodies = [body.build() for body in self.bodies]
             rotor = with_bodies(rotor, self.support_positions, self.planes, bodies, self.on)
+        if rubber := self._rubber:
+            rotor = with_rubber(rotor, dict(element for _, _, element in rubber))
         sliders = [
             LinearSlider(self.supports[s.support - 1] - 1, axis, s.limit[axis],
                         s.stiffness[axis] if s.stiffness else 0.0)

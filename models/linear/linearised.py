@@ -20,7 +20,7 @@ The rates left over, of weights of equal drag rate d, decay freely as e^{-d t}.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -243,6 +243,24 @@ def _fastest(rotor: LinearRotor, mass: Matrix) -> float:
     """Estimate of the highest natural frequency [rad/s] for the real (2n, 2n) mass matrix."""
     _, _, stiffness = rotor.real_coefficients(0.0)
     return float(np.sqrt(np.abs(np.linalg.eigvals(np.linalg.solve(mass, stiffness))).max()))
+
+
+def linearise_at(assembly: Assembly, speeds: NDArray) -> tuple[list[Linearised], NDArray[np.int_]]:
+    """Systems of one size and kind, and which of them (b,) belongs to each speed (b,) [rad/s].
+
+    It is one system, unless bearings change with the speed.
+
+    Raises:
+        CannotBalance: the weights cannot undo the unbalance.
+        ValueError: a table of a bearing does not hold a speed.
+    """
+    if not assembly.rotor.varies:
+        return [linearise(assembly)], np.zeros(len(speeds), int)
+    each, which = np.unique(speeds, return_inverse=True)
+    systems = [linearise(assembly.at_speed(float(speed))) for speed in each]
+    if len({system.constant for system in systems}) > 1:  # round bearings in some rows of a table
+        systems = [replace(system, constant=False) for system in systems]
+    return systems, which.reshape(-1)
 
 
 def linearise(assembly: Assembly) -> Linearised:

@@ -6,13 +6,15 @@ sense in which the shaft's centre runs round its orbit tells forward whirl from 
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import eigh, eigvals, eigvalsh
+from scipy.optimize import brentq
 
 from ..rotor import LinearRotor
 from .growth import Growth, State, eigenpairs_with_errors
@@ -22,6 +24,8 @@ _REAL = 1e-9  # |Im|/|lambda| below it is an overdamped motion, not an oscillati
 _RIGID = 1e-12  # of the largest stiffness, or squared frequency: a motion without stiffness
 _ABOVE = 1.3  # a range ends this much above the highest speed of interest
 _LOWEST = 0.01  # of a range's end: a rotor that stands still has neither whirl nor response
+_SCAN = 400  # speeds at which the stiffness is looked at where it changes with the speed
+_STIFF = 1e12  # rad/s: rubber is stiffest
 _FAR = 3.0  # critical speeds beyond this many operating speeds are of no interest
 
 
@@ -138,8 +142,14 @@ def critical_speeds(rotor: LinearRotor) -> NDArray[np.float64]:
     exceeds the transverse one a mode has none.  Otherwise K v = w^2 (M - i J G) v in both axes,
     where backward whirl is excited too.
     """
+    if rotor.varies or rotor.inner:
+        return _critical_over_speed(rotor)
     mass, damping, stiffness = rotor.coefficients(0.0)
     _, turning, _ = rotor.coefficients(1.0)
+    kept = _moving(rotor)
+    mass, damping, stiffness, turning = (
+        each[np.ix_(kept, kept)] for each in (mass, damping, stiffness, turning)
+    )
     elastic = stiffness.real if rotor.isotropic else stiffness
     inertial = mass - 1j * (turning - damping)
     elastic = (elastic + elastic.conj().T) / 2.0  # what cross terms do beyond is like damping
@@ -150,6 +160,69 @@ def critical_speeds(rotor: LinearRotor) -> NDArray[np.float64]:
     inverse_squares = eigh(inertial, elastic, eigvals_only=True)
     real = inverse_squares[inverse_squares > np.finfo(float).eps * np.abs(inverse_squares).max()]
     return np.sort(1.0 / np.sqrt(real))
+
+
+def _moving(rotor: LinearRotor) -> NDArray[np.intp]:
+    """Which of the displacements of `coefficients` can move: all but the locked ones."""
+    held = [axis * rotor.stations + station for axis, station in rotor.locked]
+    count = rotor.stations * (1 if rotor.isotropic else 2)
+    return np.setdiff1d(np.arange(count), held)
+
+
+def at_frequency(rotor: LinearRotor, speed: float) -> LinearRotor:
+    """The rotor as it answers a motion at its own speed [rad/s], without damping.
+
+    Bearings are those of the speed, and rubber is a spring: the real part of its dynamic stiffness.
+
+    Raises:
+        ValueError: a table of a bearing does not hold the speed.
+    """
+    n = rotor.stations - rotor.inner
+    supports = []
+    for one in rotor.at(speed).supports:
+        rows, k, c = one.rows[:, :n], one.stiffness, np.zeros_like(one.damping)
+        if one.rows.shape[0] > one.across > 0:
+            d, u = slice(0, one.across), one.across
+            rows, k = rows[d], k[:, :, d, d].copy()
+            for axis in (0, 1):
+                own, at = one.stiffness[axis, axis], axis * (one.across - 1)
+                relaxed = one.damping[axis, axis, u, u] / own[u, u] / 2.0
+                turned = 1j * speed * relaxed
+                k[axis, axis, at, at] += own[at, u] * (1.0 / (1.0 + turned)).real
+            c = np.zeros_like(k)
+        supports.append(replace(one, rows=rows, stiffness=k, damping=c, table=None))
+    square = slice(0, n), slice(0, n)
+    return replace(
+        rotor, mass=rotor.mass[square], elastic=rotor.elastic[square], supports=tuple(supports),
+        internal_damping=np.zeros((n, n)), gyroscopic=rotor.gyroscopic[square],
+        planes=rotor.planes[:, :n], unbalance=rotor.unbalance[:n],
+        deflection=rotor.deflection[:, :n], inner=0,
+    )  # fmt: skip
+
+
+def _critical_over_speed(rotor: LinearRotor) -> NDArray[np.float64]:
+    """`critical_speeds` where the stiffness changes with the speed: those at which one of the
+    rotor of that speed is the speed itself, of a table those within it."""
+    low, high = rotor.table_speeds
+    if not rotor.varies:  # rubber alone: softest at rest, stiffest at a high speed
+        least, most = (critical_speeds(at_frequency(rotor, w)) for w in (0.0, _STIFF))
+        low, high = 0.5 * float(least.min(initial=0.0)), 2.0 * float(most.max(initial=0.0))
+        if not high:
+            return np.zeros(0)
+        low = low or high * 1e-6
+    found: list[float] = []
+    grid = np.geomspace(max(low, 1e-9 * high), high, _SCAN)
+
+    def excess(speed: float) -> NDArray[np.float64]:
+        here = critical_speeds(at_frequency(rotor, speed))
+        return np.append(here, np.full(2 * rotor.stations - len(here), math.inf)) - speed
+
+    values = np.array([excess(float(w)) for w in grid])
+    crosses = np.isfinite(values[:-1] + values[1:]) & ((values[:-1] > 0.0) != (values[1:] > 0.0))
+    for k, number in np.argwhere(crosses).tolist():
+        ends = float(grid[k]), float(grid[k + 1])
+        found.append(brentq(lambda w, number=number: excess(w)[number], *ends, rtol=1e-13))
+    return np.sort(np.array(found))
 
 
 def _critical_of_free(elastic: NDArray, inertial: NDArray) -> NDArray[np.float64]:
@@ -168,11 +241,31 @@ def speeds_of_interest(rotor: LinearRotor, speed: float) -> tuple[float, float]:
 
 
 def _eigenpairs(rotor: LinearRotor, speed: float) -> tuple[NDArray, NDArray]:
-    """Eigenvalues (2 dof,) and displacement parts of the eigenvectors, (2 dof, dof)."""
-    values, vectors, errors = eigenpairs_with_errors(rotor.first_order(speed)[None])
+    """Eigenvalues (m,) and displacements of the eigenvectors, (m, dof); m = 2 dof if all move."""
+    kept = _moving(rotor)
+    dof = rotor.stations * (1 if rotor.isotropic else 2)
+    both = np.append(kept, kept + dof)
+    matrix = rotor.first_order(speed)[np.ix_(both, both)]
+    values, vectors, errors = eigenpairs_with_errors(matrix[None])
     damped = np.abs(values[0].real) > errors[0]
     found = np.where(damped, values[0], values[0] - values[0].real)
-    return found, vectors[0, : len(found) // 2].T
+    shapes = np.zeros((len(found), dof), vectors.dtype)
+    shapes[:, kept] = vectors[0, : len(kept)].T
+    own = _without_added(rotor, found)
+    return found[own], shapes[own]
+
+
+def _without_added(rotor: LinearRotor, values: NDArray) -> NDArray[np.intp]:
+    """Which eigenvalues are motions: not the rates -1/tau that the form of rubber adds, see
+    `models/rubber.py`."""
+    kept = np.arange(len(values))
+    for support in rotor.supports:
+        for axis in range(1 if rotor.isotropic else 2):
+            if support.rows.shape[0] > support.across > 0:
+                u = support.across
+                own, fast = (b[axis, axis, u, u] for b in (support.stiffness, support.damping))
+                kept = np.delete(kept, np.abs(values[kept] + 2.0 * own / fast).argmin())
+    return kept
 
 
 def _normalised(shapes: NDArray) -> NDArray:

@@ -23,7 +23,7 @@ from .slopes import Exact, Number, Sloped, ball, largest
 
 _NO_ARGUMENTS = (  # of a constructor of `LinearRotor`, or used apart from it
     "kind", "fmu", "friction", "damping_ratio", "unbalance", "unbalance_angle", "unbalances",
-    "skews", "bodies", "on", "zone_limits",
+    "skews", "bodies", "on", "zone_limits", "support_loss_factor", "loss_frequency",
 )  # fmt: skip
 
 
@@ -117,6 +117,7 @@ def rotor_balls(table: Mapping[str, Any], added: Sequence[tuple[int, Number]]) -
     """
     given = {key: value for key, value in table.items() if key not in _NO_ARGUMENTS}
     kind = table["kind"]
+    _refuse_unproved(table)
     if kind == "planar":
         places = [arb(0)]
         loads = [(places[0], table["unbalance"], table["unbalance_angle"])]
@@ -147,6 +148,16 @@ def rotor_balls(table: Mapping[str, Any], added: Sequence[tuple[int, Number]]) -
                          for place, size, angle in loads),
         rigid=kind == "two_support",
     )  # fmt: skip
+
+
+def _refuse_unproved(table: Mapping[str, Any]) -> None:
+    """Raise Unproved for what the formulas in balls do not have."""
+    if table["support_loss_factor"] or any(
+        foot["loss_factor"] for body in table["bodies"] for foot in body["feet"]
+    ):
+        raise Unproved("rubber (support_loss_factor, loss_factor) is not proved: use floquet")
+    if any(body["free"] != "xy" for body in table["bodies"]):
+        raise Unproved("a body that is free along one axis is not proved: use floquet")
 
 
 def _with_bodies(

@@ -161,3 +161,32 @@ def test_the_weight_of_a_handle_is_that_of_the_third_octaves(band, weight):
 
 def test_the_tool_of_the_example_has_its_weighted_acceleration():
     assert 19.842105 * hand_weight(1000.0 / math.tau) == pytest.approx(1.98930, abs=2e-5)
+
+
+@pytest.mark.parametrize("axis", [0, 1])
+def test_a_body_with_one_free_axis_is_the_limit_of_feet_rigid_along_the_other(axis):
+    rotor = LinearRotor.planar(10.0, (4e4, 5e4), (40.0, 30.0), unbalance=0.01)
+    stiffness = [1e12, 1e12]
+    stiffness[axis] = 6e4
+    rigid = Body("base", 30.0, feet=(Foot(0.0, stiffness, (200.0, 200.0)),))
+    one_way = Body("base", 30.0, feet=(Foot(0.0, (6e4, 6e4), (200.0, 200.0)),), free="xy"[axis])
+    limit, found = (with_bodies(rotor, [0.0], [0.0], [body], "base") for body in (rigid, one_way))
+    for speed in (20.0, 50.0, 80.0):
+        expected, moved = response(limit, speed), response(found, speed)
+        assert moved[1 - axis, 1] == 0.0
+        assert moved == pytest.approx(expected, rel=1e-6, abs=1e-6 * np.abs(expected).max())
+        names = {one.name: one for one in forces(found, moved, speed)}
+        floor = next(one for one in forces(limit, expected, speed) if "foot" in one.name)
+        assert abs(names["base.foot[1]"].force[axis]) == pytest.approx(
+            abs(floor.force[axis]), rel=1e-6
+        )
+    own = modes(found, 0.0).natural_frequencies
+    assert own == pytest.approx(modes(limit, 0.0).natural_frequencies[:3], rel=1e-6)
+    assert critical_speeds(found) == pytest.approx(critical_speeds(limit)[:3], rel=1e-6)
+
+
+def test_internal_damping_on_a_body_with_one_free_axis_is_refused():
+    rotor = LinearRotor.planar(10.0, 4e4, internal_damping=5.0)
+    body = Body("base", 30.0, feet=(Foot(0.0, (6e4, 6e4)),), free="y")
+    with pytest.raises(ValueError, match="internal_damping: not on the body 'base'"):
+        with_bodies(rotor, [0.0], [0.0], [body], "base")

@@ -56,7 +56,7 @@ class Known:
     @cached_property
     def assembly(self) -> Assembly:
         """With the weights where they are."""
-        found = self.scene.assembly().at(self.time)
+        found = self.scene.assembly().at(self.time).at_speed(self.speed)
         if self.angles is None:
             return found
         left, balancers = self.angles.tolist(), []
@@ -227,7 +227,8 @@ class Known:
     @cached_property
     def critical(self) -> float:
         """Lowest critical speed with the balancers' masses [rad/s]."""
-        return float(np.abs(self.loaded.free_rates(0.0)).min())
+        lowest = self.loaded.table_speeds[0]  # without a table 0
+        return float(np.abs(self.loaded.free_rates(lowest)).min())
 
     @cached_property
     def natural(self) -> Array:

@@ -1,0 +1,102 @@
+"""Rubber in supports and feet: a Zener element, which has one state for each axis.
+
+A spring k0 stands beside a spring k1 in series with a damper, tau = damping/k1:
+
+    f = k0 d + k1 (d - u),   tau u' = d - u,   K(i nu) = k0 + k1 i nu tau/(1 + i nu tau)
+
+A complex stiffness k (1 + i eta) describes one harmonic motion alone: it is not causal.  The
+element has the dynamic stiffness kd and the loss factor eta at one frequency nu0, where its loss
+factor is largest; from nu0/2 to 2 nu0 it differs by at most a fifth.
+
+A rotor is made of displacements with inertia.  So u becomes one more of them, and its equation is
+differentiated once: (tau D + 1) (tau u' + u - d) = 0, D = d/dt.  A motion that begins relaxed,
+with u = d and u' = 0, stays one of the element; the rate -1/tau that is added is that of no motion.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from .arrays import Numbers
+from .rotor import LinearRotor
+from .supports import Support
+
+
+@dataclass(frozen=True)
+class Zener:
+    """A spring beside a spring and damper in series.
+
+    Attributes:
+        static: k0, what is left after a long time [N/m].
+        branch: k1, stiffness of the spring in series [N/m].
+        time: tau, damping of the damper over that [s].
+    """
+
+    static: float
+    branch: float
+    time: float
+
+    def dynamic(self, frequency: float) -> complex:
+        """K(i nu) [N/m] at a frequency nu [rad/s]."""
+        turned = 1j * frequency * self.time
+        return self.static + self.branch * turned / (1.0 + turned)
+
+
+def zener(stiffness: float, loss_factor: float, frequency: float) -> Zener:
+    """The element with a dynamic stiffness [N/m] and a loss factor [1] at a frequency [rad/s].
+
+    >>> zener(1.0, 0.2, 1.0).static
+    0.836038...
+    """
+    square = loss_factor * loss_factor
+    ratio = 2.0 * square + 2.0 * loss_factor * math.sqrt(1.0 + square)
+    static = stiffness * (2.0 + ratio) / (2.0 * (1.0 + ratio))
+    return Zener(static, ratio * static, 1.0 / (frequency * math.sqrt(1.0 + ratio)))
+
+
+def with_rubber(rotor: LinearRotor, elements: Mapping[int, Sequence[Zener]]) -> LinearRotor:
+    """A rotor some of whose supports are rubber; their displacements u stand behind all others.
+
+    Args:
+        elements: elements along x and y by the number of the support, from 0.  They take the place
+            of its stiffness; what damping it has is beside them.
+    """
+    n, size = rotor.stations, rotor.stations + len(elements)
+    wide = np.eye(n, size)
+    mass = wide.T @ rotor.mass @ wide
+    supports = [replace(one, rows=one.rows @ wide) for one in rotor.supports]
+    for place, (number, pair) in enumerate(elements.items(), start=n):
+        inertia = sum(one.branch * one.time**2 for one in pair) / 2.0 or float(rotor.mass[0, 0])
+        mass[place, place] = inertia
+        supports[number] = _element(supports[number], np.eye(size)[place], pair, inertia)
+    return replace(
+        rotor,
+        mass=mass,
+        elastic=wide.T @ rotor.elastic @ wide,
+        supports=tuple(supports),
+        internal_damping=wide.T @ rotor.internal_damping @ wide,
+        gyroscopic=wide.T @ rotor.gyroscopic @ wide,
+        planes=rotor.planes @ wide,
+        unbalance=rotor.unbalance @ wide,
+        deflection=rotor.deflection @ wide,
+        inner=rotor.inner + len(elements),
+    )
+
+
+def _element(support: Support, inner: Numbers, pair: Sequence[Zener], inertia: float) -> Support:
+    """A support of d, then u; `inertia` [kg] scales the equation of u, which has no size."""
+    count = support.across
+    stiffness, damping = (np.zeros((2, 2, count + 1, count + 1)) for _ in range(2))
+    damping[:, :, :count, :count] = support.damping
+    for axis, one in enumerate(pair):
+        d, u = axis * (count - 1), count
+        slow, fast = inertia / one.time**2, inertia / one.time
+        stiffness[axis, axis, d, [d, u]] = one.static + one.branch, -one.branch
+        stiffness[axis, axis, u, [d, u]] = -slow, slow
+        damping[axis, axis, u, [d, u]] = -fast, 2.0 * fast
+    rows = np.vstack([support.rows[:count], inner])
+    return replace(support, rows=rows, stiffness=stiffness, damping=damping)
