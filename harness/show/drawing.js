@@ -44,8 +44,9 @@ class Drawing {
     c.fillText("heavy side", x + 12, y);
   }
 
-  /* Follow the largest displacement, so slowly that a motion that dies away is seen to do so; a
-     liquid's gap is not drawn crossed before it is. */
+  /* Follow the largest displacement: at once where it grows, so that the rotor stays in the picture,
+     and so slowly where it falls that a motion that dies away is seen to do so; a liquid's gap is not
+     drawn crossed before it is. */
   magnify() {
     const { machine } = this;
     if (!machine.largest) return;
@@ -54,7 +55,8 @@ class Drawing {
       return (WITHIN * gap * gapTimes(b)) / Math.min(machine.largest, WITHIN * gap);
     });
     const wanted = Math.min((SHOWN_AS * this.radius) / machine.largest, ...gaps);
-    this.magnification += (this.magnification ? 0.05 : 1) * (wanted - this.magnification);
+    const pace = wanted < this.magnification || !this.magnification ? 1 : 0.05;
+    this.magnification += pace * (wanted - this.magnification);
   }
 
   samples() {
