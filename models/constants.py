@@ -64,6 +64,6 @@ NOMINAL_VELOCITY = 1e-2  # m/s
 NOMINAL_ANGULAR_VELOCITY = 1e2  # rad/s
 
 # The machine in one piece
-MOST_FASTEST_RATE = 60.0  # over the rotor's speed, of a machine whose motion goes on by series
+STIFF_RATE = 40.0  # over the rotor's speed: fastest rate of a machine whose steps may be collocated
 SERIES_SHARE = 1e-3  # of a run's tolerance: what a step by series may err
 FEWEST_LOOKS = 32  # per revolution: the vibration misses 0.5 % of a peak between them

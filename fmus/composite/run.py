@@ -57,6 +57,7 @@ class RunFacts(Structure):
         ("unresolved", c_double),
         ("one_piece", c_double),
         ("order", c_double),
+        ("collocated", c_double),
         ("loop_failed", c_double),
         ("reason", c_char_p),
         ("warnings", c_char_p),

@@ -106,7 +106,10 @@ def command(
     if verbose:
         ran_as = "FMUs loaded" if result.calls else "Coupled in C, as one file"
         if result.series_order:
-            ran_as = f"In one piece, by power series of order {result.series_order}, as one file"
+            how = f"power series of order {result.series_order}"
+            if result.collocated_steps:
+                how += f" and {result.collocated_steps} steps by collocation"
+            ran_as = f"In one piece, by {how}, as one file"
         say_facts(result.units, result.left_out, ran_as)
         calls = sum(result.calls.values())
         say(

@@ -59,10 +59,12 @@ class Facts(RunFacts):
         scene: that was run.
         series_order: of the machine in one piece, which goes on by power series; 0: its parts are
             coupled by signals.
+        collocated_steps: of a stiff machine in one piece: steps by collocation.
     """
 
     scene: Scene
     series_order: int = 0
+    collocated_steps: int = 0
 
 
 def exchanging(scene: Scene) -> bool:

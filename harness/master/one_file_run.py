@@ -162,6 +162,7 @@ class OneFileRun(Closing):
             estimated_error=found.estimated_error,
             unresolved=round(found.unresolved),
             series_order=round(found.order),
+            collocated_steps=round(found.collocated),
         )
 
     def close(self) -> None:

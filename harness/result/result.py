@@ -52,6 +52,8 @@ class Result(Pictures):
         unconverged: steps in which the coupling loop did not converge.
         series_order: of the power series of a machine that is integrated in one piece; 0: its parts
             were coupled by signals.
+        collocated_steps: steps by collocation, which a stiff machine in one piece takes once its
+            fast vibrations have died down.
         estimated_error: of the motion, relative to itself: of a run with a tolerance, or where
             given steps are too long for the signals; 0 where nothing is estimated.
         unknown_error: why the error of a run with a tolerance is not known, as where impacts
@@ -72,6 +74,7 @@ class Result(Pictures):
     calls: dict[str, int] = field(default_factory=dict)
     unconverged: int = 0
     series_order: int = 0
+    collocated_steps: int = 0
     estimated_error: float = 0.0
     unknown_error: str = ""
     signal_units: dict[str, str] = field(default_factory=dict)

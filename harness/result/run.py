@@ -186,6 +186,7 @@ def result(
         calls=dict(facts.calls),
         unconverged=facts.unconverged,
         series_order=facts.series_order,
+        collocated_steps=facts.collocated_steps,
         estimated_error=facts.estimated_error,
         unknown_error=facts.unknown_error,
         signal_units={name: units.get(name, "m/s") for name in names},

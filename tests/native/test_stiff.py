@@ -1,23 +1,119 @@
-"""The error that a stiff machine states is true, whichever engine the unit chooses for it."""
+"""Stiff machines: steps by collocation err less than they state, and go on from a state."""
 
 from __future__ import annotations
 
+import numpy as np
 import pytest
+from fmpy import platform_tuple
+from mpmath import mp, mpf
 
-from autobalancer.harness import cosimulate
+from autobalancer.fmus.composite.batch import BatchRuns
+from autobalancer.harness import cosimulate, load_scene
+from autobalancer.harness.master.one_file import composition
+from autobalancer.harness.master.schedule import end_time
+from autobalancer.models.monolith import simulate
+from tests.native.packaging import Host
+from tests.studies import radau
 from tests.studies.stiff import NAMES, TOLERANCE, cases, true_error
 
 CASES = dict(cases())
+ACROSS = {"rotor.stiffness": [1.0, 1e7], "rotor.damping": [0.5, 0.14 * 1e7**0.5]}
+DIGITS = 1e-14
 
 
 @pytest.mark.parametrize(
-    ("name", "in_one_piece"),
-    [("ky/kx 10000", True), ("ky/kx 1e+07", False), ("drag x 10000", False)],
+    ("name", "collocates"),
+    [("ky/kx 10", False), ("ky/kx 1e+06", True), ("ky/kx 1e+08", True), ("drag x 10000", True)],
 )
-def test_a_stiff_machine_errs_by_less_than_it_states(name, in_one_piece):
+def test_a_stiff_machine_errs_by_less_than_it_states(name, collocates):
     """SciPy integrates equations of the study's own."""
     scene = CASES[name].replace({"run.revolutions": 1})
     run = cosimulate(scene, record=NAMES)
-    assert (run.series_order > 0) == in_one_piece
+    assert (run.collocated_steps > 0) == collocates
     assert run.error_known
     assert true_error(scene, run) <= run.estimated_error <= TOLERANCE
+
+
+def stiff(changes):
+    """The two-ball machine on a support that rings at 1,600 times the speed."""
+    scene = load_scene("two_balls").replace(
+        {"coupling.scheme": "auto", "coupling.steps_per_rev": None, "coupling.corrections": None}
+    )
+    return scene.replace({"coupling.tolerance": 1e-6, "run.revolutions": 2, **ACROSS, **changes})
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"weights.track_offset_xi": 0.01, "weights.track_offset_eta": -0.02},
+        {"rotor.internal_damping": 0.05, "operation.gravity": 0.3},
+        {"operation.speed": None, "operation.run_up": {"from": 1.0, "to": 3.0, "seconds": 3.0}},
+        {
+            "operation.speed": None,
+            "operation.motor": {
+                "inertia": 3.0, "table": [[0.0, 1.0], [2.0, 0.9], [3.0, 0.0]], "from": 1.5,
+            },
+        },
+    ],
+)  # fmt: skip
+def test_a_stiff_machine_moves_as_an_independent_integration_says(changes):
+    """Rotor, weights and shaft, by SciPy on the equations of the reference."""
+    scene = stiff(changes)
+    run = cosimulate(scene, record=NAMES)
+    assert run.collocated_steps > 0
+    assert run.steps < 400
+    drive, start = scene.operation.drive(), scene.run.initial.motion()
+    right = simulate(scene.assembly(), drive, run.time, initial=start, method="odeint", rtol=1e-10)
+    motions = {name: right.signal(name) for name in NAMES}
+    largest = max(np.abs(motions[name]).max() for name in NAMES[:2])
+    for name, expected in motions.items():
+        size = 1.0 if name.endswith("angle") else largest
+        assert np.abs(run[name] - expected).max() <= 1e-6 * size
+
+
+def test_a_stiff_machine_goes_on_from_a_restored_state_with_the_same_bits(tmp_path):
+    """Within a step by collocation, by another instance, which has to solve that step again."""
+    scene = stiff({"operation.unbalance_changes": [{"time": 3.2, "amount": 0.03, "angle": 1.0}]})
+    path = scene.build(tmp_path, platforms=[platform_tuple], one_file=True).files[0]
+    host, other = Host(path).begin(), Host(path).begin()
+    for _ in range(7):
+        host.step(0.4)
+    kept = host.slave.serializeFMUState(host.slave.getFMUState())
+    other.slave.setFMUState(other.slave.deserializeFMUState(kept))
+    other.time = host.time
+    for _ in range(9):
+        host.step(0.13)
+        other.step(0.13)
+        assert host.get(*NAMES, "vibration") == other.get(*NAMES, "vibration")
+
+
+def test_stiff_machines_side_by_side_have_the_bits_of_one_alone():
+    scene = stiff({})
+    made, rng = composition(scene), np.random.default_rng(3)
+    values = rng.uniform(0.005, 0.02, (9, 1))
+    ends = np.full(9, end_time(scene))
+    one, four = (
+        BatchRuns(made, ["weights.drag"], NAMES, 50, side_by_side=side)(values, ends)[0]
+        for side in (1, 4)
+    )
+    assert len({row.tobytes() for row in one}) == 9
+    assert one.tobytes() == four.tobytes()
+
+
+def test_the_numbers_of_the_rule_are_those_that_sixty_digits_give():
+    assert radau.FILE.read_text(encoding="utf-8") == radau.text()
+
+
+def test_the_rule_integrates_polynomials_of_twice_the_degree():
+    """Its order is 13: B(13) of Butcher's simplifying assumptions, which nodes alone decide."""
+    with mp.workdps(40):
+        c = radau.nodes()
+        vandermonde = mp.matrix([[node**k for node in c] for k in range(7)])
+        weights = mp.lu_solve(vandermonde, mp.matrix([mpf(1) / (k + 1) for k in range(7)]))
+        for k in range(13):
+            found = mp.fsum(w * node**k for w, node in zip(weights, c, strict=True))
+            assert abs(found - mpf(1) / (k + 1)) < mpf(10) ** -30
+        assert (
+            abs(mp.fsum(w * node**13 for w, node in zip(weights, c, strict=True)) - mpf(1) / 14)
+            > DIGITS
+        )

@@ -9,7 +9,7 @@
 
 int one_piece_allocate(Unit *unit)
 {
-    enum { NUMBERS = 6 };
+    enum { NUMBERS = 7 };
     Composite *c = unit->own;
     Pieces *pieces = &c->pieces;
     const Sizes *sizes = &c->parts->unit->layout.sizes;
@@ -33,7 +33,46 @@ int one_piece_allocate(Unit *unit)
     pieces->wanted = unit_allocate(unit, pieces->key_count, sizeof(double));
     return !pieces->planned_outputs || !pieces->plan || !pieces->looked_at || !pieces->places || !pieces->key || !pieces->wanted ||
            machine_allocate(unit, &pieces->step, sizes->stations, weights, tracks) ||
-           machine_allocate(unit, &pieces->instant, sizes->stations, weights, tracks) || one_piece_allocate_phases(unit);
+           machine_allocate(unit, &pieces->instant, sizes->stations, weights, tracks) ||
+           collocation_allocate(unit, &pieces->collocation, sizes->stations, weights) || one_piece_allocate_phases(unit);
+}
+
+/* -- stiff ones ----------------------------------------------------------------------------------- */
+
+/* Square root of the largest modulus of an eigenvalue of mass^-1 matrix, or that itself where it is no
+   stiffness [1/s]; below 0 where the mass is singular. */
+static double rate_of(const Composite *c, const double *matrix, bool is_stiffness)
+{
+    const LinearRotor *rotor = &composite_rotor(c)->rotor;
+    const int n = rotor->stations;
+    const size_t square = (size_t)n * (size_t)n;
+    double *mass = c->decay, *found = mass + square, *work = found + square, radius;
+    copy_doubles(square, rotor->mass, mass);
+    copy_doubles(square, matrix, found);
+    if (matrix_solve(1, n, n, mass, found)) {
+        return -1.0;
+    }
+    radius = spectral_radius(n, found, work);
+    return is_stiffness ? square_root(radius) : radius;
+}
+
+/* The fastest rate of rotor and weights [1/s], none of which the other slows down. */
+static double fastest_of(const Composite *c)
+{
+    const LinearRotor *rotor = &composite_rotor(c)->rotor;
+    double fastest = larger(rate_of(c, rotor->stiffness_x, 1), rate_of(c, rotor->stiffness_y, 1));
+    int k, w;
+    fastest = larger(fastest, rate_of(c, rotor->damping_x, 0));
+    fastest = larger(fastest, rate_of(c, rotor->damping_y, 0));
+    fastest = larger(fastest, rate_of(c, rotor->internal_damping, 0));
+    for (k = 1; k < c->parts_without_motor; k++) {
+        const Balls *balls = part_balls(c->parts + k);
+        for (w = 0; balls && w < balls->count; w++) {
+            const Weights one = weights_single(&balls->track.weights, w);
+            fastest = larger(fastest, weights_damping_rate(&one));
+        }
+    }
+    return fastest;
 }
 
 /* -- the machine ----------------------------------------------------------------------------- */
@@ -75,6 +114,7 @@ int one_piece_make(Unit *unit)
         pieces->is_eventful = one_piece_is_eventful(c);
         pieces->step.phase = pieces->is_eventful ? pieces->step_phase : NULL;
         pieces->instant.phase = pieces->is_eventful ? pieces->instant_phase : NULL;
+        pieces->is_stiff = !pieces->is_eventful && fastest_of(c) > STIFF_RATE * c->course->drive.fastest;
         make(c, rate, &pieces->step);
         make(c, rate, &pieces->instant);
         pieces->is_made = true;
@@ -84,50 +124,11 @@ int one_piece_make(Unit *unit)
     return 0;
 }
 
-/* -- which ----------------------------------------------------------------------------------- */
-
-/* Square root of the largest modulus of an eigenvalue of mass^-1 matrix, or that itself where it is no
-   stiffness [1/s]; below 0 where the mass is singular. */
-static double rate_of(const Composite *c, const double *matrix, bool is_stiffness)
-{
-    const LinearRotor *rotor = &composite_rotor(c)->rotor;
-    const int n = rotor->stations;
-    const size_t square = (size_t)n * (size_t)n;
-    double *mass = c->decay, *found = mass + square, *work = found + square, radius;
-    copy_doubles(square, rotor->mass, mass);
-    copy_doubles(square, matrix, found);
-    if (matrix_solve(1, n, n, mass, found)) {
-        return -1.0;
-    }
-    radius = spectral_radius(n, found, work);
-    return is_stiffness ? square_root(radius) : radius;
-}
-
-/* The fastest rate of rotor and weights [1/s], none of which the other slows down. */
-static double fastest_of(const Composite *c)
-{
-    const LinearRotor *rotor = &composite_rotor(c)->rotor;
-    double fastest = larger(rate_of(c, rotor->stiffness_x, 1), rate_of(c, rotor->stiffness_y, 1));
-    int k, w;
-    fastest = larger(fastest, rate_of(c, rotor->damping_x, 0));
-    fastest = larger(fastest, rate_of(c, rotor->damping_y, 0));
-    fastest = larger(fastest, rate_of(c, rotor->internal_damping, 0));
-    for (k = 1; k < c->parts_without_motor; k++) {
-        const Balls *balls = part_balls(c->parts + k);
-        for (w = 0; balls && w < balls->count; w++) {
-            const Weights one = weights_single(&balls->track.weights, w);
-            fastest = larger(fastest, weights_damping_rate(&one));
-        }
-    }
-    return fastest;
-}
-
 bool one_piece_covers(Unit *unit)
 {
     const Composite *c = unit->own;
     return unit->for_model_exchange ||
-           (c->unknowns && unit->real[c->tolerance] > 0.0 &&
-            fastest_of(c) <= MOST_FASTEST_RATE * c->course->drive.fastest);
+           (c->unknowns && unit->real[c->tolerance] > 0.0);
 }
 
 /* -- the start ------------------------------------------------------------------------------- */

@@ -8,9 +8,11 @@
 
 #include <stdbool.h>
 
+#include "machine/collocation.h"
 #include "machine/machine.h"
 #include "machine/phase.h"
 
+enum { MOST_PATIENCE = 64 }; /* steps by series before collocation is tried again */
 enum { SPEED_OF_MOTOR = 2 }; /* of the outputs that its unit computes: behind it all are of its state alone */
 
 enum { MOST_LOOKS = 4096 }; /* of a step: MOST_TURN has fewer */
@@ -31,6 +33,10 @@ typedef struct {
     double decided;    /* whether that has been decided since the start, */
     double undecided;  /* whether it is open which weights touch, and what sticks, where the parts stand */
     double leaves;     /* where the speed leaves that at the end of the step: 1 upwards, -1 downwards */
+    double collocated; /* length of the step's polynomial by collocation, in the machine's time; 0: it has a series */
+    double next_length; /* that the last such step suggests for the next one; 0: none has been taken */
+    double collocated_steps; /* so many so far */
+    double wait, patience; /* steps by series until collocation is tried again, and how many are waited for */
 } OnePiece;
 
 /* What outputs follow from: displacements and angles, the memories of parts, signals besides. */
@@ -54,6 +60,8 @@ typedef struct {
     double *impact;        /* scratch of impacts */
     struct Phase *step_phase, *instant_phase; /* of both machines, where they are eventful */
     bool is_eventful;      /* weights can touch or stick, or supports stick */
+    bool is_stiff;         /* steps by collocation are tried */
+    Collocation collocation;
     double *begun_forces;  /* in the unit's memory: from outside, at the start of the step (planes, 2) [N] */
     double *looked_at;     /* (n, 2) scratch: displacements */
     Pair *places;          /* (width,) scratch */
@@ -68,7 +76,7 @@ typedef struct {
 typedef struct Composite Composite;
 
 int one_piece_allocate(Unit *unit);
-/* Whether the machine has no events and either is for model exchange, or keeps a tolerance and is not stiff. */
+/* Whether the composite goes on in one piece: it exchanges signals and keeps a tolerance, or is for model exchange. */
 bool one_piece_covers(Unit *unit);
 /* Make the machine of the parameters where it is not; 1 with the reason. */
 int one_piece_make(Unit *unit);
@@ -92,6 +100,11 @@ int one_piece_order(const Composite *c);
    make the series.  1 with the reason. */
 int one_piece_load_step(Unit *unit, double *angle, bool *is_wanted);
 int one_piece_expand(Unit *unit);
+/* A step by collocation: from the state of the present step, whose rotor has this angle, solved for a length, its
+   error over the tolerance; then in place of the step's series. */
+void one_piece_load_collocation(Composite *c, double angle);
+double one_piece_solve(const Unit *unit, double length);
+void one_piece_write_collocation(Composite *c);
 /* A time in the step, in the machine's. */
 double one_piece_time(const Composite *c, double time);
 /* Let the parts stand at a time of the step, in the machine's [1]. */
@@ -106,6 +119,11 @@ double one_piece_load(const Composite *c, Machine *machine, const double *states
 /* The line of the motor's torque, in the machine's time. */
 void one_piece_set_line(Machine *machine, int line);
 void one_piece_push(const Composite *c, Machine *machine, const double *forces, double time);
+
+/* -- one_piece_stiff.c --------------------------------------------------------------------------- */
+
+/* Take a step by collocation in place of the series of this length, where it is worth it; 1 where it was. */
+int one_piece_try_collocation(Unit *unit, double *length);
 
 /* -- one_piece_phase.c --------------------------------------------------------------------------- */
 

@@ -25,7 +25,7 @@ double one_piece_step_tolerance(const Unit *unit)
 /* Order of the step that is shown. */
 int one_piece_order(const Composite *c)
 {
-    const int order = (int)c->course->one_piece.order;
+    const int order = c->course->one_piece.collocated > 0.0 ? COLLOCATED : (int)c->course->one_piece.order;
     return order < LEAST_ORDER ? LEAST_ORDER : order;
 }
 
@@ -97,6 +97,7 @@ int one_piece_load_step(Unit *unit, double *angle, bool *is_wanted)
     *key++ = one_piece->changes_behind;
     *key++ = one_piece->line;
     *key++ = one_piece->order;
+    *key++ = one_piece->collocated;
     *key++ = one_piece->pushed;
     memcpy(key, pieces->begun_forces, forces * sizeof(double));
     memcpy(key + forces, pieces->phases, phases * sizeof(double));
@@ -123,6 +124,22 @@ int one_piece_load_step(Unit *unit, double *angle, bool *is_wanted)
     return 0;
 }
 
+void one_piece_load_collocation(Composite *c, double angle)
+{
+    collocation_start(&c->pieces.collocation, &c->pieces.step, &c->pieces.instant, angle);
+}
+
+double one_piece_solve(const Unit *unit, double length)
+{
+    Composite *c = unit->own;
+    return collocation_solve(&c->pieces.collocation, length, one_piece_step_tolerance(unit), c->course->one_piece.largest);
+}
+
+void one_piece_write_collocation(Composite *c)
+{
+    collocation_write(&c->pieces.collocation, c->course->one_piece.collocated, &c->pieces.step);
+}
+
 int one_piece_expand(Unit *unit)
 {
     Composite *c = unit->own;
@@ -131,7 +148,11 @@ int one_piece_expand(Unit *unit)
     if (one_piece_load_step(unit, &angle, &is_wanted)) {
         return 1;
     }
-    if (is_wanted) {
+    if (is_wanted && c->course->one_piece.collocated > 0.0) {
+        one_piece_load_collocation(c, angle);
+        one_piece_solve(unit, c->course->one_piece.collocated);
+        one_piece_write_collocation(c);
+    } else if (is_wanted) {
         machine_expand(&c->pieces.step, angle, one_piece_order(c));
     }
     return 0;

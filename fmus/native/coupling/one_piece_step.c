@@ -69,7 +69,7 @@ static void begin_step(Unit *unit)
     memcpy(c->pieces.begun_forces, c->outer_forces, forces * sizeof(double));
     course->clock.begin = course->clock.shown = course->clock.time;
     one_piece->order = machine_order(one_piece_step_tolerance(unit));
-    one_piece->stands = course->clock.within = one_piece->leaves = one_piece->looked = 0.0;
+    one_piece->stands = course->clock.within = one_piece->leaves = one_piece->looked = one_piece->collocated = 0.0;
     one_piece->event = NO_EVENT;
     one_piece->placed = 1.0;
     one_piece->changes_behind = course->drive.changes_behind;
@@ -98,6 +98,9 @@ static int choose_length(Unit *unit, double *length)
             return 1;
         }
         *length = machine_length(m, one_piece_order(c), one_piece_step_tolerance(unit), one_piece->largest);
+        if (c->pieces.is_stiff && one_piece_try_collocation(unit, length)) {
+            return 1;
+        }
         if (!c->motor) {
             break;
         }
@@ -107,6 +110,7 @@ static int choose_length(Unit *unit, double *length)
             break;
         }
         one_piece->line += leaves; /* the speed is at the corner and goes on beyond it */
+        one_piece->collocated = 0.0;
     }
     one_piece->leaves = leaves;
     if (c->pieces.is_eventful) {
@@ -205,6 +209,7 @@ int one_piece_step(Unit *unit)
         one_piece->looked = one_piece->looks;
     }
     course->total.steps += 1.0;
+    one_piece->collocated_steps += one_piece->collocated > 0.0;
     course->total.error = one_piece_step_tolerance(unit);
     return 0;
 }

@@ -69,6 +69,7 @@ static void show_facts(KeptRun *run)
     shown->time = time_of(run->unit);
     shown->one_piece = course->one_piece.active;
     shown->order = course->one_piece.order;
+    shown->collocated = course->one_piece.collocated_steps;
     shown->steps = course->total.steps;
     shown->passes = course->total.passes;
     shown->unconverged = course->total.unconverged;

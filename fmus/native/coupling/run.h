@@ -32,6 +32,7 @@ typedef struct {
 typedef struct {
     double time, steps, passes, unconverged, worst_residual, estimated_error, unresolved;
     double one_piece, order; /* whether the machine goes on in one piece, and the order of its series */
+    double collocated;    /* steps by collocation, of a stiff machine */
     double loop_failed;   /* whether the reason is that the loop does not close */
     const char *reason;   /* why the call failed; empty where it did not */
     const char *warnings; /* of the units, a line each */

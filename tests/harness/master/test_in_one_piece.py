@@ -26,20 +26,20 @@ def test_random_machines_keep_their_tolerance_and_state_their_error(family):
 
 
 @pytest.mark.parametrize(
-    ("changes", "one_piece"),
+    "changes",
     [
-        ({}, True),
-        ({"weights.weight_radius": 0.1}, True),
-        ({"weights.rolling_resistance": 1e-3}, True),
-        ({"rotor.friction": [{"limit": 0.1}]}, True),
-        ({"rotor.stiffness": [1.0, 1e5], "rotor.damping": [0.5, 1.0]}, False),
-        ({"weights.drag": 200.0}, False),
+        {},
+        {"weights.weight_radius": 0.1},
+        {"weights.rolling_resistance": 1e-3},
+        {"rotor.friction": [{"limit": 0.1}]},
+        {"rotor.stiffness": [1.0, 1e5], "rotor.damping": [0.5, 1.0]},
+        {"weights.drag": 200.0},
     ],
 )
-def test_all_machines_but_stiff_ones_go_on_in_one_piece(changes, one_piece):
+def test_all_machines_that_keep_a_tolerance_go_on_in_one_piece(changes):
     scene = load_scene("two_balls").replace({"coupling.tolerance": 1e-4, **changes})
     with OneFileRun(scene) as run:
-        assert run.in_one_piece == one_piece
+        assert run.in_one_piece
 
 
 @pytest.mark.parametrize("name", ["two_balls", "run_up", "drum", "sommerfeld", "balls_and_liquid"])

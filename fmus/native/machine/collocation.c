@@ -1,0 +1,398 @@
+/* Newton's method for a step of a stiff machine. */
+#include "machine/collocation.h"
+
+#include "base/elementary.h"
+#include "base/matrix.h"
+
+enum { MOST_PASSES = 12 };
+#define DISTURBANCE 1e-7 /* of what moves: by which derivatives are taken */
+#define LEFT_BY_PASSES 0.02 /* of the tolerance */
+#define ROUNDING_OF_PASSES 1e-15
+#define SLOWEST_PASSES 0.7 /* what a pass leaves of the one before, at most */
+#define CAUTION 0.9
+#define LEAST_FACTOR 0.1
+#define MOST_FACTOR 4.0
+
+int collocation_allocate(Unit *unit, Collocation *c, int stations, int weights)
+{
+    const size_t d = 2 * (size_t)stations + (size_t)weights + 1;
+    c->start = unit_allocate(unit, 3 * d, sizeof(double));
+    c->by_place = unit_allocate(unit, d * d, sizeof(double));
+    c->by_speed = unit_allocate(unit, d * d, sizeof(double));
+    c->places = unit_allocate(unit, STAGES * d, sizeof(double));
+    c->speeds = unit_allocate(unit, STAGES * d, sizeof(double));
+    c->rates = unit_allocate(unit, STAGES * d, sizeof(double));
+    c->moved = unit_allocate(unit, STAGES * d, sizeof(double));
+    c->scratch = unit_allocate(unit, 2 * d, sizeof(double));
+    c->factors = unit_allocate(unit, MODES * d * d, sizeof(Complex));
+    c->right = unit_allocate(unit, d, sizeof(Complex));
+    c->rows = unit_allocate(unit, MODES * d, sizeof(int));
+    c->push = unit_allocate(unit, SIGNAL_ORDERS * (size_t)stations, sizeof(Pair));
+    return !c->start || !c->by_place || !c->by_speed || !c->places || !c->speeds || !c->rates || !c->moved ||
+           !c->scratch || !c->factors || !c->right || !c->rows || !c->push;
+}
+
+/* -- accelerations ----------------------------------------------------------------------------------- */
+
+/* Places and speeds of a machine, from its coefficients of order 0; its accelerations, from those of order 1. */
+static void read_columns(const Machine *m, const Pair *columns, double *to)
+{
+    const int n = m->stations;
+    int k;
+    for (k = 0; k < n; k++) {
+        to[2 * k] = pair_x(columns[k]);
+        to[2 * k + 1] = pair_y(columns[k]);
+    }
+    for (k = 0; k < m->weight_count; k++) {
+        to[2 * n + k] = pair_at(columns[n + k / 2], k % 2);
+    }
+}
+
+static void write_columns(const Machine *m, const double *from, Pair *columns)
+{
+    const int n = m->stations;
+    int k;
+    for (k = 0; k < n; k++) {
+        columns[k] = pair_of(from[2 * k], from[2 * k + 1]);
+    }
+    for (k = 0; k < m->weight_count; k++) {
+        pair_set(&columns[n + k / 2], k % 2, from[2 * n + k]);
+    }
+}
+
+/* Accelerations so long after the start. */
+static void accelerate(const Collocation *c, double time, const double *places, const double *speeds, double *rates)
+{
+    Machine *m = c->at;
+    const int n = m->stations, last = c->unknowns - 1;
+    double turned = (c->speed + 0.5 * c->acceleration * time) * time;
+    int k, order;
+    write_columns(m, places, m->motion);
+    write_columns(m, speeds, m->velocity);
+    m->speed[0] = c->speed + c->acceleration * time;
+    m->speed[1] = c->acceleration;
+    if (m->drive.motor) {
+        m->speed[0] = speeds[last];
+        turned = places[last];
+    }
+    for (k = 0; k < n; k++) {
+        Pair push = c->push[(SIGNAL_ORDERS - 1) * n + k];
+        for (order = SIGNAL_ORDERS - 2; order >= 0; order--) {
+            push = pair_add_scaled(c->push[order * n + k], push, time);
+        }
+        m->push[k] = push;
+    }
+    machine_expand(m, c->angle + turned, 2);
+    read_columns(m, m->velocity + m->width, rates);
+    if (m->drive.motor) {
+        rates[last] = m->speed[1];
+    }
+}
+
+/* A column of derivatives: what the accelerations change by where one number is changed. */
+static void differentiate(const Collocation *c, double *number, double by, int column, double *matrix)
+{
+    const int d = c->unknowns;
+    const double kept = *number, *rates = c->start + 2 * d;
+    int k;
+    *number += by;
+    by = *number - kept;
+    accelerate(c, 0.0, c->start, c->start + d, c->scratch);
+    *number = kept;
+    for (k = 0; k < d; k++) {
+        matrix[k * d + column] = (c->scratch[k] - rates[k]) / by;
+    }
+}
+
+void collocation_start(Collocation *c, const Machine *m, Machine *at, double angle)
+{
+    const int n = m->stations, has_shaft = m->drive.motor != NULL, d = 2 * n + m->weight_count + has_shaft;
+    double *places = c->start, *speeds = places + d, largest;
+    int k;
+    c->at = at;
+    c->unknowns = d;
+    c->angle = angle;
+    c->speed = m->speed[0];
+    c->acceleration = has_shaft ? 0.0 : m->speed[1];
+    for (k = 0; k < SIGNAL_ORDERS * n; k++) {
+        c->push[k] = m->push[k];
+    }
+    at->drive = m->drive;
+    read_columns(m, m->motion, places);
+    read_columns(m, m->velocity, speeds);
+    if (has_shaft) {
+        places[d - 1] = 0.0;
+        speeds[d - 1] = c->speed;
+    }
+    accelerate(c, 0.0, places, speeds, speeds + d);
+    largest = larger(largest_of(2 * n, places), 1e-3 * largest_of(2 * n, speeds));
+    for (k = 0; k < d; k++) {
+        const double size = k < 2 * n ? (largest > 0.0 ? largest : 1.0) : 1.0;
+        differentiate(c, places + k, DISTURBANCE * size, k, c->by_place);
+        differentiate(c, speeds + k, DISTURBANCE * size, k, c->by_speed);
+    }
+}
+
+/* -- the linear systems ------------------------------------------------------------------------------- */
+
+static Complex quotient(Complex a, Complex b)
+{
+    const double over = 1.0 / (b.re * b.re + b.im * b.im);
+    return complex_scaled(over, complex_product(a, complex_conjugate(b)));
+}
+
+/* Factors of 1 - h s V - (h s)^2 P for an eigenvalue s and the derivatives by speeds V and places P; 1 where it
+   is singular. */
+static int factorise_mode(const Collocation *c, int mode, double length)
+{
+    const int d = c->unknowns;
+    const Complex first = complex_scaled(length, RADAU_VALUES[mode]), second = complex_product(first, first);
+    Complex *a = c->factors + (size_t)(mode * d) * (size_t)d;
+    int *rows = c->rows + mode * d, i, j, k;
+    for (i = 0; i < d * d; i++) {
+        a[i] = complex_scaled(-1.0, complex_sum(complex_scaled(c->by_speed[i], first),
+                                                complex_scaled(c->by_place[i], second)));
+    }
+    for (i = 0; i < d; i++) {
+        a[i * d + i].re += 1.0;
+    }
+    for (k = 0; k < d; k++) {
+        double most = 0.0;
+        rows[k] = k;
+        for (i = k; i < d; i++) {
+            const double size = larger(absolute(a[i * d + k].re), absolute(a[i * d + k].im));
+            if (size > most) {
+                most = size;
+                rows[k] = i;
+            }
+        }
+        if (!(most > 0.0)) {
+            return 1;
+        }
+        for (j = 0; j < d; j++) {
+            const Complex kept = a[k * d + j];
+            a[k * d + j] = a[rows[k] * d + j];
+            a[rows[k] * d + j] = kept;
+        }
+        for (i = k + 1; i < d; i++) {
+            const Complex part = quotient(a[i * d + k], a[k * d + k]);
+            a[i * d + k] = part;
+            for (j = k + 1; j < d; j++) {
+                a[i * d + j] = complex_difference(a[i * d + j], complex_product(part, a[k * d + j]));
+            }
+        }
+    }
+    return 0;
+}
+
+/* c->right becomes the solution. */
+static void solve_mode(const Collocation *c, int mode)
+{
+    const int d = c->unknowns;
+    const Complex *a = c->factors + (size_t)(mode * d) * (size_t)d;
+    const int *rows = c->rows + mode * d;
+    Complex *b = c->right;
+    int i, k;
+    for (k = 0; k < d; k++) {
+        const Complex kept = b[k];
+        b[k] = b[rows[k]];
+        b[rows[k]] = kept;
+    }
+    for (i = 0; i < d; i++) {
+        for (k = 0; k < i; k++) {
+            b[i] = complex_difference(b[i], complex_product(a[i * d + k], b[k]));
+        }
+    }
+    for (i = d - 1; i >= 0; i--) {
+        for (k = i + 1; k < d; k++) {
+            b[i] = complex_difference(b[i], complex_product(a[i * d + k], b[k]));
+        }
+        b[i] = quotient(b[i], a[i * d + i]);
+    }
+}
+
+/* -- a step --------------------------------------------------------------------------------------------- */
+
+/* The part of the unknowns that is displacements over `largest`, the rest over 1: its largest number. */
+static double size_of(const Collocation *c, const double *places, double largest)
+{
+    const int n = 2 * c->at->stations;
+    double most = 0.0;
+    int k;
+    for (k = 0; k < c->unknowns; k++) {
+        const double size = absolute(places[k]) / (k < n ? largest : 1.0);
+        most = size <= most ? most : size; /* one that is not a number too */
+    }
+    return most;
+}
+
+/* h times the rule's matrix by values at the points. */
+static void integrate(const double *values, int d, double length, double *to)
+{
+    int i, j, k;
+    for (i = 0; i < STAGES; i++) {
+        for (k = 0; k < d; k++) {
+            double sum = 0.0;
+            for (j = 0; j < STAGES; j++) {
+                sum += RADAU_MATRIX[i][j] * values[j * d + k];
+            }
+            to[i * d + k] = length * sum;
+        }
+    }
+}
+
+/* Places at the points from the speeds there. */
+static void place_points(const Collocation *c, double length)
+{
+    const int d = c->unknowns;
+    const double *speeds = c->start + d;
+    int i, k;
+    integrate(c->speeds, d, length, c->places);
+    for (i = 0; i < STAGES; i++) {
+        for (k = 0; k < d; k++) {
+            c->places[i * d + k] += length * RADAU_NODES[i] * speeds[k];
+        }
+    }
+}
+
+/* Correct the speeds at the points once; what the places moved by. */
+static double pass(const Collocation *c, double length, double largest)
+{
+    const int d = c->unknowns;
+    double *residual = c->moved, moved = 0.0;
+    int i, j, k, mode;
+    for (i = 0; i < STAGES; i++) {
+        for (k = 0; k < d; k++) {
+            c->scratch[k] = c->start[k] + c->places[i * d + k];
+            c->scratch[d + k] = c->start[d + k] + c->speeds[i * d + k];
+        }
+        accelerate(c, RADAU_NODES[i] * length, c->scratch, c->scratch + d, c->rates + i * d);
+    }
+    integrate(c->rates, d, length, residual);
+    for (k = 0; k < STAGES * d; k++) {
+        residual[k] -= c->speeds[k];
+    }
+    for (mode = 0; mode < MODES; mode++) {
+        const double twice = mode ? 2.0 : 1.0; /* with its conjugate */
+        for (k = 0; k < d; k++) {
+            Complex sum = {0.0, 0.0};
+            for (j = 0; j < STAGES; j++) {
+                sum = complex_sum(sum, complex_scaled(residual[j * d + k], RADAU_LEFT[mode][j]));
+            }
+            c->right[k] = sum;
+        }
+        solve_mode(c, mode);
+        for (i = 0; i < STAGES; i++) {
+            for (k = 0; k < d; k++) {
+                c->speeds[i * d + k] += twice * complex_product(RADAU_RIGHT[mode][i], c->right[k]).re;
+            }
+        }
+    }
+    copy_doubles(STAGES * (size_t)d, c->places, c->moved);
+    place_points(c, length);
+    for (k = 0; k < STAGES * d; k++) {
+        c->moved[k] = c->places[k] - c->moved[k];
+    }
+    for (i = 0; i < STAGES; i++) {
+        const double size = size_of(c, c->moved + i * d, largest);
+        moved = size <= moved ? moved : size;
+    }
+    return moved;
+}
+
+/* Slope at the start of the polynomial that is 0 there and has these values at the points. */
+static double slope_of(const double *values, int stride, double length)
+{
+    double sum = 0.0;
+    int j;
+    for (j = 0; j < STAGES; j++) {
+        sum += RADAU_COEFFICIENTS[0][j] * values[j * stride];
+    }
+    return sum / length;
+}
+
+/* Error of the polynomial, from its slopes at the start, which are not those of the equations there, and damped as
+   stiff motions are. */
+static double error_of(const Collocation *c, double length, double largest)
+{
+    const int d = c->unknowns;
+    const double own = length * RADAU_VALUES[0].re;
+    double *off = c->scratch, *error = off + d;
+    int i, k;
+    for (k = 0; k < d; k++) {
+        off[k] = own * (c->start[d + k] - slope_of(c->places + k, d, length));
+    }
+    for (k = 0; k < d; k++) {
+        double sum = c->start[2 * d + k] - slope_of(c->speeds + k, d, length);
+        for (i = 0; i < d; i++) {
+            sum += c->by_place[k * d + i] * off[i];
+        }
+        c->right[k] = complex_of(own * sum, 0.0);
+    }
+    solve_mode(c, 0);
+    for (k = 0; k < d; k++) {
+        error[k] = off[k] + own * c->right[k].re;
+    }
+    return size_of(c, error, largest);
+}
+
+double collocation_solve(Collocation *c, double length, double tolerance, double largest)
+{
+    const double enough = larger(LEFT_BY_PASSES * tolerance, ROUNDING_OF_PASSES);
+    double before = infinity();
+    int k;
+    for (k = 0; k < MODES; k++) {
+        if (factorise_mode(c, k, length)) {
+            return infinity();
+        }
+    }
+    fill_doubles(STAGES * (size_t)c->unknowns, 0.0, c->speeds);
+    place_points(c, length);
+    for (k = 0; k < MOST_PASSES; k++) {
+        const double moved = pass(c, length, largest);
+        if (moved <= enough) {
+            return error_of(c, length, largest) / tolerance;
+        }
+        if (!(k < 2 || moved <= SLOWEST_PASSES * before)) {
+            break;
+        }
+        before = moved;
+    }
+    return infinity();
+}
+
+double collocation_factor(double error)
+{
+    /* the error is of order 8 */
+    const double root = 1.0 / square_root(square_root(square_root(larger(error, 1e-12))));
+    return larger(LEAST_FACTOR, smaller(MOST_FACTOR, CAUTION * root));
+}
+
+/* -- the polynomial ------------------------------------------------------------------------------------- */
+
+void collocation_write(const Collocation *c, double length, Machine *m)
+{
+    const int d = c->unknowns, has_shaft = m->drive.motor != NULL;
+    double *places = c->scratch, *speeds = places + d, power = 1.0;
+    int j, k, order;
+    for (order = 1; order <= COLLOCATED; order++) {
+        power /= length;
+        for (k = 0; k < d; k++) {
+            places[k] = speeds[k] = 0.0;
+            for (j = 0; j < STAGES && order <= STAGES; j++) {
+                places[k] += RADAU_COEFFICIENTS[order - 1][j] * c->places[j * d + k];
+                speeds[k] += RADAU_COEFFICIENTS[order - 1][j] * c->speeds[j * d + k];
+            }
+            places[k] *= power;
+            speeds[k] *= power;
+        }
+        write_columns(m, places, m->motion + order * m->width);
+        write_columns(m, speeds, m->velocity + order * m->width);
+        if (has_shaft) {
+            m->speed[order] = speeds[d - 1];
+        }
+    }
+    if (!has_shaft) {
+        m->speed[1] = c->acceleration;
+    }
+}
