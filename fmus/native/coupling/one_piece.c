@@ -56,7 +56,8 @@ static double rate_of(const Composite *c, const double *matrix, bool is_stiffnes
     return is_stiffness ? square_root(radius) : radius;
 }
 
-/* The fastest rate of rotor and weights [1/s], none of which the other slows down. */
+/* About the fastest rate of rotor and weights [1/s], none of which the other slows down: whether collocation is
+   worth a trial. */
 static double fastest_of(const Composite *c)
 {
     const LinearRotor *rotor = &composite_rotor(c)->rotor;
@@ -65,6 +66,10 @@ static double fastest_of(const Composite *c)
     fastest = larger(fastest, rate_of(c, rotor->damping_x, 0));
     fastest = larger(fastest, rate_of(c, rotor->damping_y, 0));
     fastest = larger(fastest, rate_of(c, rotor->internal_damping, 0));
+    if (rotor->crossed) {
+        fastest = larger(fastest, larger(rate_of(c, rotor->stiffness_xy, 1), rate_of(c, rotor->stiffness_yx, 1)));
+        fastest = larger(fastest, larger(rate_of(c, rotor->damping_xy, 0), rate_of(c, rotor->damping_yx, 0)));
+    }
     for (k = 1; k < c->parts_without_motor; k++) {
         const Balls *balls = part_balls(c->parts + k);
         for (w = 0; balls && w < balls->count; w++) {
