@@ -214,7 +214,7 @@ static void solve_mode(const Collocation *c, int mode)
 /* -- a step --------------------------------------------------------------------------------------------- */
 
 /* The part of the unknowns that is displacements over `largest`, the rest over 1: its largest number. */
-static double size_of(const Collocation *c, const double *places, double largest)
+static double size_of_motion(const Collocation *c, const double *places, double largest)
 {
     const int n = 2 * c->at->stations;
     double most = 0.0;
@@ -256,7 +256,7 @@ static void place_points(const Collocation *c, double length)
 }
 
 /* Correct the speeds at the points once; what the places moved by. */
-static double pass(const Collocation *c, double length, double largest)
+static double correct_points(const Collocation *c, double length, double largest)
 {
     const int d = c->unknowns;
     double *residual = c->moved, moved = 0.0;
@@ -294,14 +294,14 @@ static double pass(const Collocation *c, double length, double largest)
         c->moved[k] = c->places[k] - c->moved[k];
     }
     for (i = 0; i < STAGES; i++) {
-        const double size = size_of(c, c->moved + i * d, largest);
+        const double size = size_of_motion(c, c->moved + i * d, largest);
         moved = size <= moved ? moved : size;
     }
     return moved;
 }
 
 /* Slope at the start of the polynomial that is 0 there and has these values at the points. */
-static double slope_of(const double *values, int stride, double length)
+static double first_slope(const double *values, int stride, double length)
 {
     double sum = 0.0;
     int j;
@@ -313,17 +313,17 @@ static double slope_of(const double *values, int stride, double length)
 
 /* Error of the polynomial, from its slopes at the start, which are not those of the equations there, and damped as
    stiff motions are. */
-static double error_of(const Collocation *c, double length, double largest)
+static double error_of_points(const Collocation *c, double length, double largest)
 {
     const int d = c->unknowns;
     const double own = length * RADAU_VALUES[0].re;
     double *off = c->scratch, *error = off + d;
     int i, k;
     for (k = 0; k < d; k++) {
-        off[k] = own * (c->start[d + k] - slope_of(c->places + k, d, length));
+        off[k] = own * (c->start[d + k] - first_slope(c->places + k, d, length));
     }
     for (k = 0; k < d; k++) {
-        double sum = c->start[2 * d + k] - slope_of(c->speeds + k, d, length);
+        double sum = c->start[2 * d + k] - first_slope(c->speeds + k, d, length);
         for (i = 0; i < d; i++) {
             sum += c->by_place[k * d + i] * off[i];
         }
@@ -333,7 +333,7 @@ static double error_of(const Collocation *c, double length, double largest)
     for (k = 0; k < d; k++) {
         error[k] = off[k] + own * c->right[k].re;
     }
-    return size_of(c, error, largest);
+    return size_of_motion(c, error, largest);
 }
 
 double collocation_solve(Collocation *c, double length, double tolerance, double largest)
@@ -349,9 +349,9 @@ double collocation_solve(Collocation *c, double length, double tolerance, double
     fill_doubles(STAGES * (size_t)c->unknowns, 0.0, c->speeds);
     place_points(c, length);
     for (k = 0; k < MOST_PASSES; k++) {
-        const double moved = pass(c, length, largest);
+        const double moved = correct_points(c, length, largest);
         if (moved <= enough) {
-            return error_of(c, length, largest) / tolerance;
+            return error_of_points(c, length, largest) / tolerance;
         }
         if (!(k < 2 || moved <= SLOWEST_PASSES * before)) {
             break;
