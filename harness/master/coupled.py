@@ -67,6 +67,10 @@ class Coupled(Closing):
         """A communication step."""
         self._advance_part(step)
 
+    def _cross_jump(self, _step: float) -> float:
+        """Cross a jump of a drive here, if there is one; the part of the step that took [s]."""
+        return 0.0
+
     def _advance_part(self, step: float) -> None:
         """A part of a communication step, judged and counted."""
         residual = self.scheme.step(self.system, self.time, step)

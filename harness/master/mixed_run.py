@@ -149,12 +149,6 @@ class MixedRun(NetworkRun, CoSimulation):
     def _leave_initialisation(self) -> None:
         """Done by `prepare`, which takes trial steps."""
 
-    def _cover(self, step: float) -> None:
-        """A communication step, behind a jump of the drive."""
-        begin = self.time
-        self._advance_part(step - self._cross_jump(step))
-        self.time = begin + step
-
     def compared(self) -> Compared:
         """What the runs of this motion are compared by; signals that the parts have."""
         found = compared_motion(self.scene, self.meets_events)

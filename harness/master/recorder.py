@@ -82,6 +82,17 @@ class Recorder:
             unit.fetch(group)
         self.rows.frombytes(self._bytes)
 
+    def values(self) -> Signal:
+        """Present values, in the order of the groups."""
+        for unit, group in self.groups:
+            unit.fetch(group)
+        return self._row[1:].copy()
+
+    def append(self, time: float, values: Signal) -> None:
+        """Record values at a time [s], in the order of the groups."""
+        self._row[0], self._row[1:] = time, values
+        self.rows.frombytes(self._bytes)
+
     def extend(self, rows: NDArray[np.float64]) -> None:
         """Record rows of times and values, in the order of the groups."""
         if rows.size:  # a view of nothing has no bytes

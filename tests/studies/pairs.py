@@ -1,14 +1,15 @@
 """How often the stated error is right: random pairs of linear oscillators, against exact solutions.
 
-`python -m tests.studies.pairs [COUNT [SEED]]` couples a mass with a bracket that carries an
-oscillator, both of pythonfmu, at tolerances of 1e-2 to 1e-4.  The force of the bracket answers the
-acceleration of the mass at once: the loop gain is 0.1 to 3.  The exact motion is a matrix
-exponential.  Printed is how stated over true error is distributed.
+`python -m tests.studies.pairs [COUNT] [--seed N] [--stateless] [--picture FILE]` couples a mass
+with a bracket that carries an oscillator, both of pythonfmu, at tolerances of 1e-2 to 1e-4.  The
+force of the bracket answers the acceleration of the mass at once: the loop gain is 0.1 to 3.  The
+exact motion is a matrix exponential.  Printed is how stated over true error is distributed.  FMUs
+that are stateless cannot restore a state: each step is taken once.
 """
 
 from __future__ import annotations
 
-import sys
+import argparse
 from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -68,7 +69,7 @@ class Pair:
                 "bracket.F": self.m * a + self.c * v + self.k * x}  # fmt: skip
 
 
-def drawn(count: int, seed: int) -> list[Pair]:
+def drawn(count: int, seed: int, tolerances: tuple[float, ...] = (1e-2, 1e-3, 1e-4)) -> list[Pair]:
     """Random pairs; gains spread evenly on a logarithmic scale."""
     generator = np.random.default_rng(seed)
 
@@ -80,7 +81,7 @@ def drawn(count: int, seed: int) -> list[Pair]:
         m, m2 = log(0.2, 5.0), log(0.2, 5.0)
         k, k2 = m * log(2.0, 60.0), m2 * log(2.0, 60.0)
         c, c2 = (2.0 * log(1e-3, 0.3) * np.sqrt(a * b) for a, b in ((m, k), (m2, k2)))
-        gain, tolerance = log(0.1, 3.0), float(generator.choice([1e-2, 1e-3, 1e-4]))
+        gain, tolerance = log(0.1, 3.0), float(generator.choice(tolerances))
         pairs.append(Pair(m, float(c), k, gain, m2, float(c2), k2, tolerance))
     return pairs
 
@@ -93,12 +94,13 @@ def judged(pair: Pair, mass: Path, bracket: Path) -> tuple[float, float]:
     return result.estimated_error, float(true)
 
 
-def built(folder: Path) -> tuple[Path, Path]:
-    """The FMUs of both, which restore their states."""
+def built(folder: Path, state: bool = True) -> tuple[Path, Path]:
+    """The FMUs of both; `state`: they restore their states."""
     from pythonfmu.builder import FmuBuilder
 
+    options = {"canGetAndSetFMUstate": True} if state else {}
     made = [
-        FmuBuilder.build_FMU(GUESTS / f"{name}.py", dest=folder, canGetAndSetFMUstate=True)
+        FmuBuilder.build_FMU(GUESTS / f"{name}.py", dest=folder, **options)
         for name in ("mass", "bracket")
     ]
     return Path(made[0]), Path(made[1])
@@ -106,12 +108,17 @@ def built(folder: Path) -> tuple[Path, Path]:
 
 def main() -> None:
     """Judge random pairs, and print the distribution."""
-    count, seed = (int(a) for a in (*sys.argv[1:], *("200", "1")[len(sys.argv) - 1 :]))
+    parser = argparse.ArgumentParser(prog="python -m tests.studies.pairs")
+    parser.add_argument("count", nargs="?", type=int, default=200)
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--stateless", action="store_true")
+    parser.add_argument("--picture", type=Path)
+    asked = parser.parse_args()
     ratios: list[float] = []
-    kept = 0
+    kept, pairs = 0, drawn(asked.count, asked.seed)
     with TemporaryDirectory() as folder:
-        files = built(Path(folder))
-        for number, pair in enumerate(drawn(count, seed), start=1):
+        files = built(Path(folder), not asked.stateless)
+        for number, pair in enumerate(pairs, start=1):
             stated, true = judged(pair, *files)
             ratios.append(stated / true)
             kept += true <= pair.tolerance
@@ -120,6 +127,28 @@ def main() -> None:
             if number % EVERY == 0:
                 tell(ratios, kept)
     tell(ratios, kept)
+    if asked.picture:
+        draw(pairs, ratios, asked.picture)
+
+
+def draw(pairs: list[Pair], ratios: list[float], path: Path) -> None:
+    """Stated over true error, over the loop gain and as a distribution."""
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(9.0, 3.6), layout="constrained")
+    left, right = figure.subplots(1, 2, sharey=True, width_ratios=(3, 1))
+    for tolerance, style in ((1e-2, "C0o"), (1e-3, "C1s"), (1e-4, "C2^")):
+        own = [(p.gain, r) for p, r in zip(pairs, ratios, strict=True) if p.tolerance == tolerance]
+        if own:
+            left.plot(*zip(*own, strict=True), style, ms=4, label=f"tolerance {tolerance:g}")
+    left.set(xscale="log", yscale="log", xlabel="loop gain", ylabel="stated over true error")
+    left.legend(fontsize="small")
+    right.hist(ratios, bins=np.geomspace(0.2, 5.0, 41), orientation="horizontal", color="0.5")
+    right.set(xlabel="pairs", ylim=(0.2, 5.0))
+    for axes in (left, right):
+        for limit in (1.0 / WITHIN, 1.0, WITHIN):
+            axes.axhline(limit, color="0.7" if limit != 1.0 else "0.3", lw=0.8)
+    figure.savefig(path, dpi=150)
 
 
 def tell(ratios: list[float], kept: int) -> None:

@@ -13,13 +13,14 @@ def notes(run: Any) -> list[str]:
     """Of a run that has been started: loops, what units cannot do, and what they have logged."""
     found = []
     if run.system.stuck and run.system.coupled and run.scheme_name != "jacobi":
+        unseen = ", and its gain is known only as far as the units show it before the first step"
         found.append(
             f"{_some(run.system.stuck)} cannot restore a state: the loop was not iterated "
-            f"({run.scheme_name}), and its gain is known only as far as the units show it before "
-            "the first step"
+            f"({run.scheme_name}){'' if run.system.is_free else unseen}"
         )
     for loop in run.wiring.loops():
-        solved = "iterated" if run.scheme_name == "iterated" else "not iterated: delayed"
+        solved = "made consistent behind every step" if run.scheme.loop else "delayed"
+        solved = "iterated" if run.scheme_name == "iterated" else solved
         found.append(f"algebraic loop: {_some(loop)} ({solved}; loop gain {run.gain:.3g})")
     direct = [
         f"{unit}.{inlet.variable}"

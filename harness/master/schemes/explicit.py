@@ -13,6 +13,8 @@ from collections.abc import Iterable, Sequence
 import numpy as np
 
 from ....models.constants import JUMP_PARTS
+from ..loop import QuasiNewton, pack, unpack
+from ..signals import Cubics, Knots
 from ..system import System
 
 # value and slope at t = 2 of the cubic through values and slopes at t = 0 (BEFORE) and 1 (NOW)
@@ -25,9 +27,12 @@ class Scheme:
 
     Attributes:
         startup_halvings: of the first step, in any case.
+        loop: solves the loop, where forces that were assumed are to be made consistent at the end
+            of a step, see `agreed`; else None.
     """
 
     startup_halvings = 0
+    loop: QuasiNewton | None = None
 
     def step(self, system: System, time: float, step: float, jump: bool = False) -> float:
         """Take one step; `jump`: over a jump of the drive.
@@ -36,6 +41,21 @@ class Scheme:
             Residual of the forces over the largest so far; 0 without a second pass.
         """
         raise NotImplementedError
+
+    def agreed(self, system: System, assumed: Cubics, answers: Knots, step: float) -> Knots:
+        """Forces at the end of a step that would have answered themselves.
+
+        With an assumed end u and its answer G(u) these are u + (1 - J)^-1 (G(u) - u), J the loop's
+        Jacobian (Sicklinger et al. 2014).  They do not depend on u where the loop is linear: what
+        the next step extrapolates from has no error that the loop could multiply, whatever its
+        gain.  Without `loop`, the answers.
+        """
+        if self.loop is None:
+            return answers
+        self.loop.rescale(step)
+        ends = system.forces.ends(assumed, step)
+        gap = pack(answers, step) - pack(ends, step)
+        return ends + unpack(self.loop.correction(gap), step)
 
     def cross_jump(self, system: System, time: float, step: float) -> None:
         """A negligible step at a jump of the drive, in parts that settle force and acceleration.

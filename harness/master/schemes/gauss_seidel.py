@@ -38,5 +38,5 @@ class GaussSeidel(Scheme):
             accelerations = system.accelerations.to(motion, step, system.order)
         answers = system.balancer_pass(accelerations, time, step)
         # the next extrapolation starts from what the balancers really did
-        system.accept(motion, answers, time, step)
+        system.accept(motion, self.agreed(system, forces, answers, step), time, step)
         return 0.0

@@ -27,5 +27,5 @@ class Jacobi(Scheme):
         accelerations = system.accelerations.predicted(system.order)
         motion = system.rotor_pass(forces, time, step)
         answers = system.balancer_pass(accelerations, time, step)
-        system.accept(motion, answers, time, step)
+        system.accept(motion, self.agreed(system, forces, answers, step), time, step)
         return 0.0

@@ -77,7 +77,7 @@ def _chain(
     )
 
 
-def _bolted(gain: float) -> Problem:
+def bolted(gain: float) -> Problem:
     """A mass of 1 kg with a bracket of `gain` kg on it, which carries an oscillator."""
     k, c, m2, k2, c2 = 20.0, 0.2, 0.5, 10.0, 0.1
     whole = 1.0 + gain
@@ -119,6 +119,6 @@ PROBLEMS = (
         "two inertias on a shaft, angles and torques",
         (0.01, 0.02), ((0.0, 0.002), (0.0, 0.002)), (3.0, 0.005), (0.1, 0.0), (2e-3, 1e-3), 1.0,
     ),
-    _bolted(0.5),
-    _bolted(1.5),
+    bolted(0.5),
+    bolted(1.5),
 )  # fmt: skip
