@@ -4,7 +4,7 @@ Order: 1 (held), 2 (linear), 3 (cubic: the first step has no past to extrapolate
 interpolated.
 Stability: the loop gain must be below 1 whatever the step, as for Jacobi; with linear signals below
 1/3 where force opposes acceleration, with cubic ones below 1/13.  The error of the accelerations is
-gone.
+gone.  With `loop`, any gain but 1, see `Scheme.agreed`.
 """
 
 from __future__ import annotations

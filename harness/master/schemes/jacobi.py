@@ -2,7 +2,8 @@
 
 Order: 1 (held), 2 (linear), 3 (cubic: the first step has no past to extrapolate; rarely stable).
 Stability: the loop gain must be below 1 whatever the step, since a force acts one step late; with
-cubic signals below 1/169 = (1/13)^2, since force and acceleration are both extrapolated.
+cubic signals below 1/169 = (1/13)^2, since force and acceleration are both extrapolated.  With
+`loop`, any gain but 1, see `Scheme.agreed`.
 """
 
 from __future__ import annotations
