@@ -133,7 +133,7 @@ def growth_regions(
 
 def unknown_word(assembly: Assembly) -> Side:
     """What a growth rate within its error is called: "neutral" where nothing damps the machine."""
-    rotor = assembly.rotor.at(assembly.rotor.table_speeds[0])
+    rotor = assembly.rotor.at_bottom
     parts = [rotor.damping_x, rotor.damping_y, rotor.internal_damping]
     parts.append(WeightTable.of(assembly).damping_rate)
     return "undecided" if any(part.any() for part in parts) else "neutral"

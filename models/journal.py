@@ -12,7 +12,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from .arrays import Array
+from .supports import SpeedTable
 
+CLOSE = 0.04  # of a speed: the next row of a table
+MATRICES = ("stiffness", "damping")
 LONGEST = 0.5  # of the diameter: a longer film leaks along the axis less than is assumed
 
 
@@ -67,6 +70,30 @@ def short_bearing(
         load / clearance * a,
         load / (clearance * speed) * b,
     )
+
+
+def film_table(
+    diameter: float,
+    length: float,
+    clearance: float,
+    viscosity: float,
+    load: float,
+    low: float,
+    high: float,
+) -> SpeedTable:
+    """The film over speeds from `low` to `high` [rad/s], in rows a share `CLOSE` apart at most.
+
+    On a line between two rows values are within 1e-3 of their largest.
+
+    Raises:
+        ValueError: as of `short_bearing`, or the speeds do not ascend.
+    """
+    if not 0.0 < low < high < math.inf:
+        raise ValueError(f"speeds = {low:g} to {high:g} rad/s: must be above 0 and ascend")
+    speeds = np.geomspace(low, high, 2 + math.ceil(math.log(high / low) / CLOSE))
+    films = [short_bearing(diameter, length, clearance, viscosity, load, float(w)) for w in speeds]
+    stiffness, damping = (np.array([getattr(f, each) for f in films]) for each in MATRICES)
+    return SpeedTable(speeds, stiffness, damping)
 
 
 def coefficients(e: float) -> tuple[Array, Array]:

@@ -146,6 +146,38 @@ class LinearRotor:
         return replace(self, supports=tuple(support.at(speed) for support in self.supports))
 
     @property
+    def at_top(self) -> LinearRotor:
+        """The rotor at the highest speed of its tables; itself where it has none."""
+        return self.at(self.table_speeds[1])
+
+    @property
+    def at_bottom(self) -> LinearRotor:
+        """The rotor at the lowest speed of its tables; itself where it has none."""
+        return self.at(self.table_speeds[0])
+
+    @cached_property
+    def without_tables(self) -> LinearRotor:
+        """The rotor without the bearings that change with the speed."""
+        if not self.varies:
+            return self
+        return replace(self, supports=tuple(each for each in self.supports if each.table is None))
+
+    @property
+    def tables(self) -> tuple[Numbers, list[tuple[Numbers, Numbers, Numbers]]]:
+        """Bearings that change with the speed, all in rows at the same speeds (r,) [rad/s]: of each
+        the row (n,) of its displacement, stiffness and damping (r, 2, 2)."""
+        found = [(each.rows[0], each.table) for each in self.supports if each.table is not None]
+        if not found:
+            return np.zeros(0), []
+        low, high = self.table_speeds
+        every = np.unique(np.concatenate([table.speeds for _, table in found]))
+        speeds = every[(every >= low) & (every <= high)]
+        each = [
+            (row, zip(*(table.at(float(w)) for w in speeds), strict=True)) for row, table in found
+        ]
+        return speeds, [(row, *map(np.array, both)) for row, both in each]
+
+    @property
     def table_speeds(self) -> tuple[float, float]:
         """Lowest and highest speed that the tables of all bearings hold [rad/s]."""
         tables = [support.table.speeds for support in self.supports if support.table is not None]

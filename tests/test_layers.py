@@ -21,7 +21,7 @@ HARNESS = (
     ("measurements", "output"),
     ("vibration", "scene"),
     ("master",),
-    ("result", "capture", "drag"),
+    ("result", "capture", "drag", "film"),
     ("stability",),
     ("motions",),
     ("design", "rotor", "balancing", "fit", "scatter", "show", "accuracy"),

@@ -26,6 +26,14 @@ GIVEN: dict[str, tuple[str, float, str]] = {
     "gyroscopic": ("kg", 0.0, "Gyroscopic matrix, multiplied by the speed"),
 }  # fmt: skip
 
+# of a bearing over the speed, in each row of its table: unit and description
+TABLED: dict[str, tuple[str, str]] = {
+    f"table_{what}_{to}{by}": (unit, f"Force along {to} by the {motion} along {by}")
+    for what, unit, motion in (("stiffness", "N/m", "displacement"),
+                               ("damping", "N.s/m", "velocity"))
+    for to in "xy" for by in "xy"
+}  # fmt: skip
+
 
 @dataclass(frozen=True)
 class RotorSizes(Sizes):
@@ -34,6 +42,7 @@ class RotorSizes(Sizes):
     Attributes:
         kind: planar | two_support | flexible | matrices.
         stations, planes, unbalances, sliders: numbers of them.
+        tables, speeds: bearings that change with the speed, and rows of their tables.
         shaft: how a flexible rotor's is given: "uniform" (bending stiffness) or "compliance" (a
             matrix).
     """
@@ -44,6 +53,8 @@ class RotorSizes(Sizes):
     unbalances: int = count(1, of=("two_support", "flexible", "matrices"))
     shaft: str = one_of("uniform", "compliance", of=("flexible",))
     sliders: int = count(0)
+    tables: int = count(0, of=("matrices",))
+    speeds: int = count(0, of=("matrices",))
 
 
 def planar(sizes: RotorSizes) -> list[Variable]:
@@ -150,6 +161,21 @@ def matrices(sizes: RotorSizes) -> list[Variable]:
                "Displacement where the unbalance is"),
         *(parameter(f"bending_row[{j},{k}]", 0.0, "1", "Bending of the shaft by a station's motion")
           for j in bends for k in numbers),
+        *_tables(sizes),
+    ]  # fmt: skip
+
+
+def _tables(sizes: RotorSizes) -> list[Variable]:
+    """Bearings that change with the speed, on lines between the rows of a table."""
+    tables, rows = range(1, sizes.tables + 1), range(1, sizes.speeds + 1)
+    if bool(tables) != (len(rows) > 1):
+        raise ValueError(f"speeds = {sizes.speeds}: tables have 2 or more, a rotor without has 0")
+    text = "Speed of this row of all tables, above that of the row before"
+    return [
+        *(parameter(f"table_speed[{k}]", 100.0 * k, "rad/s", text) for k in rows),
+        *_rows("table_row", tables, sizes.stations, "Displacement across the bearing"),
+        *(parameter(f"{name}[{t},{k}]", 0.0, unit, f"{text}, in a bearing at this speed")
+          for t in tables for k in rows for name, (unit, text) in TABLED.items()),
     ]  # fmt: skip
 
 

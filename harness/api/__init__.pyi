@@ -14,6 +14,8 @@ from autobalancer.harness.errors import UnitError as UnitError
 from autobalancer.harness.errors import UserError as UserError
 from autobalancer.harness.export.build import Built as Built
 from autobalancer.harness.export.build import build_files as build_files
+from autobalancer.harness.film.table import JournalBearing as JournalBearing
+from autobalancer.harness.film.table import find_film as find_film
 from autobalancer.harness.fit.study import Fit as Fit
 from autobalancer.harness.output.machine import VERSION as __version__
 from autobalancer.harness.output.outcome import Outcome as Outcome

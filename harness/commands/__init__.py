@@ -7,6 +7,7 @@ NAMES = (
         "motions",
         "fit",
         "drag",
+        "bearing",
         "precision",
         "show",
         "report",

@@ -72,6 +72,6 @@ def expectation(scene: Scene, meets_events: bool) -> Expectation:
 
 def _fastest(scene: Scene) -> float:
     """Of the rotor's vibrations without damping [rad/s]."""
-    rotor = scene.assembly().loaded_rotor
+    rotor = scene.assembly().loaded_rotor.at_top
     squares = (np.linalg.solve(rotor.mass, k) for k in (rotor.stiffness_x, rotor.stiffness_y))
     return math.sqrt(max(0.0, *(np.linalg.eigvals(each).real.max() for each in squares)))

@@ -19,7 +19,7 @@ def largest_force(scene: Scene) -> float:
     acceleration, which the same pull, the unbalance and displaced supports give it.
     """
     assembly, profile, start = scene.assembly(), scene.profile(), scene.run.initial
-    rotor = assembly.rotor
+    rotor = assembly.rotor.at_top
     speed, spin_up = profile.top, profile.steepest
     own = carried = 0.0
     for mounted in assembly.balancers:

@@ -28,7 +28,7 @@ def sag_of(scene: Scene, time: Array, speed: Array | None = None) -> dict[str, A
     if not scene.operation.gravity:
         return {}
     rotor = scene.assembly().loaded_rotor
-    if not rotor.internal_damping.any():
+    if not (rotor.varies or rotor.internal_damping.any()):
         speed = np.zeros_like(time)
     elif speed is None and scene.operation.motor:
         speed = np.full_like(time, scene.operation.start_speed)

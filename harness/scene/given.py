@@ -23,7 +23,8 @@ def matrix_start(rotor: LinearRotor, planes: Sequence[int], acting: Acting) -> S
         acting: its unbalances; the unit has at least one.
     """
     nothing = [(0.0, 0.0, np.zeros(rotor.stations))]
-    values: Start = {}
+    values = _tables(rotor)
+    rotor = rotor.without_tables
     for name, matrix in _matrices(rotor):
         values |= _entries(name, matrix)
     values |= _entries("plane_row", rotor.planes[[p - 1 for p in planes]])
@@ -46,6 +47,18 @@ def _matrices(rotor: LinearRotor) -> Iterator[tuple[str, Any]]:
     yield "mass", (rotor.mass + rotor.mass.T) / 2.0
     yield "internal_damping", rotor.internal_damping
     yield "gyroscopic", rotor.gyroscopic
+
+
+def _tables(rotor: LinearRotor) -> Start:
+    """Bearings that change with the speed."""
+    speeds, tables = rotor.tables
+    values: Start = {f"table_speed[{k}]": float(w) for k, w in enumerate(speeds, start=1)}
+    for t, (row, stiffness, damping) in enumerate(tables, start=1):
+        values |= {f"table_row[{t},{k}]": float(part) for k, part in enumerate(row, start=1)}
+        for what, blocks in (("stiffness", stiffness), ("damping", damping)):
+            for (k, i, j), value in np.ndenumerate(blocks):
+                values[f"table_{what}_{'xy'[i]}{'xy'[j]}[{t},{k + 1}]"] = float(value)
+    return values
 
 
 def _entries(name: str, matrix: NDArray[np.float64]) -> Start:

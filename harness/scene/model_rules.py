@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ...models.supports import OUTSIDE
 from .run import UNCORRECTED
 
 if TYPE_CHECKING:
@@ -23,6 +24,7 @@ def model_problems(scene: Scene, rotor: LinearRotor) -> Iterator[str]:
             f"operation.gravity: nothing carries {scene.rotor.on!r}: give it feet, or leave "
             "gravity out"
         )
+    yield from _outside_tables(scene, rotor)
     if scene.operation.gravity and rotor.inner:
         yield (
             "operation.gravity: does not support rubber (support_loss_factor, loss_factor): its "
@@ -56,6 +58,23 @@ def model_problems(scene: Scene, rotor: LinearRotor) -> Iterator[str]:
     yield from _liquid_windows(scene, rotor)
 
 
+def _outside_tables(scene: Scene, rotor: LinearRotor) -> Iterator[str]:
+    """Speeds of the run that the tables of bearings do not hold."""
+    if not rotor.varies:
+        return
+    (low, high), speeds = rotor.table_speeds, scene.profile().speeds
+    if scene.operation.motor:
+        speeds = scene.operation.start_speed, scene.operation.motor.top_speed
+    slack = OUTSIDE * high
+    if low >= high:
+        yield "rotor.bearings: the tables have no speed in common"
+    elif min(speeds) < low - slack or max(speeds) > high + slack:
+        yield (
+            f"operation: turns at {min(speeds):.6g} to {max(speeds):.6g} rad/s: must be within "
+            f"{low:.6g} to {high:.6g} rad/s, the speeds of the bearings' tables"
+        )
+
+
 def _native_alone(scene: Scene) -> Iterator[str]:
     """Keys of what native units compute and Python units do not."""
     for key in ("motor", "unbalance_changes"):
@@ -63,6 +82,8 @@ def _native_alone(scene: Scene) -> Iterator[str]:
             yield f"operation.{key}"
     if scene.rotor.friction:
         yield "rotor.friction"
+    if any(bearing.stiffness is None for bearing in scene.rotor.bearings):
+        yield "rotor.bearings (a table or journal)"
     for i, balancer in enumerate(scene.balancer, start=1):
         for key in ("weight_radius", "rolling_resistance"):
             if getattr(balancer, key, 0):

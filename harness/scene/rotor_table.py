@@ -18,7 +18,7 @@ from ...models.bodies import GROUND, ROTOR, with_bodies
 from ...models.rotor import LinearRotor
 from ...models.rotor import Slider as LinearSlider
 from ...models.rubber import Zener, with_rubber, zener
-from .bearing import Bearing
+from .bearing import GRAVITY, Bearing
 from .bodies import BodyTable, refuse_half_of_rubber
 from .feeds import Feeds, Start, fed
 from .given import Acting, matrix_start
@@ -253,11 +253,31 @@ class RotorTable(Table):
                 "bearings",
                 f"must be {count}, one for each; a spring has no cross terms",
             )
+        self._bear_the_weight()
+        loads = self.static_loads()
         ordered = sorted(self.bearings, key=lambda bearing: bearing.support)
-        pairs = zip(*(bearing.diagonals for bearing in ordered), strict=True)
+        pairs = zip(*(b.diagonals(loads[b.support - 1]) for b in ordered), strict=True)
         for name, each in zip((key, self.damping_key), pairs, strict=True):
             self.__dict__[name] = each[0] if count == 1 and key == "stiffness" else each
         return self
+
+    def _bear_the_weight(self) -> None:
+        """Raise for a journal bearing that has no load, and for a table that has no room."""
+        under = {body.name: body.free for body in self.bodies}
+        for k, bearing in enumerate(self.bearings, start=1):
+            varies = bearing.stiffness is None
+            if varies and under.get(self.on, "xy") != "xy":
+                words = f"does not support a body that is free along {under[self.on]} alone"
+                raise refusal(f"bearings[{k}]", words)
+            load = bearing.journal.load if bearing.journal else 1.0
+            if load is None and not self.static_loads()[bearing.support - 1] > 0.0:
+                words = "must be given: the rotor's weight does not load this bearing downwards"
+                raise refusal(f"bearings[{k}].journal.load", words)
+
+    def static_loads(self) -> list[float]:
+        """Share of the rotor's weight on each support [N]."""
+        shares = self.levers([self.centre])[:, 0]
+        return [float(share) * self.mass * GRAVITY for share in shares]
 
     @model_validator(mode="after")
     def _slides_one_way(self) -> RotorTable:
@@ -335,6 +355,7 @@ class RotorTable(Table):
             "planes": len(planes),
             "unbalances": len(self.acting()) or 1,
             **self._sliders,
+            **self._tables,
         }
 
     def start(self, planes: Sequence[int]) -> Start:
@@ -387,13 +408,27 @@ class RotorTable(Table):
         if "unbalances" in values:
             triples = [(u.position, u.amount, u.angle) for u in self.unbalances]
             values["unbalances"] = triples
-        values["bearings"] = [(b.support, b.stiffness, b.damping) for b in self.bearings]
+        loads = self.static_loads()
+        values["bearings"] = [
+            (b.support, *(b.matrices(load) if table is None else (table,)))
+            for b in self.bearings
+            for load in [loads[b.support - 1]]
+            for table in [b.over_speed(load)]
+        ]
         return values
 
     @property
     def _sliders(self) -> dict[str, int]:
         """The build option, where there are any."""
         return {"sliders": len(self.friction)} if self.friction else {}
+
+    @property
+    def _tables(self) -> dict[str, int]:
+        """The build options of bearings that change with the speed, where there are any."""
+        if all(bearing.stiffness is not None for bearing in self.bearings):
+            return {}
+        speeds, tables = self.build().tables
+        return {"tables": len(tables), "speeds": len(speeds)}
 
     def _with_friction(self, rotor: LinearRotor) -> LinearRotor:
         """The same rotor with the sliders in its supports, and with its bodies."""

@@ -22,6 +22,7 @@ from ...models.rotor import LinearRotor
 from ..errors import SceneError
 from .balancer import AnyBalancer
 from .balancing import Balancing
+from .bearing import with_tables
 from .bodies import bodies_inside
 from .check import AnyCheck
 from .document import Described
@@ -122,7 +123,8 @@ class Scene(Described):
         return cls._of(read(path), path, path.name if is_name else str(source))
 
     def _fill(self, document: dict[str, Any], path: Path | None, label: str) -> None:
-        document = bodies_inside(with_corners(document, path.parent if path else Path()))
+        folder = path.parent if path else Path()
+        document = bodies_inside(with_tables(with_corners(document, folder), folder))
         try:
             BaseModel.__init__(self, **document)
         except ValidationError as error:

@@ -156,6 +156,8 @@ def _refuse_unproved(table: Mapping[str, Any]) -> None:
         foot["loss_factor"] for body in table["bodies"] for foot in body["feet"]
     ):
         raise Unproved("rubber (support_loss_factor, loss_factor) is not proved: use floquet")
+    if any(bearing["stiffness"] is None for bearing in table["bearings"]):
+        raise Unproved("bearings over the speed (table, journal) are not proved: use floquet")
     if any(body["free"] != "xy" for body in table["bodies"]):
         raise Unproved("a body that is free along one axis is not proved: use floquet")
 

@@ -25,7 +25,10 @@ class Lagrange:
     """
 
     def __init__(self, assembly: Assembly) -> None:
-        self.rotor = rotor = assembly.rotor
+        rotor = assembly.rotor
+        self.tables = rotor.tables[1]
+        self.speeds = rotor.tables[0]
+        self.rotor = rotor = rotor.without_tables
         n = rotor.stations
         each = [(m, one) for m in assembly.weights for one in weights_of(m).each]
         self.weights = len(each)
@@ -71,6 +74,14 @@ class Lagrange:
         push = w * w * u - sheared + 1j * w * (v @ rotor.gyroscopic.T)
         force[..., :n] += push.real - x @ rotor.stiffness_x.T - v_x @ rotor.damping_x.T
         force[..., n : 2 * n] += push.imag - yy @ rotor.stiffness_y.T - v_y @ rotor.damping_y.T
+        for row, stiffness, damping in self.tables:
+            both, rates_of_both = (
+                np.stack([a @ row, b @ row], axis=-1) for a, b in ((x, yy), (v_x, v_y))
+            )
+            pull = self._here(stiffness, w) @ both[..., None]
+            pull = (pull + self._here(damping, w) @ rates_of_both[..., None])[..., 0]
+            force[..., :n] -= pull[..., :1] * row
+            force[..., n : 2 * n] -= pull[..., 1:] * row
         if rotor.crossed:
             (_, k_xy), (k_yx, _) = rotor.springs
             (_, c_xy), (c_yx, _) = rotor.dampers
@@ -79,3 +90,9 @@ class Lagrange:
         force[..., 2 * n : -1] -= lag
         force[..., -1] += lag.sum(axis=-1) + (z.conj() * sheared).sum(axis=-1).imag
         return inertia, force
+
+    def _here(self, rows: Array, w: Array | float) -> Array:
+        """A bearing's (..., 2, 2) at speeds (..., 1) from the rows (r, 2, 2) of its table."""
+        at = np.asarray(w, float)
+        found = [np.interp(at, self.speeds, rows[:, i, j]) for i in (0, 1) for j in (0, 1)]
+        return np.stack(found, axis=-1).reshape(*at.shape[:-1], 2, 2)

@@ -10,11 +10,13 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
 from autobalancer.models.assembly import Assembly, Mounted, SpeedProfile
-from autobalancer.models.journal import coefficients, critical_mass, short_bearing
+from autobalancer.models.journal import coefficients, critical_mass, film_table, short_bearing
 from autobalancer.models.linear.linearised import linearise
+from autobalancer.models.linear.modes import critical_speeds
 from autobalancer.models.reference.coupled import Monolith
 from autobalancer.models.rotor import LinearRotor
 from autobalancer.models.stability import growth_rates
+from autobalancer.models.supports import SpeedTable
 from autobalancer.models.weights import Weights
 
 
@@ -151,3 +153,57 @@ def test_beyond_three_quarters_of_the_clearance_no_rigid_rotor_whirls():
 def test_a_long_bearing_is_refused():
     with pytest.raises(ValueError, match=r"at most 0\.5 diameters"):
         short_bearing(0.1, 0.06, 1e-4, 0.1, 525.0, 100.0)
+
+
+def squared_table(count=2001, high=200.0):
+    """k = 1e5 + 2 w^2 N/m along both axes."""
+    speeds = np.linspace(0.0, high, count)
+    stiffness = (1e5 + 2.0 * speeds**2)[:, None, None] * np.eye(2)
+    return SpeedTable(speeds, stiffness, np.zeros_like(stiffness))
+
+
+def test_the_critical_speed_of_a_table_is_where_the_rotor_of_that_speed_has_it():
+    """k0 + k2 w^2 = M w^2: sqrt(k0/(M - k2)) = 111.803399 rad/s."""
+    rotor = LinearRotor.planar(10.0, 1.0, bearings=[(1, squared_table())])
+    assert critical_speeds(rotor) == pytest.approx([111.803399], rel=1e-7)
+
+
+def test_a_table_is_linear_between_its_rows_and_ends_with_them():
+    table = SpeedTable(
+        np.array([10.0, 20.0, 40.0]),
+        np.arange(12.0).reshape(3, 2, 2),
+        np.zeros((3, 2, 2)),
+    )
+    for speed, first in ((10.0, 0.0), (15.0, 2.0), (20.0, 4.0), (35.0, 7.0), (40.0, 8.0)):
+        assert table.at(speed)[0][0, 0] == pytest.approx(first)
+    for outside in (9.99, 40.01):
+        with pytest.raises(ValueError, match="must be 10 to 40 rad/s"):
+            table.at(outside)
+
+
+def test_a_film_between_two_rows_of_its_table_is_as_near_as_said():
+    size = (0.1, 0.03, 1e-4, 0.1, 525.0)
+    table = film_table(*size, 10.0, 900.0)
+    for speed in np.sqrt(table.speeds[:-1] * table.speeds[1:]).tolist():
+        film, (k, c) = short_bearing(*size, speed), table.at(speed)
+        assert np.abs(k - film.stiffness).max() < 1e-3 * np.abs(film.stiffness).max()
+        assert np.abs(c - film.damping).max() < 1e-3 * np.abs(film.damping).max()
+
+
+def test_stability_over_a_table_is_that_of_the_rotor_of_each_speed():
+    speeds = np.array([3.0, 4.0, 5.0])
+    stiffness = np.array([np.array([[3.0, 0.3], [-0.4, 2.0]]) * s for s in (1.0, 1.4, 2.5)])
+    damping = np.array([np.array([[0.2, 0.02], [0.0, 0.3]]) * s for s in (1.0, 0.8, 1.5)])
+    weights = Mounted("balls", Weights(2, 0.02, 0.7, 0.006, 1.4), 0, (2.0, 4.0))
+
+    def assembly(bearing):
+        return Assembly(
+            LinearRotor.planar(1.0, 1.0, unbalance=0.004, bearings=[bearing]), (weights,)
+        )
+
+    table = SpeedTable(speeds, stiffness, damping)
+    asked = np.array([3.0, 3.5, 4.5, 5.0])
+    found = growth_rates(assembly((1, table)), asked)
+    for speed, rate in zip(asked.tolist(), found.tolist(), strict=True):
+        expected = growth_rates(assembly((1, *table.at(speed))), [speed])
+        assert rate == pytest.approx(float(expected[0]), abs=1e-12)

@@ -58,12 +58,16 @@ _MATRICES = ["mass", "damping_x", "damping_y", "stiffness_x", "stiffness_y"]
 _CROSSED = ["damping_xy", "damping_yx", "stiffness_xy", "stiffness_yx"]
 _MATRICES += [*_CROSSED, "internal_damping"]
 _MATRICES += ["gyroscopic", "planes", "unbalance", "deflection"]
+Bearings = _struct(
+    "Bearings", count=c_int, speed_count=c_int, line=c_int, speeds=_D, rows=_D, values=_D
+)
 LinearRotor = _struct(
     "LinearRotor",
     stations=c_int,
     plane_count=c_int,
     deflections=c_int,
     **dict.fromkeys(_MATRICES, _D),
+    bearings=Bearings,
     gravity=c_double * 2,
     sliders=c_bool,
     crossed=c_bool,

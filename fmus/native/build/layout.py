@@ -18,7 +18,7 @@ from typing import Any
 from ....models import constants as shared
 from ...catalogue import sized_unit
 from ...composite.variables import COMPOSITE
-from ...rotor.parameters import GIVEN
+from ...rotor.parameters import GIVEN, TABLED
 from ...unit import SizedUnit
 from ...variables import Layout, Variable
 from ...xml.archive import source
@@ -39,6 +39,9 @@ _REPEATS = {
     "plane_row": "SIZE_PLANE_ROWS",
     "unbalance_row": "SIZE_UNBALANCE_ROWS",
     "bending_row": "SIZE_BENDING_ROWS",
+    "table_speed": "SIZE_SPEEDS",
+    "table_row": "SIZE_TABLE_ROWS",
+    **dict.fromkeys(TABLED, "SIZE_TABLE_SPEEDS"),
 }
 _SEVERAL = 3  # of everything, so that a block is seen to repeat
 _PLANAR = {"planes": _SEVERAL, "sliders": _SEVERAL, "stations": 1}
@@ -50,7 +53,7 @@ TABLES: tuple[tuple[str, dict[str, Any]], ...] = (
     ("RotorOnSupports", {**_ROTOR, "kind": "two_support", "stations": 2}),
     ("RotorOnSupports", {**_ROTOR, "kind": "flexible", "shaft": "uniform"}),
     ("RotorOnSupports", {**_ROTOR, "kind": "flexible", "shaft": "compliance"}),
-    ("RotorOnSupports", {**_ROTOR, "kind": "matrices"}),
+    ("RotorOnSupports", {**_ROTOR, "kind": "matrices", "tables": _SEVERAL, "speeds": _SEVERAL}),
     ("LiquidBalancer", {}),
     ("BallBalancer", {"weights": _SEVERAL, "unequal": 1}),
     ("Motor", {"points": _SEVERAL}),
@@ -67,7 +70,8 @@ _STARTS_IN_C = (
     "unbalance[#].position",
     "unbalance[#].amount",
     "compliance[#,#]",
-    *(f"{name}[#,#]" for name in (*GIVEN, "plane_row", "unbalance_row")),
+    *(f"{name}[#,#]" for name in (*GIVEN, "plane_row", "unbalance_row", "table_row")),
+    "table_speed[#]",
     "weight[#].angle0",
     "point[#].speed",
     "point[#].torque",

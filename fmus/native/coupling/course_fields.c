@@ -80,6 +80,8 @@ static void declare_one_piece(Fields *fields, const Composite *c)
 {
     const OnePiece *one_piece = fields_here(fields);
     const double last_line = c->motor ? c->motor->unit->layout.sizes.points - 2.0 : 0.0;
+    const Sizes *rotor = &c->parts->unit->layout.sizes;
+    const double last_of_table = rotor->tables ? rotor->speeds - 2.0 : 0.0;
     fields_flag(fields, "one_piece.active", &one_piece->active);
     fields_whole(fields, "one_piece.order", &one_piece->order, 1, 0.0, MOST_ORDER);
     fields_flag(fields, "one_piece.stands", &one_piece->stands);
@@ -88,6 +90,7 @@ static void declare_one_piece(Fields *fields, const Composite *c)
     fields_whole(fields, "one_piece.changes_behind", &one_piece->changes_behind, 1, 0.0,
                  (double)c->change_count);
     fields_whole(fields, "one_piece.line", &one_piece->line, 1, -1.0, last_line);
+    fields_whole(fields, "one_piece.bearing_line", &one_piece->bearing_line, 1, 0.0, last_of_table);
     fields_flag(fields, "one_piece.placed", &one_piece->placed);
     fields_whole(fields, "one_piece.looks, .looked", &one_piece->looks, 2, 0.0, MOST_LOOKS);
     fields_whole(fields, "one_piece.event", &one_piece->event, 1, 0.0, EVENT_KINDS - 1.0);

@@ -9,7 +9,7 @@
 
 int one_piece_allocate(Unit *unit)
 {
-    enum { NUMBERS = 7 };
+    enum { NUMBERS = 8 };
     Composite *c = unit->own;
     Pieces *pieces = &c->pieces;
     const Sizes *sizes = &c->parts->unit->layout.sizes;
@@ -39,9 +39,29 @@ int one_piece_allocate(Unit *unit)
 
 /* -- stiff ones ----------------------------------------------------------------------------------- */
 
+/* Numbers of a bearing that changes with the speed; none: of what it does not have. */
+enum { NO_NUMBER = -1, K_XX, K_XY, K_YX, K_YY, C_XX, C_XY, C_YX, C_YY };
+
+/* Add what the bearings that change with the speed have of one of their numbers in a row of the table. */
+static void add_of_table(const LinearRotor *rotor, int number, int table_row, double *matrix)
+{
+    const Bearings *tables = &rotor->bearings;
+    const int n = rotor->stations;
+    int b, i, j;
+    for (b = 0; b < tables->count && number >= 0; b++) {
+        const double *row = tables->rows + b * n;
+        const double value = tables->values[(b * tables->speed_count + table_row) * BEARING_NUMBERS + number];
+        for (i = 0; i < n; i++) {
+            for (j = 0; j < n; j++) {
+                matrix[i * n + j] += row[i] * value * row[j];
+            }
+        }
+    }
+}
+
 /* Square root of the largest modulus of an eigenvalue of mass^-1 matrix, or that itself where it is no
-   stiffness [1/s]; below 0 where the mass is singular. */
-static double rate_of(const Composite *c, const double *matrix, bool is_stiffness)
+   stiffness [1/s]; below 0 where the mass is singular.  With that number of bearings, in a row of their table. */
+static double rate_of(const Composite *c, const double *matrix, int number, int table_row)
 {
     const LinearRotor *rotor = &composite_rotor(c)->rotor;
     const int n = rotor->stations;
@@ -49,11 +69,12 @@ static double rate_of(const Composite *c, const double *matrix, bool is_stiffnes
     double *mass = c->decay, *found = mass + square, *work = found + square, radius;
     copy_doubles(square, rotor->mass, mass);
     copy_doubles(square, matrix, found);
+    add_of_table(rotor, number, table_row, found);
     if (matrix_solve(1, n, n, mass, found)) {
         return -1.0;
     }
     radius = spectral_radius(n, found, work);
-    return is_stiffness ? square_root(radius) : radius;
+    return number >= K_XX && number <= K_YY ? square_root(radius) : radius;
 }
 
 /* About the fastest rate of rotor and weights [1/s], none of which the other slows down: whether collocation is
@@ -61,15 +82,18 @@ static double rate_of(const Composite *c, const double *matrix, bool is_stiffnes
 static double fastest_of(const Composite *c)
 {
     const LinearRotor *rotor = &composite_rotor(c)->rotor;
-    double fastest = larger(rate_of(c, rotor->stiffness_x, 1), rate_of(c, rotor->stiffness_y, 1));
-    int k, w;
-    fastest = larger(fastest, rate_of(c, rotor->damping_x, 0));
-    fastest = larger(fastest, rate_of(c, rotor->damping_y, 0));
-    fastest = larger(fastest, rate_of(c, rotor->internal_damping, 0));
-    if (rotor->crossed) {
-        fastest = larger(fastest, larger(rate_of(c, rotor->stiffness_xy, 1), rate_of(c, rotor->stiffness_yx, 1)));
-        fastest = larger(fastest, larger(rate_of(c, rotor->damping_xy, 0), rate_of(c, rotor->damping_yx, 0)));
-    }
+    const double *const matrices[BEARING_NUMBERS] = {
+        rotor->stiffness_x, rotor->stiffness_xy, rotor->stiffness_yx, rotor->stiffness_y,
+        rotor->damping_x,   rotor->damping_xy,   rotor->damping_yx,   rotor->damping_y};
+    double fastest = rate_of(c, rotor->internal_damping, NO_NUMBER, 0);
+    int k, w = 0;
+    do { /* of every row of a table */
+        for (k = 0; k < BEARING_NUMBERS; k++) {
+            if (rotor->crossed || k == K_XX || k == K_YY || k == C_XX || k == C_YY) {
+                fastest = larger(fastest, rate_of(c, matrices[k], k, w));
+            }
+        }
+    } while (++w < rotor->bearings.speed_count);
     for (k = 1; k < c->parts_without_motor; k++) {
         const Balls *balls = part_balls(c->parts + k);
         for (w = 0; balls && w < balls->count; w++) {
@@ -207,6 +231,7 @@ int one_piece_begin(Unit *unit)
     one_piece->active = one_piece->stands = one_piece->placed = 1.0;
     one_piece->undecided = c->pieces.is_eventful;
     one_piece->line = -1.0;
+    one_piece->bearing_line = 0.0;
     one_piece->largest = larger(first_displacement(c), largest_of(2 * n, place));
     if (!(one_piece->largest > 0.0)) {
         one_piece->largest = 1.0; /* nothing moves it */

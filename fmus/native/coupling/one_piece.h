@@ -27,6 +27,7 @@ typedef struct {
     double pushed;     /* how long after forces from outside were told the step begins [s] */
     double changes_behind; /* changes of the unbalance by then */
     double line;       /* of the motor's torque */
+    double bearing_line; /* of the table of bearings that change with the speed */
     double placed;     /* whether the parts stand where the clock says they are shown */
     double looks, looked; /* times at which the step is looked at, and how many are behind */
     double event, which; /* what ends the step, and of which weight or slider: EventKind */

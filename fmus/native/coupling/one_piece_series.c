@@ -41,8 +41,14 @@ void one_piece_set_line(Machine *m, int line)
 double one_piece_load(const Composite *c, Machine *m, const double *states, double speed, double acceleration)
 {
     const double *rotor = state_of(c, c->parts, states), *place = rotor + MOTION;
+    const LinearRotor *matrices = &composite_rotor(c)->rotor;
     const int n = m->stations;
     int k, w, i = 0;
+    if (m->varies) {
+        const bool is_step = m == &c->pieces.step;
+        machine_take_bearings(m, matrices, is_step ? (int)c->course->one_piece.bearing_line
+                                                   : linear_rotor_line(matrices, speed, m->bearing_line));
+    }
     for (k = 0; k < n; k++) {
         m->motion[k] = pair_of(place[2 * k], place[2 * k + 1]);
         m->velocity[k] = pair_of(place[2 * n + 2 * k], place[2 * n + 2 * k + 1]);
@@ -92,10 +98,17 @@ int one_piece_load_step(Unit *unit, double *angle, bool *is_wanted)
     if (!pieces->is_made && one_piece_make(unit)) {
         return 1;
     }
+    if (!linear_rotor_holds(&composite_rotor(c)->rotor, one_piece->speed)) {
+        const Bearings *b = &composite_rotor(c)->rotor.bearings;
+        return unit_fail(unit, "speed = %6 rad/s at t = %6 s: must be %6 to %6 rad/s, the speeds of the bearings' table",
+                         one_piece->speed, unit_host_time(unit, c->course->clock.begin), b->speeds[0],
+                         b->speeds[b->speed_count - 1]);
+    }
     *key++ = one_piece->speed;
     *key++ = one_piece->acceleration;
     *key++ = one_piece->changes_behind;
     *key++ = one_piece->line;
+    *key++ = one_piece->bearing_line;
     *key++ = one_piece->order;
     *key++ = one_piece->collocated;
     *key++ = one_piece->pushed;
@@ -126,6 +139,7 @@ int one_piece_load_step(Unit *unit, double *angle, bool *is_wanted)
 
 void one_piece_load_collocation(Composite *c, double angle)
 {
+    machine_take_bearings(&c->pieces.instant, &composite_rotor(c)->rotor, (int)c->course->one_piece.bearing_line);
     collocation_start(&c->pieces.collocation, &c->pieces.step, &c->pieces.instant, angle);
 }
 

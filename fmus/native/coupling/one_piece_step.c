@@ -17,6 +17,15 @@ static void ends_of_line(const Machine *m, int line, double *ends)
     ends[1] = line < motor->count - 2 ? motor->points[2 * line + 2] * m->per_rate : infinity();
 }
 
+/* The same of the table of bearings that change with the speed. */
+static void ends_of_table(const Composite *c, int line, double *ends)
+{
+    const Bearings *b = &composite_rotor(c)->rotor.bearings;
+    const double per_rate = c->pieces.step.per_rate;
+    ends[0] = line > 0 ? b->speeds[line] * per_rate : -infinity();
+    ends[1] = line < b->speed_count - 2 ? b->speeds[line + 1] * per_rate : infinity();
+}
+
 /* Go to the end of the step; 1 with the reason. */
 static int finish(Unit *unit)
 {
@@ -82,6 +91,10 @@ static void begin_step(Unit *unit)
     if (c->motor && one_piece->line < 0.0) {
         one_piece->line = motor_line(c->motor->unit->own, one_piece->speed);
     }
+    if (c->pieces.step.varies) {
+        one_piece->bearing_line =
+            linear_rotor_line(&composite_rotor(c)->rotor, one_piece->speed, (int)one_piece->bearing_line);
+    }
 }
 
 /* Length of the step in the machine's time; 1 with the reason. */
@@ -94,6 +107,7 @@ static int choose_length(Unit *unit, double *length)
     int k, leaves = 0;
     for (k = 0; k < MOST_LINES; k++) {
         double ends[2];
+        int passes = 0;
         if (one_piece_expand(unit)) {
             return 1;
         }
@@ -101,15 +115,21 @@ static int choose_length(Unit *unit, double *length)
         if (c->pieces.is_stiff && one_piece_try_collocation(unit, length)) {
             return 1;
         }
-        if (!c->motor) {
-            break;
+        leaves = 0;
+        if (c->motor) {
+            ends_of_line(m, (int)one_piece->line, ends);
+            leaves = machine_leaves_line(m, one_piece_order(c), ends, length);
         }
-        ends_of_line(m, (int)one_piece->line, ends);
-        leaves = machine_leaves_line(m, one_piece_order(c), ends, length);
-        if (!leaves || *length > SHORTEST_LENGTH) {
+        if (m->varies) {
+            ends_of_table(c, (int)one_piece->bearing_line, ends);
+            passes = machine_leaves_line(m, one_piece_order(c), ends, length);
+            leaves = passes ? 0 : leaves; /* that comes later */
+        }
+        if (!(leaves || passes) || *length > SHORTEST_LENGTH) {
             break;
         }
         one_piece->line += leaves; /* the speed is at the corner and goes on beyond it */
+        one_piece->bearing_line += passes;
         one_piece->collocated = 0.0;
     }
     one_piece->leaves = leaves;
@@ -177,7 +197,7 @@ int one_piece_prepare(Unit *unit, double *angle, bool *is_wanted)
 {
     Pieces *pieces = &((Composite *)unit->own)->pieces;
     pieces->is_begun = *is_wanted = false;
-    if (one_piece_is_eventful(unit->own)) {
+    if (one_piece_is_eventful(unit->own) || composite_rotor(unit->own)->rotor.bearings.count) {
         return 0; /* it goes on alone */
     }
     if (begin_next(unit)) {

@@ -40,6 +40,8 @@ static size_t repeats(int repeat, const Sizes *sizes)
         return sizes->sliders > 0;
     case SIZE_POINTS:
         return (size_t)sizes->points;
+    case SIZE_SPEEDS:
+        return sizes->tables ? (size_t)sizes->speeds : 0;
     case SIZE_TRIANGLE:
         return free * (free + 1) / 2;
     case SIZE_SQUARE:
@@ -50,6 +52,10 @@ static size_t repeats(int repeat, const Sizes *sizes)
         return (size_t)sizes->unbalances * stations;
     case SIZE_BENDING_ROWS:
         return (stations > 2 ? free : 1) * stations;
+    case SIZE_TABLE_ROWS:
+        return (size_t)sizes->tables * stations;
+    case SIZE_TABLE_SPEEDS:
+        return (size_t)sizes->tables * (size_t)sizes->speeds;
     default:
         return 1;
     }
@@ -98,6 +104,7 @@ Layout layout_in(Variable *reals, const Table *table, const Sizes *sizes)
         const Block *block = table->blocks + b;
         const bool triangle = block->repeat == SIZE_TRIANGLE, rows = block->repeat > SIZE_TRIANGLE;
         const size_t times = repeats(block->repeat, sizes);
+        const int in_row = block->repeat == SIZE_TABLE_SPEEDS ? sizes->speeds : sizes->stations;
         int index = 1, second = 1;
         size_t turn;
         for (turn = 0; turn < times; turn++) {
@@ -109,7 +116,7 @@ Layout layout_in(Variable *reals, const Table *table, const Sizes *sizes)
                 at++;
             }
             /* the upper triangle of the stations that are no supports, or all stations, row by row */
-            if ((triangle && second < sizes->stations - 2) || (rows && second < sizes->stations)) {
+            if ((triangle && second < sizes->stations - 2) || (rows && second < in_row)) {
                 second++;
             } else if (rows) {
                 second = 1;

@@ -31,6 +31,10 @@ int machine_allocate(Unit *unit, Machine *machine, int stations, int weights, in
     machine->damping = counted_pairs(unit, square, &missing);
     machine->cross_stiffness = counted_pairs(unit, square, &missing);
     machine->cross_damping = counted_pairs(unit, square, &missing);
+    machine->stiffness_slope = counted_pairs(unit, square, &missing);
+    machine->damping_slope = counted_pairs(unit, square, &missing);
+    machine->cross_stiffness_slope = counted_pairs(unit, square, &missing);
+    machine->cross_damping_slope = counted_pairs(unit, square, &missing);
     machine->internal_damping = counted_numbers(unit, square, &missing);
     machine->gyroscopic = counted_numbers(unit, square, &missing);
     machine->unbalance = counted_pairs(unit, n, &missing);
@@ -39,6 +43,7 @@ int machine_allocate(Unit *unit, Machine *machine, int stations, int weights, in
     machine->velocity = counted_pairs(unit, COEFFICIENTS * width, &missing);
     machine->acceleration = counted_pairs(unit, COEFFICIENTS * n, &missing);
     machine->turning = counted_pairs(unit, COEFFICIENTS * n, &missing);
+    machine->sloped = counted_pairs(unit, COEFFICIENTS * n, &missing);
     machine->swept = counted_pairs(unit, COEFFICIENTS * n, &missing);
     machine->sheared = counted_pairs(unit, COEFFICIENTS * n, &missing);
     machine->spin = counted_pairs(unit, COEFFICIENTS, &missing);

@@ -12,6 +12,62 @@ static int any_of(const double *values, int count)
     return found;
 }
 
+/* What supports and shaft pull and damp. */
+static void take_supports(Machine *machine, const LinearRotor *rotor)
+{
+    const int square = rotor->stations * rotor->stations;
+    const double t = machine->per_rate;
+    int k;
+    for (k = 0; k < square; k++) {
+        machine->stiffness[k] = pair_scaled(pair_of(rotor->stiffness_x[k], rotor->stiffness_y[k]), t * t);
+        machine->damping[k] = pair_scaled(pair_of(rotor->damping_x[k], rotor->damping_y[k]), t);
+        machine->damping[k] = pair_sum(machine->damping[k], pair_both(rotor->internal_damping[k] * t));
+    }
+    for (k = 0; k < square && rotor->crossed; k++) {
+        machine->cross_stiffness[k] = pair_scaled(pair_of(rotor->stiffness_xy[k], rotor->stiffness_yx[k]), t * t);
+        machine->cross_damping[k] = pair_scaled(pair_of(rotor->damping_xy[k], rotor->damping_yx[k]), t);
+    }
+}
+
+/* Add of a bearing's numbers in this order to matrices: along the axes, and across. */
+static void add_bearing(int n, const double *row, const double *four, double scale, Pair *along, Pair *across)
+{
+    int i, j;
+    for (i = 0; i < n; i++) {
+        for (j = 0; j < n; j++) {
+            const double share = row[i] * row[j] * scale;
+            along[i * n + j] = pair_sum(along[i * n + j], pair_of(share * four[0], share * four[3]));
+            across[i * n + j] = pair_sum(across[i * n + j], pair_of(share * four[1], share * four[2]));
+        }
+    }
+}
+
+void machine_take_bearings(Machine *machine, const LinearRotor *rotor, int line)
+{
+    enum { DAMPING = BEARING_NUMBERS / 2 };
+    const int n = rotor->stations;
+    const double t = machine->per_rate;
+    double still[BEARING_NUMBERS], slope[BEARING_NUMBERS];
+    int b, k;
+    if (!machine->varies || machine->bearing_line == line) {
+        return;
+    }
+    take_supports(machine, rotor);
+    for (k = 0; k < n * n; k++) {
+        machine->stiffness_slope[k] = machine->damping_slope[k] = pair_zero();
+        machine->cross_stiffness_slope[k] = machine->cross_damping_slope[k] = pair_zero();
+    }
+    for (b = 0; b < rotor->bearings.count; b++) {
+        const double *row = rotor->bearings.rows + b * n;
+        linear_rotor_bearing(rotor, b, line, still, slope);
+        add_bearing(n, row, still, t * t, machine->stiffness, machine->cross_stiffness);
+        add_bearing(n, row, still + DAMPING, t, machine->damping, machine->cross_damping);
+        add_bearing(n, row, slope, t, machine->stiffness_slope, machine->cross_stiffness_slope);
+        add_bearing(n, row, slope + DAMPING, 1.0, machine->damping_slope, machine->cross_damping_slope);
+    }
+    machine->bearing_line = line;
+}
+
 void machine_take_rotor(Machine *machine, const LinearRotor *rotor, double rate)
 {
     const int n = rotor->stations, square = n * n;
@@ -24,19 +80,14 @@ void machine_take_rotor(Machine *machine, const LinearRotor *rotor, double rate)
     machine->rate = rate;
     machine->per_rate = t;
     copy_doubles((size_t)square, rotor->mass, machine->mass);
+    take_supports(machine, rotor);
     for (k = 0; k < square; k++) {
-        const double inner = rotor->internal_damping[k] * t;
-        machine->stiffness[k] = pair_scaled(pair_of(rotor->stiffness_x[k], rotor->stiffness_y[k]), t * t);
-        machine->damping[k] = pair_scaled(pair_of(rotor->damping_x[k], rotor->damping_y[k]), t);
-        machine->damping[k] = pair_sum(machine->damping[k], pair_both(inner));
-        machine->internal_damping[k] = inner;
+        machine->internal_damping[k] = rotor->internal_damping[k] * t;
         machine->gyroscopic[k] = rotor->gyroscopic[k];
     }
     machine->crossed = rotor->crossed;
-    for (k = 0; k < square && rotor->crossed; k++) {
-        machine->cross_stiffness[k] = pair_scaled(pair_of(rotor->stiffness_xy[k], rotor->stiffness_yx[k]), t * t);
-        machine->cross_damping[k] = pair_scaled(pair_of(rotor->damping_xy[k], rotor->damping_yx[k]), t);
-    }
+    machine->varies = rotor->bearings.count > 0;
+    machine->bearing_line = -1;
     machine->turns = any_of(rotor->internal_damping, square) || any_of(rotor->gyroscopic, square);
     for (k = 0; k < n; k++) {
         machine->unbalance[k] = pair_of(rotor->unbalance[2 * k], rotor->unbalance[2 * k + 1]);

@@ -65,6 +65,9 @@ typedef struct {
     Pair *stiffness, *damping;             /* (n, n) */
     Pair *cross_stiffness, *cross_damping; /* (n, n) force along x by motion along y, along y by that along x */
     bool crossed;                          /* whether there is any */
+    bool varies;                           /* whether bearings change with the speed: what of both is by w */
+    int bearing_line;                      /* of their table that is in these */
+    Pair *stiffness_slope, *damping_slope, *cross_stiffness_slope, *cross_damping_slope; /* (n, n) */
     Number *internal_damping, *gyroscopic; /* (n, n) */
     Pair *unbalance;                       /* (n,) */
     Pair *push;                            /* (4, n) series of F, of order 0 to 3 */
@@ -77,6 +80,7 @@ typedef struct {
     Pair *velocity;     /* the same of their derivatives */
     Pair *acceleration; /* (K + 1, n) A */
     Pair *turning;      /* (K + 1, n) C_i q + G v */
+    Pair *sloped;       /* (K + 1, n) forces of bearings by w */
     Pair *swept, *sheared; /* (K + 1, n) w q, C_i (v - i w q); with a motor */
     Pair *spin;         /* (K + 3,) E */
     Number *speed;      /* (K + 2,) w */
@@ -96,6 +100,8 @@ int machine_allocate(Unit *unit, Machine *machine, int stations, int weights, in
 
 /* Begin anew, in this unit of time, with this rotor; then its balancers, and a motor. */
 void machine_take_rotor(Machine *machine, const LinearRotor *rotor, double rate);
+/* Bearings that change with the speed: those on a line of their table. */
+void machine_take_bearings(Machine *machine, const LinearRotor *rotor, int line);
 void machine_take_liquid(Machine *machine, const double *row, double mass);
 void machine_take_weights(Machine *machine, const double *row, const Track *track);
 void machine_take_motor(Machine *machine, const Motor *motor);

@@ -109,6 +109,24 @@ static Pair spun(const Machine *m, int k)
     return pair_scaled(pair_turned(sum), number_of(k + 1));
 }
 
+/* What bearings that change with the speed pull by w, of order k. */
+static Pair sloped(Machine *m, int i, int k)
+{
+    const int n = m->stations;
+    const Pair *q = m->motion + k * m->width, *v = m->velocity + k * m->width;
+    Pair sum = pair_zero();
+    int j;
+    for (j = 0; j < n; j++) {
+        const int at = i * n + j;
+        sum = pair_add_times(sum, m->stiffness_slope[at], q[j]);
+        sum = pair_add_times(sum, m->damping_slope[at], v[j]);
+        sum = pair_add_times(sum, m->cross_stiffness_slope[at], pair_swapped(q[j]));
+        sum = pair_add_times(sum, m->cross_damping_slope[at], pair_swapped(v[j]));
+    }
+    m->sloped[k * n + i] = sum;
+    return times_speed(m, m->sloped + i, n, k);
+}
+
 /* Forces on the stations of order k, apart from the weights'. */
 static void push_stations(Machine *m, int k, Pair spun_twice)
 {
@@ -124,6 +142,9 @@ static void push_stations(Machine *m, int k, Pair spun_twice)
         for (j = 0; j < n && m->crossed; j++) {
             const Pair sprung = pair_times(m->cross_stiffness[i * n + j], pair_swapped(q[j]));
             sum = pair_difference(sum, pair_add_times(sprung, m->cross_damping[i * n + j], pair_swapped(v[j])));
+        }
+        if (m->varies) {
+            sum = pair_difference(sum, sloped(m, i, k));
         }
         if (m->turns) {
             Pair turning = pair_zero();

@@ -3,6 +3,8 @@
 #include "base/elementary.h"
 #include "base/matrix.h"
 
+#define TABLE_ROUNDING 1e-9 /* of its highest speed: how far outside a speed may be */
+
 static int deflections_of(int stations)
 {
     return stations > 2 ? stations - 2 : 1;
@@ -38,6 +40,8 @@ LinearRotor linear_rotor_in(double *memory, int stations, int planes)
     rotor.deflection = rotor.unbalance + 2 * (size_t)stations;
     rotor.gravity[0] = rotor.gravity[1] = 0.0;
     rotor.sliders = rotor.crossed = false;
+    rotor.bearings.count = rotor.bearings.speed_count = 0;
+    rotor.bearings.line = -1;
     return rotor;
 }
 
@@ -55,6 +59,37 @@ void linear_rotor_planar(const double *values, LinearRotor *rotor)
     rotor->unbalance[0] = moment.re;
     rotor->unbalance[1] = moment.im;
     rotor->deflection[0] = 1.0;
+}
+
+int linear_rotor_line(const LinearRotor *rotor, double speed, int line)
+{
+    const Bearings *b = &rotor->bearings;
+    int last = b->speed_count - 2;
+    if (line >= 0 && line <= last && b->speeds[line] <= speed && speed <= b->speeds[line + 1]) {
+        return line;
+    }
+    for (line = 0; line < last && speed >= b->speeds[line + 1]; line++) {
+    }
+    return line;
+}
+
+bool linear_rotor_holds(const LinearRotor *rotor, double speed)
+{
+    const Bearings *b = &rotor->bearings;
+    const double *ends = b->speeds, slack = b->count ? TABLE_ROUNDING * ends[b->speed_count - 1] : 0.0;
+    return !b->count || (ends[0] - slack <= speed && speed <= ends[b->speed_count - 1] + slack);
+}
+
+void linear_rotor_bearing(const LinearRotor *rotor, int bearing, int line, double *still, double *slope)
+{
+    const Bearings *b = &rotor->bearings;
+    const double *first = b->values + ((size_t)bearing * (size_t)b->speed_count + (size_t)line) * BEARING_NUMBERS;
+    const double begin = b->speeds[line], length = b->speeds[line + 1] - begin;
+    int k;
+    for (k = 0; k < BEARING_NUMBERS; k++) {
+        slope[k] = (first[BEARING_NUMBERS + k] - first[k]) / length;
+        still[k] = first[k] - slope[k] * begin;
+    }
 }
 
 int linear_rotor_isotropic(const LinearRotor *rotor)
@@ -97,6 +132,29 @@ int linear_rotor_heavy(const LinearRotor *rotor)
     return rotor->gravity[0] != 0.0 || rotor->gravity[1] != 0.0;
 }
 
+/* What bearings that change with the speed add to matrices of two axes. */
+static void add_bearings(const LinearRotor *rotor, double speed, double *damping, double *stiffness)
+{
+    const int n = rotor->stations, fixed = rotor->bearings.line;
+    const int line = fixed < 0 ? linear_rotor_line(rotor, speed, -1) : fixed;
+    double still[BEARING_NUMBERS], slope[BEARING_NUMBERS];
+    int b, i, j, k;
+    for (b = 0; b < rotor->bearings.count; b++) {
+        const double *row = rotor->bearings.rows + b * n;
+        linear_rotor_bearing(rotor, b, line, still, slope);
+        for (k = 0; k < BEARING_NUMBERS; k++) {
+            double *matrix = k < BEARING_NUMBERS / 2 ? stiffness : damping;
+            const int to = k / 2 % 2, by = k % 2;
+            const double value = still[k] + speed * slope[k];
+            for (i = 0; i < n; i++) {
+                for (j = 0; j < n; j++) {
+                    matrix[(2 * i + to) * 2 * n + 2 * j + by] += row[i] * value * row[j];
+                }
+            }
+        }
+    }
+}
+
 /* Mass, velocity and displacement matrices (dof, dof) at a constant speed. */
 static void set_coefficients(const LinearRotor *rotor, double speed, double *mass, double *damping,
                              double *stiffness)
@@ -127,6 +185,7 @@ static void set_coefficients(const LinearRotor *rotor, double speed, double *mas
             }
         }
     }
+    add_bearings(rotor, speed, damping, stiffness);
 }
 
 int linear_rotor_sag(const LinearRotor *rotor, double speed, double *sag, double *scratch,

@@ -5,7 +5,8 @@
    Vectors are pairs x, y.  An isotropic rotor has one axis of complex elements (axes 1, parts 2), any
    other two axes of real ones (axes 2, parts 1), x and y alternating: the same doubles.  dof = axes n.
 
-   Bearings with cross terms push along one axis by motion along the other one. */
+   Bearings with cross terms push along one axis by motion along the other one, and may change with the
+   speed, on lines between the rows of a table. */
 #ifndef AUTOBALANCER_LINEAR_ROTOR_H
 #define AUTOBALANCER_LINEAR_ROTOR_H
 
@@ -16,6 +17,18 @@
 #include "base/spin.h"
 
 #define SINGULAR_MATRIX "Singular matrix"
+
+/* Of a bearing, in this order: k xx, xy, yx, yy [N/m], c xx, xy, yx, yy [N s/m]. */
+enum { BEARING_NUMBERS = 8 };
+
+/* Bearings whose force follows from the speed. */
+typedef struct {
+    int count, speed_count; /* 0: none */
+    int line;               /* on which the speed is, from 0; below 0: the one that holds it */
+    const double *speeds;   /* (speed_count,) ascending [rad/s] */
+    const double *rows;     /* (count, n) displacement across each */
+    const double *values;   /* (count, speed_count, BEARING_NUMBERS) */
+} Bearings;
 
 /* Matrices and planes of a rotor with n stations and p correction planes; see models/rotor.py. */
 typedef struct {
@@ -32,6 +45,7 @@ typedef struct {
     double *planes;                    /* (p, n) */
     double *unbalance;                 /* (n,) complex [kg m] */
     double *deflection;                /* (d, n) */
+    Bearings bearings;                 /* beside those in the matrices */
     double gravity[2]; /* acceleration of what falls, x and y [m/s^2] */
     bool sliders;      /* whether its supports have dry friction, each axis its own */
     bool crossed;      /* whether any of the cross terms is not 0 */
@@ -67,6 +81,13 @@ int linear_rotor_two_support(const double *values, int unbalances, LinearRotor *
 size_t linear_rotor_flexible_scratch(int stations);
 int linear_rotor_flexible(const Flexible *values, LinearRotor *rotor, double *scratch,
                           Failure *failure);
+
+/* The line of the table that holds a speed: `line` itself where it does, of those outside the nearest one. */
+int linear_rotor_line(const LinearRotor *rotor, double speed, int line);
+/* Whether a table holds a speed, but for rounding. */
+bool linear_rotor_holds(const LinearRotor *rotor, double speed);
+/* A bearing on a line: its numbers at speed 0, and by the speed. */
+void linear_rotor_bearing(const LinearRotor *rotor, int bearing, int line, double *still, double *slope);
 
 /* True when both axes are alike and apart, so that z = x + i y needs no conjugate. */
 int linear_rotor_isotropic(const LinearRotor *rotor);

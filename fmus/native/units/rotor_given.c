@@ -13,6 +13,14 @@ static size_t pairs_of(const Layout *layout)
     return (size_t)layout->sizes.stations * (size_t)layout->sizes.stations;
 }
 
+/* Where the tables of bearings begin: speeds, rows, and the numbers of each at each speed. */
+static size_t tables_of(const Layout *layout)
+{
+    const Sizes *sizes = &layout->sizes;
+    const size_t n = (size_t)sizes->stations, bends = n > 2 ? n - 2 : 1;
+    return PER_PAIR * pairs_of(layout) + (size_t)sizes->planes * n + (2 + n) * (size_t)sizes->unbalances + bends * n;
+}
+
 /* Rows (count, n) of ones, each at a station of its own as far as there are. */
 static void start_rows(int count, int n, double *rows)
 {
@@ -46,6 +54,12 @@ void rotor_given_starts(const Layout *layout, double *real)
         rows[k] = 0.0;
     }
     start_rows(sizes->unbalances, n, rows);
+    rows = real + tables_of(layout);
+    for (j = 0; j < sizes->tables * sizes->speeds && j < sizes->speeds; j++) {
+        *rows++ = 100.0 * (j + 1);
+    }
+    fill_doubles((size_t)(sizes->tables * n), 0.0, rows);
+    start_rows(sizes->tables, n, rows);
 }
 
 /* Fail unless the mass matrix is symmetric and positive definite. */
@@ -76,6 +90,33 @@ static int check_mass(Unit *unit)
             lower[i * n + j] = i == j ? square_root(sum) : sum / lower[j * n + j];
         }
     }
+    return 0;
+}
+
+/* The bearings that change with the speed; 1 with the reason. */
+static int set_bearings(Unit *unit)
+{
+    Rotor *own = unit->own;
+    Bearings *b = &own->rotor.bearings;
+    const size_t first = tables_of(&unit->layout);
+    int k;
+    b->count = unit->layout.sizes.tables;
+    if (!b->count) {
+        return 0;
+    }
+    b->speed_count = unit->layout.sizes.speeds;
+    b->speeds = unit->real + first;
+    b->rows = b->speeds + b->speed_count;
+    b->values = b->rows + b->count * own->stations;
+    for (k = 1; k < b->speed_count; k++) {
+        if (!(b->speeds[k - 1] < b->speeds[k])) {
+            Text *reason = unit_reason(unit);
+            layout_shown(&unit->layout, first + (size_t)k, b->speeds[k], reason);
+            text_put(reason, ": must be above the speed of the row before");
+            return 1;
+        }
+    }
+    own->rotor.crossed = true;
     return 0;
 }
 
@@ -117,5 +158,5 @@ int rotor_of_matrices(Unit *unit)
     copy_doubles((size_t)sizes->planes * n, rows, rotor->planes);
     add_unbalances(sizes, amounts, rotor->unbalance);
     copy_doubles((size_t)rotor->deflections * n, amounts + (2 + n) * (size_t)sizes->unbalances, rotor->deflection);
-    return check_mass(unit);
+    return set_bearings(unit) || check_mass(unit);
 }

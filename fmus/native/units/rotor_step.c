@@ -21,6 +21,14 @@ static Kept *oldest(Rotor *own)
     return found;
 }
 
+/* Fail: the bearings' tables do not hold a speed. */
+static int rotor_outside(Unit *unit, double speed)
+{
+    const Bearings *b = &((const Rotor *)unit->own)->rotor.bearings;
+    return unit_fail(unit, "speed = %6 rad/s: must be %6 to %6 rad/s, the speeds of the bearings' table", speed,
+                     b->speeds[0], b->speeds[b->speed_count - 1]);
+}
+
 const double *rotor_matrix(Unit *unit, double speed, double step)
 {
     Rotor *own = unit->own;
@@ -35,6 +43,10 @@ const double *rotor_matrix(Unit *unit, double speed, double step)
             kept->last = own->clock;
             return kept->matrix;
         }
+    }
+    if (!linear_rotor_holds(&own->rotor, speed)) {
+        rotor_outside(unit, speed);
+        return NULL;
     }
     kept = oldest(own);
     loaded = rotor_anew(unit, &kept->of);
@@ -58,18 +70,37 @@ double *rotor_slider_states(const Unit *unit)
 int rotor_make_taylor(Unit *unit)
 {
     Rotor *own = unit->own;
+    const double speed = rotor_inputs(unit)[0];
+    const int line = own->rotor.bearings.count ? linear_rotor_line(&own->rotor, speed, -1) : 0;
     LinearRotor loaded;
     Failure failure;
-    if (rotor_is_of(unit, &own->taylor_of, 0.0)) {
+    if (!linear_rotor_holds(&own->rotor, speed)) {
+        return rotor_outside(unit, speed);
+    }
+    if (rotor_is_of(unit, &own->taylor_of, line)) {
         return 0;
     }
     loaded = rotor_anew(unit, &own->taylor_of);
+    loaded.bearings.line = line;
     if (taylor_step_in(own->taylor_memory, &loaded, own->sliders, own->slider_count,
                        own->matrix_scratch, &own->taylor, &failure)) {
         return unit_failed(unit, &failure);
     }
-    rotor_made(unit, &own->taylor_of, 0.0);
+    rotor_made(unit, &own->taylor_of, line);
     return 0;
+}
+
+/* Fail where the speed leaves a line of the bearings' table within a step. */
+static int refuse_other_line(Unit *unit, const Excitation *excitation, double step)
+{
+    const LinearRotor *rotor = &((const Rotor *)unit->own)->rotor;
+    const double end = spin_after(&excitation->spin, step).speed;
+    const int line = rotor->bearings.count ? linear_rotor_line(rotor, excitation->spin.speed, -1) : 0;
+    if (!rotor->bearings.count || linear_rotor_line(rotor, end, line) == line) {
+        return 0;
+    }
+    return unit_fail(unit, "the speed passes a row of the bearings' table within a step, from %6 to %6 rad/s: this "
+                           "unit needs a constant speed there; the machine in one file does not", excitation->spin.speed, end);
 }
 
 /* What moves the rotor from where the inputs were set, `ago` [s]. */
@@ -104,7 +135,7 @@ static int propagate_series(Unit *unit, double step)
     double *state = own->result, *slider_states = own->slider_states;
     Failure failure;
     int code = FINE;
-    if (rotor_make_taylor(unit)) {
+    if (rotor_make_taylor(unit) || refuse_other_line(unit, &excitation, step)) {
         return 1;
     }
     copy_doubles(motion, unit->memory + MOTION, state);

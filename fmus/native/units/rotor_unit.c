@@ -93,7 +93,7 @@ static int rotor_parameters(Unit *unit)
     own->taylor_of.made = own->sag_of.made = false;
     own->turned[0].angle = own->turned[1].angle = not_a_number();
     if (linear_rotor_heavy(&own->rotor) &&
-        linear_rotor_sag(&own->rotor, 0.0, own->sag, own->matrix_scratch, &failure)) {
+        linear_rotor_sag(&own->rotor, own->rotor.bearings.count ? own->rotor.bearings.speeds[0] : 0.0, own->sag, own->matrix_scratch, &failure)) {
         return unit_failed(unit, &failure);
     }
     return own->slider_count ? rotor_make_taylor(unit) : 0;

@@ -49,7 +49,7 @@ typedef struct {
     double *unsorted, *matrix_scratch;
     double *operand, *result; /* of a step matrix */
     TaylorStep taylor;
-    MadeFor taylor_of; /* whatever the speed */
+    MadeFor taylor_of; /* of a line of the bearings' table, whatever the speed on it */
     double *taylor_memory;
     double *motion; /* (3, 2n) derivatives of the stations' displacements */
     double *sag; /* (2n,) of the stations under gravity */

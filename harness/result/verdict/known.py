@@ -227,8 +227,7 @@ class Known:
     @cached_property
     def critical(self) -> float:
         """Lowest critical speed with the balancers' masses [rad/s]."""
-        lowest = self.loaded.table_speeds[0]  # without a table 0
-        return float(np.abs(self.loaded.free_rates(lowest)).min())
+        return float(np.abs(self.loaded.at_bottom.free_rates(0.0)).min())
 
     @cached_property
     def natural(self) -> Array:

@@ -1,0 +1,1 @@
+"""Oil films of journal bearings, as tables that a scene reads."""

@@ -1,0 +1,139 @@
+"""Bearings over the speed in scenes: tables, files, journal bearings, and what refuses them."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import autobalancer as ab
+from autobalancer.harness import SceneError, SimulationError, cosimulate
+from autobalancer.harness.master.plan import plan
+from autobalancer.models.monolith import simulate
+
+ROWS = [
+    [50.0, 1e5, 2e3, -1e3, 1.2e5, 60, 5, 5, 80],
+    [150.0, 1.4e5, 5e3, -6e3, 1.0e5, 80, 2, 1, 90],
+    [300.0, 1.6e5, 3e3, -2e3, 2.0e5, 70, 2, 3, 60],
+    [400.0, 1.5e5, 3e3, -2e3, 2.1e5, 90, 2, 3, 60],
+]
+BALLS = {
+    "name": "balls", "kind": "balls", "count": 2, "mass": 0.02, "track_radius": 0.08, "drag": 0.5,
+    "angles": [1.0, 2.8],
+}  # fmt: skip
+ROTOR = {"kind": "planar", "mass": 10.0, "unbalance": 1e-3, "bearings": [{"table": ROWS}]}
+JOURNAL = {"diameter": 0.1, "length": 0.03, "clearance": 1e-4, "viscosity": 0.1,
+           "speeds": [100.0, 900.0]}  # fmt: skip
+
+
+def machine(operation, rotor=ROTOR, **run):
+    return ab.Scene(
+        rotor=rotor, balancer=[BALLS], operation=operation, run=run or {"revolutions": 8}
+    )
+
+
+def test_at_a_constant_speed_both_engines_move_as_with_the_matrices_of_that_speed():
+    scene = machine({"speed": 200.0})
+    here = scene.assembly().rotor.at(200.0)
+    bearing = {"stiffness": here.springs[..., 0, 0], "damping": here.dampers[..., 0, 0]}
+    fixed = cosimulate(scene.replace({"rotor.bearings": [bearing]}))
+    one, several = (cosimulate(scene, separate=choice) for choice in (False, True))
+    size = np.abs(fixed["rotor.x"]).max()
+    assert one["rotor.x"] == pytest.approx(fixed["rotor.x"], abs=1e-10 * size)
+    assert several["rotor.x"][-1] == pytest.approx(fixed["rotor.x"][-1], abs=1e-4 * size)
+    assert plan(scene).units[0].sizes["speeds"] == 4
+
+
+@pytest.mark.parametrize(
+    "operation",
+    [
+        {"profile": [[0, 60.0], [0.6, 390.0], [0.9, 140.0]]},
+        {"motor": {"inertia": 0.2, "table": [[0, 120.0], [200.0, 90.0], [390.0, 0.0]], "from": 60}},
+    ],
+    ids=["profile", "motor"],
+)
+def test_a_run_through_the_rows_of_a_table_is_that_of_an_independent_integration(operation):
+    scene = machine(operation, duration=1.0)
+    run = cosimulate(scene)
+    apart = simulate(
+        scene.assembly(), scene.operation.drive(), run.time, method="odeint", rtol=1e-10
+    )
+    for axis, values in (("x", apart.x), ("y", apart.y)):
+        assert run[f"rotor.{axis}"] == pytest.approx(values[:, 0], abs=1e-4 * np.abs(values).max())
+
+
+def test_a_file_of_any_units_is_the_same_table_and_is_kept_when_the_scene_is_saved(tmp_path):
+    head = "speed [rpm],kxx [kN/m],kxy [kN/m],kyx [kN/m],kyy [kN/m]"
+    head += ",cxx [N s/m],cxy [N s/m],cyx [N s/m],cyy [N s/m]"
+    lines = [
+        ",".join(f"{v:.15g}" for v in [row[0] * 30.0 / np.pi, *np.divide(row[1:5], 1e3), *row[5:]])
+        for row in ROWS
+    ]
+    (tmp_path / "b.csv").write_text("\n".join([head, *lines]))
+    document = machine({"speed": 200.0}).document
+    document["rotor"]["bearings"] = [{"table": "b.csv"}]
+    scene = ab.Scene.from_document(document, path=tmp_path / "scene.toml")
+    assert np.array(scene.rotor.bearings[0].table) == pytest.approx(np.array(ROWS), rel=1e-12)
+    again = ab.load(scene.save(tmp_path / "again.toml"))
+    assert again.rotor.bearings == scene.rotor.bearings
+
+
+def test_a_journal_bearing_carries_its_share_of_the_weight():
+    rotor = ROTOR | {"bearings": [{"journal": JOURNAL}]}
+    own = machine({"speed": 200.0}, rotor).assembly().rotor.at(200.0)
+    said = ROTOR | {"bearings": [{"journal": JOURNAL | {"load": 10.0 * 9.80665}}]}
+    expected = machine({"speed": 200.0}, said).assembly().rotor.at(200.0)
+    assert own.springs == pytest.approx(expected.springs)
+
+
+@pytest.mark.parametrize(
+    ("bearing", "words"),
+    [
+        ({"table": ROWS[:1]}, "two rows or more"),
+        ({"table": ROWS[::-1]}, "ascend"),
+        ({"table": ROWS, "stiffness": [[1, 0], [0, 1]]}, "give one of"),
+        ({}, "give one of"),
+        ({"table": ROWS, "damping": [[1, 0], [0, 1]]}, "belongs to stiffness"),
+        ({"table": "none.csv"}, r"rotor\.bearings\[1\]\.table"),
+        ({"journal": JOURNAL | {"length": 0.08}}, r"at most 0\.5 diameters"),
+        ({"journal": JOURNAL | {"speeds": [9.0, 5.0]}}, "must ascend"),
+    ],
+)
+def test_tables_that_cannot_be_are_refused(bearing, words):
+    with pytest.raises(SceneError, match=words):
+        machine({"speed": 200.0}, ROTOR | {"bearings": [bearing]})
+
+
+@pytest.mark.parametrize(
+    "operation", [{"speed": 30.0}, {"profile": [[0, 60.0], [1.0, 410.0]]}], ids=["low", "high"]
+)
+def test_a_run_outside_the_table_is_refused(operation):
+    with pytest.raises(SceneError, match="must be within 50 to 400 rad/s"):
+        machine(operation)
+
+
+def test_a_separate_unit_refuses_a_speed_that_passes_a_row():
+    scene = machine({"profile": [[0, 60.0], [0.6, 390.0]]}, duration=0.7)
+    with pytest.raises(SimulationError, match="passes a row of the bearings' table"):
+        cosimulate(scene, separate=True)
+
+
+def test_what_knows_no_table_says_so():
+    scene = machine({"speed": 200.0})
+    with pytest.raises(SceneError, match="bearings"):
+        scene.replace({"coupling.units": "python"})
+    found = scene.speeds(100.0, 110.0, ["floquet", "proved"])
+    assert "are not proved" in str(found.refused)
+
+
+def test_a_film_is_saved_as_a_table_that_a_scene_reads(tmp_path):
+    film = ab.find_film(
+        diameter="100 mm", length="30 mm", clearance="0.1 mm", viscosity="0.1 Pa s", load="525 N",
+        speeds=("500 rpm", "12000 rpm"),
+    )  # fmt: skip
+    path = film.save(tmp_path / "b.csv")
+    document = machine({"speed": 200.0}).document
+    document["rotor"]["bearings"] = [{"table": path.name}]
+    scene = ab.Scene.from_document(document, path=tmp_path / "scene.toml")
+    assert np.array(scene.rotor.bearings[0].table) == pytest.approx(film.rows, rel=1e-9)
+    # half a turn of Lund's threshold for a small eccentricity, 2.741279 sqrt(g/c)
+    assert film.threshold == pytest.approx(2.741279 * np.sqrt(9.80665 / 1e-4), rel=0.01)
