@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complexfloating]
+Indices = NDArray[np.intp]
 
 Numbers = NDArray[Any]  # floats, or the objects that a proof computes with instead
 

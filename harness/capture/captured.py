@@ -128,6 +128,7 @@ class Captured(Outcome):
             "speed": found.speed,
             "all_pass": found.all_pass,
             "unstable": found.unstable,
+            "undamped": found.undamped or None,
             "drag_ratio": found.drag_ratio,
             "drag": self.drag,
             "release_speed": _number(found.release_speed),

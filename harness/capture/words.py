@@ -24,6 +24,12 @@ def sentence(data: Captured) -> str:
         return (
             f"Closed form: not judged at {at}: the rotor itself is unstable (its internal damping)."
         )
+    if found.undamped:
+        return (
+            f"Closed form: cannot tell at {at}: the natural frequency "
+            f"{in_both(found.undamped, 'rad/s')} has no damping, "
+            "where the closed form does not hold. Give the damping of the supports."
+        )
     if found.all_pass is None:
         return _cannot_tell(data)
     if not found.natural:

@@ -11,13 +11,12 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ..arrays import Array
+from ..arrays import Array, Indices
 from .groups import Lag, ordered_numbers
+from .peaks import find_peaks, first_peaks
 from .receptance import Poles, Receptance
 
-Indices = NDArray[np.intp]
 _ABOVE = np.array([0.0, 0.12, 0.3, 0.6, 1.0, 1.6, 2.4, 3.4])  # half widths, beyond a pole
 _NEAR_BELOW = np.array([0.12, 0.3, 0.6, 1.0, 1.6, 2.4])
 _POINTS_BELOW = 16
@@ -31,7 +30,6 @@ WITH = 0.004  # of it: weights that lag by less turn with the rotor
 _FARTHEST_PEAK = 3.0  # half widths between a pole and its peak
 _SAME_PEAK = 0.05  # half widths: peaks so near are one
 _REFINEMENTS, _AT_ONCE = 4, 9  # each time one of so many points less one is kept
-_END_REFINEMENTS, _AT_END = 3, 8
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,6 +43,7 @@ class Branches:
         poles: natural frequencies with all weights fixed to the rotor.
         own: (b,) that of a row, whose other weights turn with the rotor.
         pole: (b,) index of the natural frequency.
+        lowest: (b,) half way to the next lower one [rad/s].
         numbers: (b, c) of weights left behind, by group.
         peak, lag: (b,) speed of the weights at the peak, and how far they can lag there [rad/s];
             NaN where there is none.
@@ -57,6 +56,7 @@ class Branches:
     poles: Poles
     own: Poles
     pole: Indices
+    lowest: Array
     numbers: Array
     peak: Array
     lag: Array
@@ -70,32 +70,49 @@ def find_branches(receptance: Receptance, lag: Lag, speed: float) -> Branches:
     """Branches of natural frequencies below the rotor's speed and near it, for k = 1 to N."""
     poles = receptance.poles(speed)
     poles = poles.select(poles.frequency < _FARTHEST_POLE * speed)
-    shapes = poles.shapes[:, lag.planes]
-    numbers = [ordered_numbers(lag.groups, lag.drags, reach) for reach in np.abs(shapes)]
+    reaches = np.abs(poles.shapes[:, lag.planes])
+    numbers = [ordered_numbers(lag.groups, lag.drags, reach) for reach in reaches]
     ways = 1 if len(lag.groups) == 1 else 2
     every = np.array([n[..., way] for n in numbers for way in range(ways)])
     every = every.reshape(-1, len(lag.groups))
     many = ways * sum(group.count for group in lag.groups)
     pole = np.repeat(np.arange(len(numbers)), many)
     # both ways often leave the same weights behind
-    _, at, back = np.unique(
-        np.hstack([pole[:, None], every]), axis=0, return_index=True, return_inverse=True
-    )
-    own = near_poles(receptance, lag, poles.select(pole[at]), speed, every[at])
+    _, at = np.unique(np.hstack([pole[:, None], every]), axis=0, return_index=True)
+    return _branches(receptance, lag, speed, poles, pole[at], every[at])
+
+
+def at_drags(branches: Branches, receptance: Receptance, lag: Lag, rows: Indices) -> Branches:
+    """Some of the branches, of weights that have other drags in the same proportion."""
+    numbers, pole = branches.numbers[rows], branches.pole[rows]
+    return _branches(receptance, lag, branches.speed, branches.poles, pole, numbers)
+
+
+def _branches(
+    receptance: Receptance, lag: Lag, speed: float, poles: Poles, pole: Indices, numbers: Array
+) -> Branches:
+    """Those of numbers (b, c) of weights near poles (b,), by rising pole."""
+    own = near_poles(receptance, lag, poles.select(pole), speed, numbers)
     frequency = _grid(own)
     points = frequency.shape[1]
-    start = np.repeat(np.angle(shapes).astype(float)[pole[at]], points, axis=0)
+    start = np.angle(poles.shapes[:, lag.planes]).astype(float)[pole]
     lags, phases = lag.at(
-        receptance, frequency.reshape(-1), speed, np.repeat(every[at], points, axis=0), start
+        receptance,
+        frequency.reshape(-1),
+        speed,
+        *(np.repeat(a, points, axis=0) for a in (numbers, start)),
     )
-    back = back.reshape(-1)
-    own, frequency, lags = own.select(back), frequency[back], lags.reshape(len(at), points)[back]
-    phases = phases.reshape(len(at), points, len(lag.groups))[back]
-    peak, held, top = _peaks(frequency, lags, own, pole)
-    found = Branches(speed, poles, own, pole, every, peak, held, frequency, lags, phases, top)
-    ends = np.flatnonzero(~np.isnan(peak) & np.isnan(lags[range(len(top)), top + 1]))
-    if len(ends) and len(lag.groups) > 1:
-        _refine_ends(found, receptance, lag, ends)
+    lags, phases = lags.reshape(frequency.shape), phases.reshape(*frequency.shape, len(lag.groups))
+    peak, held, top = _peaks(frequency, lags, own)
+    lower = np.append(0.0, poles.frequency)[pole]
+    lowest = np.where(pole > 0, 0.5 * (lower + poles.frequency[pole]), 0.0)
+    found = Branches(
+        speed, poles, own, pole, lowest, numbers, peak, held, frequency, lags, phases, top
+    )
+    rows = np.flatnonzero(~np.isnan(peak))
+    if len(rows) and len(lag.groups) > 1:
+        _refine(found, receptance, lag, rows)
+    _drop_twins(found)
     return found
 
 
@@ -110,26 +127,15 @@ def near_poles(
     return found
 
 
-def _refine_ends(branches: Branches, receptance: Receptance, lag: Lag, rows: Indices) -> None:
-    """Move the peaks of motions that end between two points to their ends."""
-    top, every = branches.top[rows], np.arange(len(rows))
-    low, high = branches.frequency[rows, top], branches.frequency[rows, top + 1]
-    numbers = np.repeat(branches.numbers[rows], _AT_END, axis=0)
-    phases = branches.phases[rows, top]
-    for _ in range(_END_REFINEMENTS):
-        w = low[:, None] + (high - low)[:, None] * np.linspace(0.0, 1.0, _AT_END)
-        start = np.repeat(phases, _AT_END, axis=0)
-        lags, turned = lag.at(receptance, w.reshape(-1), branches.speed, numbers, start)
-        lags, turned = lags.reshape(w.shape), turned.reshape(*w.shape, -1)
-        gone = np.isnan(lags)
-        last = np.where(gone.any(axis=1), np.maximum(0, gone.argmax(axis=1) - 1), _AT_END - 1)
-        low, high = w[every, last], w[every, np.minimum(last + 1, _AT_END - 1)]
-        phases = turned[every, last]
-        before = np.where(np.arange(_AT_END) <= last[:, None], lags, -np.inf)
-        best = np.where(np.isnan(before), -np.inf, before).argmax(axis=1)
-        more = lags[every, best] > branches.lag[rows]
-        branches.peak[rows[more]] = w[every, best][more]
-        branches.lag[rows[more]] = lags[every, best][more]
+def _refine(branches: Branches, receptance: Receptance, lag: Lag, rows: Indices) -> None:
+    """Peaks of several groups, which can turn over between two points."""
+    top = branches.top[rows]
+    around = branches.frequency[rows, top - 1], branches.frequency[rows, top + 1]
+    numbers, phases = branches.numbers[rows], branches.phases[rows, top]
+    near = branches.own.select(rows), around, branches.lowest[rows]
+    found = first_peaks(receptance, lag, *near, branches.speed, numbers, phases)
+    known = ~np.isnan(found[0])
+    branches.peak[rows[known]], branches.lag[rows[known]] = (x[known] for x in found)
 
 
 def follow(
@@ -171,54 +177,24 @@ def _grid(poles: Poles) -> Array:
     return np.hstack([centre - width * below, centre + width * _ABOVE])
 
 
-def _peaks(
-    frequency: Array, lags: Array, poles: Poles, pole: Indices
-) -> tuple[Array, Array, Indices]:
+def _peaks(frequency: Array, lags: Array, poles: Poles) -> tuple[Array, Array, Indices]:
     """Local maximum of each row that is nearest to its pole, by the inverse of a resonance."""
     width = np.maximum(poles.decay, _NARROWEST * poles.frequency)
     away = np.abs(frequency - poles.frequency[:, None]) / width[:, None]
     peak, held, top = find_peaks(frequency, lags, np.where(away > _FARTHEST_PEAK, np.inf, away))
     small = ~(held > _SMALLEST_LAG * peak) | ~(poles.decay > 0.0)
-    peak, held = np.where(small, np.nan, peak), np.where(small, np.nan, held)
-    return (*_without_twins(peak, held, width, pole), top)
+    return np.where(small, np.nan, peak), np.where(small, np.nan, held), top
 
 
-def find_peaks(frequency: Array, lags: Array, away: Array) -> tuple[Array, Array, Indices]:
-    """Local maximum of each row (b, j) with the least `away`: place, height, nearest point.
-
-    Near a resonance 1/lag is a parabola.  Where the motion ends beside the highest point, that
-    point is the maximum.
-
-    Returns:
-        NaN where there is none within the row.
-    """
-    at = np.where(lags > 0.0, lags, 0.0)  # NaN: no motion
-    highest = (at[:, 1:-1] > at[:, :-2]) & (at[:, 1:-1] >= at[:, 2:]) & (at[:, :-2] > 0.0)
-    away = np.where(highest, away[:, 1:-1], np.inf)
-    top, every = away.argmin(axis=1) + 1, np.arange(len(lags))
-    found = np.isfinite(away[every, top - 1])
-    x = np.stack([frequency[every, top + k] for k in (-1, 0, 1)])
-    with np.errstate(divide="ignore", invalid="ignore"):
-        y = 1.0 / np.stack([at[every, top + k] for k in (-1, 0, 1)])
-        left, right = (y[1] - y[0]) / (x[1] - x[0]), (y[2] - y[1]) / (x[2] - x[1])
-        bend = (right - left) / (x[2] - x[0])
-        place = 0.5 * (x[0] + x[1]) - 0.5 * left / bend
-        height = 1.0 / (y[1] + (place - x[1]) * (left + bend * (place - x[0])))
-    smooth = np.isfinite(y).all(axis=0) & np.isfinite(place) & np.isfinite(height)
-    place, height = np.where(smooth, place, x[1]), np.where(smooth, height, at[every, top])
-    return np.where(found, place, np.nan), np.where(found, height, np.nan), top
-
-
-def _without_twins(peak: Array, held: Array, width: Array, pole: Indices) -> tuple[Array, Array]:
+def _drop_twins(branches: Branches) -> None:
     """One peak that several poles share is that of the first of them."""
-    many = int((pole == 0).sum()) or 1
-    table, wide = peak.reshape(-1, many), width.reshape(-1, many)
-    for k in range(1, len(table)):
+    for row in range(1, len(branches.peak)):
+        before = branches.pole[:row] < branches.pole[row]
+        alike = before & (branches.numbers[:row] == branches.numbers[row]).all(axis=1)
         with np.errstate(invalid="ignore"):
-            same = (np.abs(table[k] - table[:k]) <= _SAME_PEAK * wide[k]).any(axis=0)
-        table[k, same] = np.nan
-    peak = table.reshape(-1)
-    return peak, np.where(np.isnan(peak), np.nan, held)
+            apart = np.abs(branches.peak[:row] - branches.peak[row])
+            if (alike & (apart <= _SAME_PEAK * branches.own.decay[row])).any():
+                branches.peak[row] = branches.lag[row] = np.nan
 
 
 def _bracket(branches: Branches, row: int) -> tuple[float, float, Array] | None:

@@ -25,10 +25,12 @@ from ..harmonic_balance import NoResponse, largest_displacement, unbalance_respo
 from .branch import WITH, Branches, find_branches, follow, largest_slip
 from .groups import Group, Lag, groups_of
 from .limit import drag_limit, drag_ratio
-from .receptance import Receptance
+from .receptance import Poles, Receptance
 from .release import release_speeds
 
 SHARE_OF_CAPACITY = 0.6  # of unbalance: beyond it weights are let go earlier than the formula says
+_NO_DAMPING = 1e-9  # damping ratio: rounding
+_REACHES = 1e-6  # of the largest motion of the planes: a mode that the weights can feed
 STRONG_DAMPING = 0.2  # damping ratio from which on release scatters by 5 % about the formula
 
 
@@ -96,6 +98,8 @@ class Capture:
             There the brake rises up to the rotor's speed: the weights slip in the rotor, however
             large the drag, unless the unbalance holds them.
         unstable: the rotor is unstable at this speed: nothing is said.
+        undamped: natural frequency below this speed that has no damping [rad/s]; 0: none has.
+            Weights can be left behind there whatever their drag, in no steady motion.
     """
 
     speed: float
@@ -107,6 +111,7 @@ class Capture:
     drag_ratio: float = 0.0
     slip: float = 0.0
     unstable: bool = False
+    undamped: float = 0.0
 
     @property
     def count(self) -> int:
@@ -134,10 +139,11 @@ class Capture:
     def all_pass(self) -> bool | None:
         """Whether no weights can be left behind at this speed, from whatever start.
 
-        None: cannot tell.  The rotor is unstable, or weights can slip by more than those that turn
-        with the rotor, and less than those that are left behind.
+        None: cannot tell.  The rotor is unstable, a natural frequency has no damping, or weights
+        can slip by more than those that turn with the rotor, and less than those that are left
+        behind.
         """
-        if self.unstable:
+        if self.unstable or self.undamped:
             return None
         if self.motions:
             return False
@@ -168,8 +174,11 @@ def capture(assembly: Assembly, speed: float) -> Capture:
     )
     alone, share = _unbalance(assembly, speed)
     found = Capture(speed, groups, tuple(drags.tolist()), (), alone, share)
-    if receptance.poles(speed).decay.min(initial=0.0) < 0.0:
+    poles = receptance.poles(speed)
+    if (poles.decay < -_NO_DAMPING * poles.frequency).any():
         return replace(found, unstable=True)
+    if (undamped := _undamped(poles, speed, lag)) > 0.0:
+        return replace(found, undamped=undamped)
     branches = find_branches(receptance, lag, speed)
     limit = drag_limit(branches, receptance, lag)
     return replace(
@@ -178,6 +187,14 @@ def capture(assembly: Assembly, speed: float) -> Capture:
         drag_ratio=limit,
         slip=largest_slip(branches),
     )
+
+
+def _undamped(poles: Poles, speed: float, lag: Lag) -> float:
+    """The lowest natural frequency below a speed that weights reach and nothing damps; 0: none."""
+    reach = np.abs(poles.shapes[:, lag.planes]).max(axis=1)
+    held = (poles.decay <= _NO_DAMPING * poles.frequency) & (poles.frequency < speed)
+    found = poles.frequency[held & (reach > _REACHES * reach.max(initial=0.0))]
+    return float(found.min(initial=math.inf)) if len(found) else 0.0
 
 
 def _unbalance(assembly: Assembly, speed: float) -> tuple[Array, float]:

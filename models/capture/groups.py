@@ -151,17 +151,14 @@ class Lag:
         held by their drag alone.
         """
         found = np.zeros((2, len(frequency), self.plane_count), complex)
-        fourth = (frequency * frequency) ** 2
+        relative = np.stack([frequency - speed, -frequency - speed])
+        relative[relative == 0.0] = 1.0
+        half = 0.5 * (frequency * frequency) ** 2 / relative
         for k, one in enumerate(self.groups):
-            free = (one.count - numbers[:, k]) * one.mass
-            if not free.any():
-                continue
-            rate = self.drags[k] / (one.kappa * one.mass)
-            for way, sign in enumerate((1.0, -1.0)):
-                relative = sign * frequency - speed
-                swing = -(relative**2) + 1j * relative * rate
-                swing = np.where(np.abs(swing) > 0.0, swing, 1.0)
-                found[way, :, one.plane] += free * fourth / (2.0 * one.kappa * swing)
+            free = (one.count - numbers[:, k]) * (one.mass / one.kappa)
+            if free.any():
+                rate = self.drags[k] / (one.kappa * one.mass)
+                found[:, :, one.plane] += free * half / (1j * rate - relative)
         return found[0], found[1]
 
     def moments(self, numbers: Array) -> Array:

@@ -80,6 +80,7 @@ class Receptance:
         if one is not None and (parts := self._parts(one)) is not None:
             rates, residues = parts
             apart = 1j * frequency[:, None] - rates
+            apart[apart == 0.0] = np.finfo(float).tiny  # at a natural frequency without damping
             found = (1.0 / apart) @ residues
             return np.asarray(found.reshape(len(frequency), *(len(self._planes),) * 2))
         moved = np.linalg.solve(self._dynamic(frequency, speed), self._planes.T[None])
@@ -112,8 +113,10 @@ class Receptance:
             forward, backward: (b, p) force that such weights exert for the forward and the
                 backward part of a plane's motion, beyond that of their mass [N/m].
         """
-        own = self._as_matrix(forward, backward)
-        found = np.linalg.solve(np.eye(planes.shape[-1]) - planes @ own, planes)
+        found = planes
+        if forward.any():
+            own = self._as_matrix(forward, backward)
+            found = np.linalg.solve(np.eye(planes.shape[-1]) - planes @ own, planes)
         return self._share * (self._turning.conj().T @ found @ self._turning)
 
     def displacements(

@@ -15,19 +15,22 @@ import math
 
 import numpy as np
 
-from ..arrays import Array, Complex
-from .branch import Branches, Indices, find_peaks, near_poles
+from ..arrays import Array, Complex, Indices
+from .branch import Branches, near_poles
 from .groups import Lag
-from .receptance import Receptance
+from .peaks import find_peaks, first_peaks
+from .receptance import Poles, Receptance
 from .roots import find_roots
 
 _FARTHEST = 10.0  # operating speeds up to which a release is looked for
 _BRACKETING = 30  # steps at most
-_LARGEST_STEP = 0.25  # of a speed: peaks are followed from one to the next
+_STEP_OF_ALL, _STEP_OF_PART = 0.5, 0.25  # of a speed: peaks are followed from one to the next
+_FLATTEST, _OVERSHOT, _BEYOND = -0.2, 1.02, 2e-4  # slope of an excess; a step passes its root
 _SMALLEST_PART = 0.01  # of such a step, where a peak is lost
 _SAME_SPEED = 1e-5  # relative
 _PART_NEAREST = 0.65  # of the rotor's speed: above it modes mix, and k < N cannot be followed
 _PART_FARTHEST = 2.0  # times the rotor's speed up to which k < N of several groups are followed
+_NEAR = 0.5  # half widths about its former place within which a peak is looked for first
 _AROUND = np.array([-2.0, -1.2, -0.7, -0.4, -0.2, 0.0, 0.2, 0.4, 0.7, 1.2, 2.0])  # half widths
 
 
@@ -47,14 +50,16 @@ def release_speeds(branches: Branches, receptance: Receptance, lag: Lag, rows: A
         limit = np.full(len(at), _FARTHEST * branches.speed)
         if len(lag.groups) > 1:
             limit[~all_left[at]] = _PART_FARTHEST * branches.speed
-        released[at] = _followed(_MovingPeaks(branches, receptance, lag, rows[at]), limit)
+        largest = np.where(all_left[at], _STEP_OF_ALL, _STEP_OF_PART)
+        peaks = _MovingPeaks(branches, receptance, lag, rows[at])
+        released[at] = _followed(peaks, limit, largest)
         released[at[~all_left[at] & (released[at] > limit)]] = math.nan
     return released
 
 
-def _followed(peaks: _MovingPeaks, limit: Array) -> Array:
-    """Release speeds up to limits (r,)."""
-    ends = _brackets(peaks, limit)
+def _followed(peaks: _MovingPeaks, limit: Array, largest: Array) -> Array:
+    """Release speeds up to limits (r,); `largest` steps over a speed."""
+    ends = _brackets(peaks, limit, largest)
     _, excess, other, there = ends
     closed = np.flatnonzero(there * excess <= 0.0)
     never = (there > 0.0) & (excess > 0.0) & (other >= limit)
@@ -63,7 +68,7 @@ def _followed(peaks: _MovingPeaks, limit: Array) -> Array:
     return found
 
 
-def _brackets(peaks: _MovingPeaks, limit: Array) -> Array:
+def _brackets(peaks: _MovingPeaks, limit: Array, largest: Array) -> Array:
     """Two speeds and their excesses (4, r), between which the sign changes, or the last two."""
     last = np.full(len(limit), peaks.speed)
     excess = peaks.excess.copy()
@@ -73,8 +78,12 @@ def _brackets(peaks: _MovingPeaks, limit: Array) -> Array:
         same = np.flatnonzero(open_)
         if not len(same):
             break
-        now, most = other[same], _LARGEST_STEP * other[same]
-        step = np.clip(1.2 * there[same] + sign[same] * 0.01 * now, -most, most)
+        now, most = other[same], largest[same] * other[same]
+        slope = np.full(len(same), -1.0)  # of a peak that stays where it is
+        moved = same[now != last[same]]
+        slope[now != last[same]] = (there - excess)[moved] / (other - last)[moved]
+        ahead = -_OVERSHOT * there[same] / np.minimum(slope, _FLATTEST)
+        step = np.clip(ahead + sign[same] * _BEYOND * now, -most, most)
         lowest = 0.5 * (now + peaks.place[same])  # the excess is positive at the peak itself
         ahead = np.maximum(now + step * part[same], lowest)
         found = peaks(ahead, same)
@@ -98,6 +107,7 @@ class _MovingPeaks:
         self._rate = -self._poles.decay + 1j * self._poles.frequency
         own = branches.own.select(rows)
         self._offset = (self.place - own.frequency) / own.decay
+        self._lowest = branches.lowest[rows] / own.frequency
         self._phases = branches.phases[rows, branches.top[rows]]
         self._seen = np.full(len(rows), branches.speed)
         self._slope = np.zeros(len(rows), complex)
@@ -111,21 +121,53 @@ class _MovingPeaks:
             frequency=rate.imag.astype(float), decay=-rate.real.astype(float)
         )
         own = near_poles(self._receptance, self._lag, poles, speeds, numbers)
-        frequency, decay = own.frequency, own.decay
-        many, points = len(speeds), len(_AROUND)
-        w = frequency[:, None] + decay[:, None] * (self._offset[rows, None] + _AROUND)
-        args = [np.repeat(a, points, axis=0) for a in (numbers, self._phases[rows])]
-        at = (w.reshape(-1), np.repeat(speeds, points))
-        lags, _ = self._lag.at(self._receptance, *at, *args)
-        peak, held, _ = find_peaks(w, lags.reshape(many, points), np.abs(_AROUND) + 0.0 * w)
-        there = ~np.isnan(peak) & (decay > 0.0)
-        lost = ~there & ~np.isnan(lags.reshape(many, points)).any(axis=1)
+        peak, held, lost = self._peaks(own, speeds, rows)
+        there = ~np.isnan(peak) & (own.decay > 0.0)
         self.place[rows[there]] = peak[there]
-        self._offset[rows[there]] = ((peak - frequency) / decay)[there]
+        self._offset[rows[there]] = ((peak - own.frequency) / own.decay)[there]
         excess = np.where(there, peak + held - speeds, np.where(lost, np.nan, -speeds))
         if follows:
             self._keep(speeds[~lost], rate[~lost], rows[~lost])
-        return np.where(decay <= 0.0, speeds, excess)  # not let go before the rotor is unstable
+        return np.where(own.decay <= 0.0, speeds, excess)  # not let go before it is unstable
+
+    def _peaks(self, own: Poles, speeds: Array, rows: Indices) -> tuple[Array, Array, Indices]:
+        """Place and height of peaks, NaN where there is none; and which are lost."""
+        peak, held = np.full((2, len(rows)), np.nan)
+        if len(self._lag.groups) > 1:
+            peak, held = self._first(own, self._offset[rows], _NEAR, speeds, rows)
+        lost = np.isnan(peak) & (own.decay > 0.0)
+        at = np.flatnonzero(np.isnan(peak))
+        if len(at):
+            peak[at], held[at], lost[at] = self._far(own.select(at), speeds[at], rows[at])
+        return peak, held, lost
+
+    def _far(self, own: Poles, speeds: Array, rows: Indices) -> tuple[Array, Array, Indices]:
+        """The same in a wider range about the places where they are expected."""
+        numbers, points = self._numbers[rows], len(_AROUND)
+        offsets = self._offset[rows, None] + _AROUND
+        w = own.frequency[:, None] + own.decay[:, None] * offsets
+        args = [np.repeat(a, points, axis=0) for a in (numbers, self._phases[rows])]
+        at = (w.reshape(-1), np.repeat(speeds, points))
+        lags = self._lag.at(self._receptance, *at, *args)[0].reshape(w.shape)
+        peak, held, top = find_peaks(w, lags, np.abs(_AROUND) + 0.0 * w)
+        lost = np.isnan(peak) & (own.decay > 0.0) & ~np.isnan(lags).any(axis=1)
+        if len(self._lag.groups) > 1 and len(fine := np.flatnonzero(~np.isnan(peak))):
+            centre = offsets[fine, top[fine]]
+            reach = np.maximum(*np.abs(_AROUND[top[fine] + [[1], [-1]]] - _AROUND[top[fine]]))
+            found = self._first(own.select(fine), centre, reach, speeds[fine], rows[fine])
+            known = ~np.isnan(found[0])
+            peak[fine[known]], held[fine[known]] = (x[known] for x in found)
+        return peak, held, lost
+
+    def _first(
+        self, own: Poles, offset: Array, reach: float | Array, speeds: Array, rows: Indices
+    ) -> tuple[Array, Array]:
+        """`first_peaks` within so many half widths about an offset from the natural frequency."""
+        centre, half = own.frequency + own.decay * offset, own.decay * reach
+        around = centre - half, centre + half
+        lowest = self._lowest[rows] * own.frequency
+        args = around, lowest, speeds, self._numbers[rows], self._phases[rows]
+        return first_peaks(self._receptance, self._lag, own, *args)
 
     def _follow(self, speeds: Array, rows: Indices) -> Complex:
         """The eigenvalues nearest to those expected from two speeds before."""

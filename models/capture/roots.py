@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 from ..arrays import Array
 
 _STEPS = 30  # at most
-_SMOOTH = 1e-5  # relative accuracy of a root
-_AT_JUMP = 3e-4  # of a jump, which is found by halving
+_SMOOTH = 5e-5  # relative accuracy of a root
+_AT_JUMP = 1e-3  # of a jump, which is found by halving
 Function = Callable[[Array, NDArray[np.intp]], Array]
 
 

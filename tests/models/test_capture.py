@@ -13,8 +13,10 @@ from autobalancer.models.assembly import Assembly, Mounted
 from autobalancer.models.capture import capture
 from autobalancer.models.capture.groups import Lag, _balance, groups_of
 from autobalancer.models.capture.receptance import Receptance
+from autobalancer.models.linear.modes import modes
 from autobalancer.models.rotor import LinearRotor
 from autobalancer.models.weights import Weights
+from tests.studies.left_behind.draw import draw
 
 GREEN = {"damping": 0.02, "drag": 0.001}  # a light ball balancer of the literature
 
@@ -148,6 +150,53 @@ def test_the_drag_limit_does_not_depend_on_the_present_drag():
         drag * motion(capture(gyroscopic(drag), 4.0), 3, 2.84).drag_ratio for drag in (0.02, 0.1)
     ]
     assert few[0] > 2.0 * few[1]
+
+
+@pytest.mark.parametrize("number", range(6))
+@pytest.mark.parametrize("kind", ["two planes", "gyroscopic", "flexible"])
+def test_the_drag_limit_is_a_limit_when_it_is_set(kind, number):
+    """It is stated from drags up to 300 times lower, at which other weights are held longest."""
+    random = np.random.default_rng([43, number])
+    drawn = draw(kind, random)
+    lowest = float(modes(drawn.assembly.loaded_rotor, 0.0).natural_frequencies.min())
+    speed = lowest * random.uniform(2.0, 4.0)
+    limit = capture(drawn.assembly, speed).drag_ratio
+    assert capture(drawn.with_drag(0.98 * limit).assembly, speed).all_pass is False
+    above = capture(drawn.with_drag(1.02 * limit).assembly, speed)
+    assert not above.motions
+    assert above.drag_ratio == pytest.approx(1.0 / 1.02, rel=3e-3)
+
+
+def test_weights_are_let_go_where_phases_between_planes_turn_over():
+    """An integration lets go all four at 2.831 rad/s; beyond a gap they could turn up to 2.958."""
+    rotor = LinearRotor.two_support(
+        mass=1.0, inertia=0.0892, polar_inertia=0.0445, span=1.0,
+        stiffness=((0.5, 0.5), (0.5, 0.5)), damping=((0.0949, 0.0949), (0.0949, 0.0949)),
+        planes=(0.1685, 0.7779), unbalances=((0.2, 0.0146, 5.95), (0.8, 0.0146, 5.88)),
+    )  # fmt: skip
+    device = Weights(2, 0.0242, 1.0, 0.0055, 1.4)
+    assembly = Assembly(rotor, tuple(Mounted(n, device, p, (0.0, 0.0)) for p, n in enumerate("ab")))
+    for speed in (2.0, 3.9):
+        released = motion(capture(assembly, speed), 4, 0.955).release_speed
+        assert released == pytest.approx(2.831, rel=0.01)
+    assert not [one for one, _ in capture(assembly, 2.85).motions if one.frequency < 1.0]
+
+
+@pytest.mark.filterwarnings("error::RuntimeWarning")
+def test_without_damping_nothing_is_said():
+    """Weights are left behind there whatever their drag, and rounding is not negative damping."""
+    found = capture(planar(damping=0.0, drag=10.0), 3.0)
+    assert found.all_pass is None
+    assert found.undamped == pytest.approx(1.0 / math.sqrt(1.0654), rel=1e-6)
+    assert capture(planar(damping=1e-7, drag=10.0), 3.0).all_pass is False
+    rotor = LinearRotor.two_support(
+        mass=1.0, inertia=0.04, polar_inertia=0.02, span=1.0,
+        stiffness=((0.5, 0.5), (0.5, 0.5)), planes=(0.25,),
+    )  # fmt: skip
+    device = Weights(2, 0.02, 1.0, 0.1, 1.4)
+    found = capture(Assembly(rotor, (Mounted("a", device, 0, (0.0, 0.0)),)), 3.0)
+    assert not found.unstable
+    assert found.undamped == pytest.approx(0.97, rel=0.02)
 
 
 def test_part_of_the_weights_beside_a_near_natural_frequency_have_no_release_speed():
