@@ -15,12 +15,16 @@ from typing import Any
 
 from ..errors import SceneError, UnitError
 from ..scene import Scene
+from ..scene.pushed import push_of, read_port
 from ..scene.unit import connection_problems, fmu_path
 from .compared import Compared, compared_motion
 from .cosimulation import CoSimulation
 from .facts import Facts
 from .fmu import Fmu
 from .foreign.instance import ForeignUnit, foreign_unit
+from .names import components, plane
+from .network.fixed_axes import NAME as FIXED
+from .network.fixed_axes import FixedForces
 from .network.network import Network
 from .network.wiring import Wire, Wiring, wired
 from .network.words import notes
@@ -84,7 +88,11 @@ class MixedRun(NetworkRun, CoSimulation):
                 self.units[own.name] = guest = stack.enter_context(foreign_unit(path, own.name))
                 guest.check_start(own.start)
                 self.paths.append(path)
-            self.wiring = wired(self.units, _wires(scene, self.plan, self.units))
+            wires, pushed = _wires(scene, self.plan, self.units)
+            self._fixed = FixedForces(pushed, self._angle, self.profile.speed) if pushed else None
+            if self._fixed:
+                self.units[FIXED] = self._fixed
+            self.wiring = wired(self.units, wires)
             parallel = scene.coupling.scheme == "jacobi"
             self.system = DrivenNetwork(self.units, self.wiring, self.plan, parallel, self.order)
             stack.callback(self.system.free_states)
@@ -128,6 +136,13 @@ class MixedRun(NetworkRun, CoSimulation):
                             rotor[variable] = rotor.get(variable, 0.0) + self._mass_of(one.name)
         for own in self.scene.unit:
             self.units[own.name].restart({**own.start, **changes.get(own.name, {})})
+
+        if self._fixed:
+            self._fixed.restart({})
+
+    def _angle(self, time: float) -> float:
+        """Of the rotor at a time [s], [rad]."""
+        return self.profile.angle(time) + self.scene.run.initial.angle
 
     def _mass_of(self, name: str) -> float:
         unit = self.units[name]
@@ -196,8 +211,8 @@ def _loaded(part: Found) -> Any:
     )
 
 
-def _wires(scene: Scene, planned: Plan, units: Mapping[str, Any]) -> list[Wire]:
-    """All connections: of the plan, and of the scene."""
+def _wires(scene: Scene, planned: Plan, units: Mapping[str, Any]) -> tuple[list[Wire], list[int]]:
+    """All connections, of the plan and of the scene; planes with forces along fixed axes."""
     wires: list[Wire] = []
     for target, sources in planned.inputs("signal", "value").items():
         for source in sources:
@@ -206,11 +221,36 @@ def _wires(scene: Scene, planned: Plan, units: Mapping[str, Any]) -> list[Wire]:
             of = f"{scene.label}: balancer {balancer}"
             wires.append(Wire(f"{source.unit}.{source.variable}", port, 1.0, of))
     taken = {wire.target: wire.source for wire in wires}
-    lines: Sequence[str] = connection_problems(scene.connection, units, taken)
+    own = [
+        Wire(
+            read_port(c.source, scene.rotor), _pushed_port(c.to, scene, planned), c.factor,
+            f"{scene.label}: connection[{number}]",
+        )
+        for number, c in enumerate(scene.connection, start=1)
+    ]  # fmt: skip
+    lines: Sequence[str] = connection_problems(scene.connection, units, taken) or [
+        f'{wire.where[len(scene.label) + 2 :]}.to = "{c.to}": acts where {other.to} does, which '
+        "has a source already; give add = true if their sum is meant"
+        for c, wire in zip(scene.connection, own, strict=True)
+        for other in [scene.connection[[w.target for w in own].index(wire.target)]]
+        if other is not c and not c.add
+    ]
     if lines:
         raise UnitError("\n".join(f"{scene.label}: {line}" for line in lines))
-    own = [
-        Wire(c.source, c.to, c.factor, f"{scene.label}: connection[{number}]")
-        for number, c in enumerate(scene.connection, start=1)
-    ]
-    return wires + own
+    pushed = sorted({_plane_of(w.target) for w in own if w.target.startswith(f"{FIXED}.")})
+    turned = [name for number in pushed for name in components(plane(number, "F"))]
+    of = f"{scene.label}: forces along fixed axes"
+    return [*wires, *own, *(Wire(f"{FIXED}.{n}", f"{ROTOR}.{n}", 1.0, of) for n in turned)], pushed
+
+
+def _pushed_port(port: str, scene: Scene, planned: Plan) -> str:
+    """An input as the units have it; of a force along a fixed axis on our rotor, what turns it."""
+    push = None if scene.rotor.fmu else push_of(port)
+    if push is None:
+        return port
+    number = push.number if push.kind == "plane" else planned.pushed[push.kind, push.number]
+    return f"{FIXED}.{plane(number, f'F_{push.axis}')}"
+
+
+def _plane_of(port: str) -> int:
+    return int(port[port.index("[") + 1 : port.index("]")])

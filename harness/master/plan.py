@@ -6,13 +6,15 @@ Everything that couples or exports the units reads it.
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, Literal, NamedTuple
 
 from ...fmus.catalogue import sized_unit
 from ..scene import Scene
 from ..scene.balancer import Balancer
 from ..scene.begin import free_motion
+from ..scene.pushed import pushes
+from ..scene.rotor import Rotor
 from ..scene.run import Motor
 from .names import components, plane, readable, stations
 from .schedule import end_time, step_size
@@ -79,11 +81,14 @@ class Plan:
 
     Attributes:
         planes: of the rotor's unit on which the balancers are, from 1, by their names.
+        pushed: of the rotor's unit on which forces from outside act, by kind and number of the
+            place.
     """
 
     units: tuple[UnitPlan, ...]
     connections: tuple[Connection, ...]
     planes: Mapping[str, int]
+    pushed: Mapping[tuple[str, int], int] = field(default_factory=dict)
 
     @property
     def files(self) -> tuple[str, ...]:
@@ -123,15 +128,16 @@ def plan(scene: Scene) -> Plan:
     profile, motor = scene.profile(), scene.operation.motor
     speed = scene.operation.start_speed
     drive = {"speed": speed, "acceleration": profile.acceleration(0.0)}
-    planes = scene.rotor.unit_planes([balancer.at for balancer in scene.balancer])
+    table, pushed = _with_pushed(scene)
+    planes = table.unit_planes([*(balancer.at for balancer in scene.balancer), *pushed.values()])
     loaded = scene.assembly().loaded_rotor
     field = scene.operation.field
     gravity = {"gravity_x": field.real, "gravity_y": field.imag}
     rotor = UnitPlan(
         ROTOR,
         scene.rotor.model,
-        scene.rotor.sizes(planes),
-        {**scene.rotor.start(planes), **gravity, **_initial(scene, speed), **drive},
+        table.sizes(planes),
+        {**table.start(planes), **gravity, **_initial(scene, speed), **drive},
         scene.rotor.fmu or "",
     )
     balancers = [
@@ -153,7 +159,19 @@ def plan(scene: Scene) -> Plan:
     units = [rotor, *balancers]
     if motor:
         units.append(_motor(motor, scene.run.initial.angle))
-    return Plan(tuple(units), tuple(connections), number)
+    places = {place: planes.index(at) + 1 for place, at in pushed.items()}
+    return Plan(tuple(units), tuple(connections), number, places)
+
+
+def _with_pushed(scene: Scene) -> tuple[Rotor, dict[tuple[str, int], int]]:
+    """The rotor with a plane wherever connections push on it, and these planes by place."""
+    rotor, found = scene.rotor, dict[tuple[str, int], int]()
+    for push in pushes(scene.connection):
+        if push.kind == "plane" or rotor.fmu:
+            continue  # a plane of the unit, or a port of an FMU of another origin
+        station = rotor.supports[push.number - 1] if push.kind == "support" else push.number
+        rotor, found[push.kind, push.number] = rotor.plane_at(station)
+    return rotor, found
 
 
 def _initial(scene: Scene, speed: float) -> dict[str, float]:

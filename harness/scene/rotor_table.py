@@ -347,6 +347,13 @@ class RotorTable(Table):
         """
         return tuple(range(1, self.plane_count + 1)) or (1,)
 
+    def plane_at(self, station: int) -> tuple[Self, int]:
+        """The same with a plane at a station, from 1, and the number of that plane."""
+        place = self.stations[station - 1]
+        if place in self.planes:
+            return self, self.planes.index(place) + 1
+        return self.model_copy(update={"planes": (*self.planes, place)}), self.plane_count + 1
+
     def sizes(self, planes: Sequence[int]) -> dict[str, Any]:
         """What the unit is built for, with at least one unbalance; `planes` from `unit_planes`."""
         return {

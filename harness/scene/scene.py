@@ -29,6 +29,7 @@ from .document import Described
 from .file import bundled_scenes, find, read, refuse_deep
 from .messages import locate, problems
 from .model_rules import model_problems
+from .pushed import push_problems
 from .quantities import Flag, Table
 from .replace import in_full, plain, replaced
 from .rotor import Rotor
@@ -344,6 +345,8 @@ class Scene(Described):
         ]
         if self.connection and not self.guests:
             lines.append("connection: connects [[unit]] tables, and there are none")
+        if not self.rotor.fmu:
+            lines += push_problems(self.rotor, self.connection)
         return lines + connection_problems(self.connection, [*others, *units])
 
     def _refused_by_models(self) -> list[str]:
