@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import atexit
 import shutil
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -13,8 +13,10 @@ from pydantic import PrivateAttr
 from autobalancer.harness.scene import system as description
 
 if TYPE_CHECKING:
-    from autobalancer.harness.output.workers import Progress
+    from autobalancer.harness.fit.systems import SystemFit
+    from autobalancer.harness.output.workers import Progress, Workers
     from autobalancer.harness.result.result import Result
+    from autobalancer.harness.scatter.systems import SystemScatter
 
 
 class UnitRun(description.UnitRun):
@@ -55,6 +57,85 @@ class System(description.System):
 
     run: UnitRun
     """How long, and what is recorded."""
+
+    def scatter(
+        self,
+        vary: Mapping[str, Any] | Iterable[str],
+        n: int = 1000,
+        *,
+        seed: int = 1,
+        workers: Workers = 1,
+        progress: Progress | None = None,
+    ) -> SystemScatter:
+        """Systems whose start values scatter, each run.
+
+        Args:
+            vary: a distribution for every `unit.variable`: text such as "normal(10,5%)", or one of
+                `scipy.stats` with its parameters; or texts "PATH=NAME(NUMBERS)".
+            n: systems.
+            seed: the same seed draws the same systems.
+            workers: processes, for which a script needs `if __name__ == "__main__":`, or an
+                executor.
+
+        Returns:
+            Of every recorded signal the largest magnitude and the value at the end, (n,) each.
+
+        Raises:
+            UserError: a path is no start value, or a distribution is wrong.
+            SimulationError: every system has failed.
+
+        >>> built = ab.load("two_balls").build("units", platforms=["x86_64-linux"])
+        >>> rotor = ab.load_system("units/rotor.fmu").replace({"run.duration": 0.1})
+        >>> found = rotor.scatter({"rotor.mass": "normal(1,10%)"}, n=3)
+        >>> found.largest.shape == (3, len(found.signals))
+        True
+        """
+        from autobalancer.harness.scatter.systems import scatter_system
+
+        return scatter_system(self, vary, n, seed=seed, workers=workers, progress=progress)
+
+    def fit(
+        self,
+        measured: str | Path,
+        free: str | Sequence[str],
+        *,
+        limits: Sequence[str] = (),
+        priors: Sequence[str] = (),
+        scatter: float = 0.1,
+        progress: Progress | None = None,
+    ) -> SystemFit:
+        """Start values of units from signals that were measured over time, by least squares.
+
+        Args:
+            measured: a CSV file with heads `time [s]` and `unit.variable [UNIT]`.
+            free: paths `unit.variable` to find, with commas or as a list; "PATH=PATH" is one value
+                for both.
+            limits: "PATH=LOW:HIGH", between which a value stays; default: those of the FMU.
+            priors: "PATH=DEVIATION", how far off the start may be.
+            scatter: standard deviation of a difference, over the signal's largest value, against
+                which priors are weighed.
+
+        Returns:
+            Values with 95 % intervals, or none where the residuals are systematic; `system` is the
+            system with them.
+
+        Raises:
+            UserError: the file or a path is wrong, or there are too few measurements.
+            SimulationError: a run has failed.
+
+        >>> built = ab.load("two_balls").build("units", platforms=["x86_64-linux"])
+        >>> rotor = ab.load_system("units/rotor.fmu")
+        >>> rotor = rotor.replace({"run.duration": 0.5, "rotor.speed": 300.0})
+        >>> result = rotor.replace({"rotor.mass": 2.2}).run(record=["rotor.x"])
+        >>> path = result.to_csv("measured.csv")
+        >>> found = rotor.fit("measured.csv", "rotor.mass")
+        >>> round(float(found.values[0]), 4)
+        2.2
+        """
+        from autobalancer.harness.fit.systems import fit_system
+
+        options: dict[str, Any] = {"limits": limits, "priors": priors, "scatter": scatter}
+        return fit_system(self, measured, free, **options, progress=progress)
 
     def _fill(self, document: dict[str, Any], path: Path | None, label: str) -> None:
         super()._fill(document, path, label)

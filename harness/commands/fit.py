@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
 from ..output import options
 from ..output.terminal import progress_bar, say, show
 from .changes import changed_scene, set_option
+from .many_systems import fit_system
+from .run_system import refuse_unsupported, system_of
 
 _LIMITS = typer.Option(
     "--limit",
@@ -30,7 +32,8 @@ def command(
         typer.Option(
             metavar="FILE.csv",
             help="Columns: speed [rpm], values of the scene that were set, by path, and what was "
-            "measured: amplitude [mm] (mean of the supports), residual, rotor.station[1].residual.",
+            "measured: amplitude [mm] (mean of the supports), residual, rotor.station[1].residual. "
+            "Of a system: time [s] and signals, unit.variable [UNIT].",
         ),
     ],
     free: Annotated[
@@ -71,12 +74,17 @@ def command(
     json: Annotated[Path | None, options.json("the results")] = None,
     report: Annotated[Path | None, options.REPORT] = None,
 ) -> None:
-    """Fit values of a scene to measured amplitudes."""
+    """Fit values of a scene to measured amplitudes, or of a system of FMUs to signals over time."""
     from ..fit.measured import read_measured
     from ..fit.report import lines, table
     from ..output.files import write_json
     from ..output.report import Report
 
+    given: dict[str, Any] = {"limits": limits or (), "priors": priors or (), "scatter": scatter}
+    if (system := system_of(scene, changes)) is not None:
+        unsupported = {"harmonic": harmonic, "starts": starts > 1, "report": report}
+        refuse_unsupported(system, {**unsupported, "without-balancers": without_balancers})
+        return fit_system(system, measured, free, given, predict, picture, json)
     loaded = changed_scene(scene, changes)
     loaded = loaded.without_balancers() if without_balancers else loaded
     if predict is not None:
@@ -86,9 +94,7 @@ def command(
         found = loaded.fit(
             measured,
             free,
-            limits=limits or (),
-            priors=priors or (),
-            scatter=scatter,
+            **given,
             harmonic=harmonic,
             starts=starts,
             progress=progress,

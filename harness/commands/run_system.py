@@ -32,6 +32,13 @@ def system_of(source: str, changes: list[str] | None) -> System | None:
     return system.replace(dict(map(parse_change, changes))) if changes else system
 
 
+def refuse_unsupported(system: System, unsupported: Mapping[str, Any]) -> None:
+    """Raise UserError where an option is given, by name, that only a scene with a rotor has."""
+    for name, value in unsupported.items():
+        if value:
+            raise UserError(f"--{name}: {system.label} has no rotor: leave the option out")
+
+
 def run_system(
     system: System,
     unsupported: Mapping[str, Any],
@@ -50,9 +57,7 @@ def run_system(
     """
     from ..result.tables import summary
 
-    for name, value in unsupported.items():
-        if value:
-            raise UserError(f"--{name}: {system.label} has no rotor: leave the option out")
+    refuse_unsupported(system, unsupported)
     with progress_bar(f"running {system.name}") as progress:
         result = system.run(progress=progress)
     show(summary(result))

@@ -10,8 +10,11 @@ import typer
 from ..output import options
 from ..output.terminal import progress_bar, say, show
 from .changes import changed_scene, set_option
+from .many_systems import scatter_system
+from .run_system import refuse_unsupported, system_of
 
 VARY = "PATH=NAME(NUMBERS)"
+MACHINES = 10_000
 
 
 def command(
@@ -25,7 +28,10 @@ def command(
             "normal(50g,10%). [*] in the path: each weight by itself. Can be given several times.",
         ),
     ],
-    n: Annotated[int, typer.Option("-n", min=1, help="Number of machines.")] = 10_000,
+    n: Annotated[
+        int | None,
+        typer.Option("-n", min=1, help="Number; default: 10000 machines, 1000 systems of FMUs."),
+    ] = None,
     seed: Annotated[int, typer.Option(min=0, help="Seed of the random numbers.")] = 1,
     output: Annotated[
         list[Path] | None, options.pictures(" or FILE.csv with every machine", options.TABLE)
@@ -36,12 +42,16 @@ def command(
     changes: Annotated[list[str] | None, set_option("run.revolutions=200")] = None,
     report: Annotated[Path | None, options.REPORT] = None,
 ) -> None:
-    """Simulate machines whose values scatter within tolerances."""
+    """Simulate machines, or systems of FMUs, whose values scatter within tolerances."""
     from ..output.cluster import who_works
     from ..output.files import write_json
     from ..output.report import Report
     from ..scatter.report import grade_table, importance_table, lines
 
+    if (system := system_of(scene, changes)) is not None:
+        refuse_unsupported(system, {"report": report, "store": store})
+        return scatter_system(system, vary, n, seed, output or (), json, cluster)
+    n = n or MACHINES
     loaded = changed_scene(scene, changes)
     page = Report(report, f"Tolerances: {loaded.heading}", [loaded])
     with progress_bar(f"machines of {loaded.name}") as progress, who_works(cluster) as workers:

@@ -53,18 +53,21 @@ class Parameter:
 
 def parse_free(
     texts: Sequence[str],
-    scene: Scene,
+    scene: Any,
     limits: Sequence[str] = (),
     priors: Sequence[str] = (),
     scatter: float = SCATTER,
+    make: Callable[[tuple[str, ...], Any], Parameter] | None = None,
 ) -> list[Parameter]:
     """PATH,PATH,...: each a number of the scene; PATH=PATH is one number for both.
 
     Args:
+        scene: or a system of units, which needs a `make` of its own.
         limits: PATH=LOW:HIGH,..., of those that are free; either may be left out.
         priors: PATH=DEVIATION,..., of those that are free: how far off the start may be, as a
             standard deviation. It counts as one more measurement.
         scatter: standard deviation of a measured difference, against which priors are weighed.
+        make: the parameter of some paths; default: of a scene.
 
     Raises:
         UserError: nothing is free, a path is unknown, twice there, no number or 0; a limit or a
@@ -76,7 +79,7 @@ def parse_free(
         raise UserError("--free: nothing is free; give paths such as rotor.stiffness[1],balls.drag")
     if repeated := {path for path in paths if paths.count(path) > 1}:
         raise UserError(f"--free {', '.join(sorted(repeated))}: given twice")
-    found = [_parameter(group, scene) for group in groups]
+    found = [(make or _parameter)(group, scene) for group in groups]
     for text in _separated(limits):
         found = _limited(found, text, scene)
     for text in _separated(priors):
@@ -96,7 +99,7 @@ def _index_of(parameters: list[Parameter], path: str, said: str) -> int:
 
 
 def _with_prior(
-    parameters: list[Parameter], text: str, scatter: float, scene: Scene
+    parameters: list[Parameter], text: str, scatter: float, scene: Any
 ) -> list[Parameter]:
     path, _, deviation = text.partition("=")
     k = _index_of(parameters, path, f"--prior {text}")
@@ -107,7 +110,7 @@ def _with_prior(
     return parameters
 
 
-def _limited(parameters: list[Parameter], text: str, scene: Scene) -> list[Parameter]:
+def _limited(parameters: list[Parameter], text: str, scene: Any) -> list[Parameter]:
     path, _, ends = text.partition("=")
     k = _index_of(parameters, path, f"--limit {text}")
     one, example = parameters[k], f"--limit {text}: must be PATH=LOW:HIGH, numbers or nothing"

@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
+from ..output.outcome import Outcome
 from ..output.table import Sheet
 from .study import Fit
 
@@ -50,8 +51,8 @@ def document(found: Fit) -> dict[str, Any]:
     }
 
 
-def table(found: Fit) -> Sheet:
-    """A line per parameter."""
+def table(found: Outcome) -> Sheet:
+    """A line per parameter of a fit."""
     sheet = found.table()
     rows = [
         [label, f"{start:.6g}", f"{value:.6g}", f"{spread:.2g}" if math.isfinite(spread) else "-"]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -103,8 +103,18 @@ def _bounds(parameters: Sequence[Parameter]) -> Array:
     return np.sort([np.array(parameter.limits) / parameter.start for parameter in parameters]).T
 
 
+class Searched(Protocol):
+    """What has parameters, and what would be measured with them: logarithms, or signals."""
+
+    most_steps: int
+    parameters: Sequence[Parameter]
+
+    def logarithms(self, sets: Array) -> Array:
+        """(s, values) with parameters (s, p)."""
+
+
 def search(
-    model: Model,
+    model: Searched,
     logarithms: Array,
     is_phase: NDArray[np.bool_],
     first: Array,

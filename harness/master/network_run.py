@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from ..errors import UnitError
 from .coupled import Coupled
 from .foreign.abilities import CUBIC, abilities
+from .foreign.instance import UnitFailure
 from .loop import QuasiNewton, consistent_start, rescaled, value_eigenvalues
 from .network.member import Member
 from .network.network import BRIEF
@@ -196,9 +197,17 @@ class NetworkRun(Coupled):
     def _record_row(self, recorder: Recorder) -> None:
         brief = BRIEF * self._schedule[0][0] / self._parts
         if self.time > 0.0:
-            recorder.append(self.time, self._ahead(recorder, self._lagging, self.time, brief))
+            values = self._ahead(recorder, self._lagging, self.time, brief)
         else:
-            recorder.append(self.time, self._first_row(recorder, brief))
+            values = self._first_row(recorder, brief)
+        if not np.isfinite(values).all():
+            name = list(recorder.signal_units)[int(np.argmin(np.isfinite(values)))]
+            unit = self.units[name.partition(".")[0]]
+            raise UnitFailure(
+                f"{name} is no finite number at t = {self.time:g} s: {unit.path.name} has failed "
+                "without saying so; leave it out of run.record if that is meant"
+            )
+        recorder.append(self.time, values)
 
     def _ahead(
         self, recorder: Recorder, members: Sequence[Member], time: float, brief: float

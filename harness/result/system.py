@@ -3,20 +3,43 @@
 from __future__ import annotations
 
 import time as clock
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
-from typing import TYPE_CHECKING, cast
+from typing import TYPE_CHECKING, Any, cast
 
 from ..master.facts import events_of_units
 from ..master.global_error import Controlled
-from ..master.recorder import Recorder
+from ..master.recorder import Recorder, Signal
 from ..master.unit_run import UnitRun
 from ..scene.system import System
+from ..scene.unit import split_port
 from .result import Result
 
 if TYPE_CHECKING:
     from ..master.simulation import Simulation
     from ..output.workers import Progress
+
+
+def recorded_again(
+    run: UnitRun, names: Iterable[str], changes: Mapping[str, Any]
+) -> tuple[Signal, dict[str, Signal]]:
+    """Times and signals of a run in given steps, of units that are loaded already.
+
+    Args:
+        changes: start values by `unit.variable`, in place of the system's.
+
+    Raises:
+        UserError: a unit fails.
+        SimulationError: the run cannot be completed correctly.
+    """
+    by_unit: dict[str, dict[str, Any]] = {}
+    for path, value in changes.items():
+        unit, variable = split_port(path)
+        by_unit.setdefault(unit, {})[variable] = value
+    recorder = Recorder(run.units, list(names))
+    run.start(by_unit)
+    run.record(recorder, None)
+    return recorder.columns()
 
 
 def run_system(

@@ -139,6 +139,15 @@ class System(Described):
         units = ", ".join(unit.name for unit in self.unit)
         return f"<System {self.heading!r}: {units}; {len(self.connection)} connections>"
 
+    def unit_of(self, path: str) -> str:
+        """Empty: start values are in the units of measurement of the FMUs.
+
+        >>> system = ab.System(unit=[{"name": "mass", "fmu": "Mass.fmu"}], run={"duration": 2.0})
+        >>> system.unit_of("mass.k")
+        ''
+        """
+        return ""
+
     def replace(self, changes: Mapping[str, Any]) -> Self:
         """A validated copy with values replaced, such as {"mass.k": 5.0, "run.duration": 2.0}.
 

@@ -7,6 +7,7 @@ the interpreter's path when it is freed.
 
 from __future__ import annotations
 
+import os
 import sys
 from pathlib import Path
 from types import ModuleType
@@ -58,5 +59,5 @@ def _is_guest(module: ModuleType) -> bool:
 
 
 def _is_under(module: ModuleType, folder: Path) -> bool:
-    file = getattr(module, "__file__", None)
-    return bool(file) and Path(str(file)).is_relative_to(folder)
+    file = getattr(module, "__file__", None)  # thousands are asked: no paths are made of them
+    return bool(file) and str(file).startswith(f"{folder}{os.sep}")

@@ -1,0 +1,295 @@
+"""Start values of a system of units from signals that were measured over time, by least squares.
+
+All runs of a fit take the same communication steps: those of a first run with the system's
+tolerance.  So their errors are alike, and differences of runs show what the values do.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.interpolate import Akima1DInterpolator
+
+from ...models.arrays import Array
+from ..errors import UserError
+from ..master.closing import Closing
+from ..master.unit_run import UnitRun
+from ..output.outcome import Outcome
+from ..output.table import Sheet
+from ..result.system import recorded_again, run_system
+from ..scene.system import System
+from .parameters import SCATTER, Parameter, parse_free
+from .search import known, rms, search
+from .series import MeasuredSignals, read_signals
+from .systematic import SIGNIFICANCE, significance
+
+if TYPE_CHECKING:
+    from ..output.workers import Progress
+
+ALIKE = math.sqrt(10.0)  # a variance inflation of 10 is commonly taken for too much
+
+
+class SystemModel(Closing):
+    """Runs of a system, at the times of a measurement; to be closed.
+
+    Attributes:
+        parameters: what is free.
+        scale: of every value: the largest magnitude that was measured of its signal.
+    """
+
+    most_steps = 60  # of a search
+
+    def __init__(
+        self, system: System, parameters: Sequence[Parameter], measured: MeasuredSignals
+    ) -> None:
+        self.parameters, self._measured = parameters, measured
+        self._run = UnitRun(_in_equal_steps(system))
+        largest = {n: np.nanmax(np.abs(column)) for n, column in measured.signals.items()}
+        count = len(measured.time)
+        self.scale = measured.flat({n: np.full(count, one or 1.0) for n, one in largest.items()})
+
+    def logarithms(self, sets: Array) -> Array:
+        """What would be measured (s, values) with parameters (s, p), over `scale`.
+
+        Raises:
+            SimulationError: a run has failed.
+        """
+        found = []
+        for values in sets.tolist():
+            pairs = zip(self.parameters, values, strict=True)
+            changes = {k: v for one, x in pairs for k, v in one.changes(x).items()}
+            time, signals = recorded_again(self._run, self._measured.signals, changes)
+            at = {n: Akima1DInterpolator(time, s)(self._measured.time) for n, s in signals.items()}
+            found.append(self._measured.flat(at) / self.scale)
+        return np.array(found)
+
+    def close(self) -> None:
+        """Free the units."""
+        self._run.close()
+
+
+def _in_equal_steps(system: System) -> System:
+    """The system in the steps that its tolerance needs, given."""
+    if system.coupling.tolerance is None:
+        return system
+    steps = run_system(system).steps
+    return system.replace({"coupling.step": system.run.duration / steps})
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class SystemFit(Outcome):
+    """What was found.
+
+    Attributes:
+        start: the system that was fitted.
+        measured: signals over time.
+        parameters, values: (p,) what was free, and what it is, in the units of the FMUs.
+        uncertainty: (p,) half the interval of 95 % confidence; infinite where the data do not tell,
+            NaN where a value ended at its limit or the residuals are systematic.
+        correlation: (p, p) of the values.
+        inflation: (p,) of the interval, over that with all other values known.
+        simulated: (n,) with these values, column after column of what was measured.
+        residuals: (n,) simulated less measured, over the largest measured value of the signal.
+        significance: probability that independent scatter looks as systematic as the residuals.
+        at_limit: (p,) whether a value ended at its limit.
+        rms: of the residuals, before and after.
+        ended: why the search has.
+    """
+
+    drawn_by: ClassVar[str] = "..fit.plot_system:plot_fit"
+    document_by: ClassVar[str] = "..fit.systems:document"
+
+    start: System
+    measured: MeasuredSignals
+    parameters: tuple[Parameter, ...]
+    values: Array
+    uncertainty: Array
+    correlation: Array
+    inflation: Array
+    simulated: Array
+    residuals: Array
+    significance: float
+    at_limit: NDArray[np.bool_]
+    rms: tuple[float, float]
+    ended: str
+
+    @property
+    def system(self) -> System:
+        """The system with the values that were found."""
+        pairs = zip(self.parameters, self.values.tolist(), strict=True)
+        return self.start.replace({k: v for one, x in pairs for k, v in one.changes(x).items()})
+
+    def table(self) -> Sheet:
+        """A line a parameter, in the units of the FMUs."""
+        starts = [one.start for one in self.parameters]
+        labels = [one.label for one in self.parameters]
+        columns = (labels, starts, self.values.tolist(), self.uncertainty.tolist())
+        rows = list(zip(*columns, strict=True))
+        return Sheet(("parameter", "start", "fitted", "± (95 %)"), rows, "lrrr", self.start.heading)
+
+    def predicted_rms(self, measured: str | Path) -> float:
+        """Rms of the difference from other measurements, with the values that were found.
+
+        Raises:
+            UserError: the file is wrong.
+            SimulationError: a run has failed.
+        """
+        others = read_signals(Path(measured), self.start)
+        with SystemModel(self.start, self.parameters, others) as model:
+            return rms(model.logarithms(self.values[None])[0] - others.values / model.scale)
+
+    def warnings(self) -> list[str]:
+        """What the data cannot tell."""
+        labels = [one.label for one in self.parameters]
+        said = [
+            f"{label}: the measured signals do not depend on it"
+            for label, spread in zip(labels, self.uncertainty, strict=True)
+            if math.isinf(spread)
+        ]
+        said += [
+            f"{label}: ended at its limit, {value:.6g}"
+            for label, value, ended in zip(labels, self.values, self.at_limit, strict=True)
+            if ended
+        ]
+        if self.significance < SIGNIFICANCE:
+            said.append(
+                "residuals of neighbours in time deviate alike (independent scatter does so in "
+                f"{100.0 * self.significance:.2g} % of files, the limit is "
+                f"{100.0 * SIGNIFICANCE:g} %): something is missing in the system; the values can "
+                "be off by more than any interval from scatter, so none is given"
+            )
+        others = np.abs(self.correlation - np.eye(len(labels))).argmax(axis=1)
+        return said + [
+            f"{labels[i]}: known {self.inflation[i]:.2g} times worse than with the others known; "
+            f"most like it is {labels[j]}, correlation {self.correlation[i, j]:+.3f}"
+            for i, j in enumerate(others.tolist())
+            if ALIKE < self.inflation[i] < math.inf
+        ]
+
+
+def fit_system(
+    system: System,
+    measured: str | Path,
+    free: str | Sequence[str],
+    *,
+    limits: Sequence[str] = (),
+    priors: Sequence[str] = (),
+    scatter: float = SCATTER,
+    progress: Progress | None = None,
+) -> SystemFit:
+    """Find start values by least squares (SciPy's trust region), Jacobian by differences.
+
+    Arguments are those of `System.fit`, which says what is raised.
+    """
+    texts = [free] if isinstance(free, str) else free
+    parameters = parse_free(texts, system, limits, priors, scatter, _parameter)
+    data = read_signals(Path(measured), system)
+    count = len(data.values)
+    if count <= len(parameters):
+        raise UserError(
+            f"{measured}: {count} measured values for {len(parameters)} free parameters: there "
+            "must be more"
+        )
+    with SystemModel(system, parameters, data) as model:
+        return _fitted(model, system, data, progress)
+
+
+def _fitted(
+    model: SystemModel, system: System, data: MeasuredSignals, progress: Progress | None
+) -> SystemFit:
+    parameters, count = model.parameters, len(data.values)
+    scale = np.array([one.start for one in parameters])
+    aim, none = data.values / model.scale, np.zeros(count, bool)
+    solution = search(model, aim, none, np.ones(len(parameters)), progress)
+    uncertainty, correlation, inflation = known(solution.jac, solution.fun)
+    own = slice(count)  # priors follow
+    chance = significance(solution.fun[own], solution.jac[own], data.sequences())
+    at_limit = solution.active_mask != 0
+    withheld = at_limit | (chance < SIGNIFICANCE) & np.isfinite(uncertainty)
+    before, after = model.logarithms(np.array([scale, solution.x * scale]))
+    return SystemFit(
+        system, data, tuple(parameters), solution.x * scale,
+        np.where(withheld, math.nan, uncertainty * np.abs(scale)), correlation, inflation,
+        after * model.scale, after - aim, chance, at_limit,
+        (rms(before - aim), rms(after - aim)), str(solution.message),
+    )  # fmt: skip
+
+
+def _parameter(paths: tuple[str, ...], system: System) -> Parameter:
+    """Start values by their paths `unit.variable`, which begin where the first one is.
+
+    Raises:
+        UserError: there is no such start value, or it is no number, or 0.
+    """
+    with UnitRun(system) as run:
+        found = []
+        for path in paths:
+            unit, _, variable = path.partition(".")
+            if unit not in run.units:
+                raise UserError(
+                    f"--free {path}: must be UNIT.VARIABLE, a start value of one of: "
+                    f"{', '.join(run.units)}"
+                )
+            declared = run.units[unit].variable(variable, "--free")
+            given = next(one.start for one in system.unit if one.name == unit)
+            found.append((given.get(variable, declared.start), declared))
+            run.units[unit].check_start({variable: 1.0})
+    value, declared = found[0]
+    try:
+        start = float(value)
+    except (TypeError, ValueError):
+        raise UserError(f"--free {paths[0]}: has no start value: set it") from None
+    if start == 0.0:
+        raise UserError(f"--free {paths[0]}: starts at 0, from where nothing has a size: set it")
+    ends = (
+        float(end) if end is not None else far
+        for end, far in ((declared.min, -math.inf), (declared.max, math.inf))
+    )
+    low, high = ends
+    return Parameter(paths, start, (low, high))
+
+
+def document(found: SystemFit) -> dict[str, Any]:
+    """Everything that the command says."""
+    names = [one.label for one in found.parameters]
+    numbers = zip(found.parameters, found.values, found.uncertainty, strict=True)
+    return {
+        "scene": found.start.heading,
+        "measured": str(found.measured.path),
+        "values": len(found.measured.values),
+        "rms_before": found.rms[0],
+        "rms": found.rms[1],
+        "ended": found.ended,
+        "parameters": [
+            {"path": one.label, "start": one.start, "value": float(x), "uncertainty": float(u)}
+            for one, x, u in numbers
+        ],
+        "correlation": {
+            name: dict(zip(names, row, strict=True))
+            for name, row in zip(names, found.correlation.tolist(), strict=True)
+        },
+        "significance": found.significance,
+        "warnings": found.warnings(),
+    }
+
+
+def lines(found: SystemFit) -> list[str]:
+    """What the table does not say."""
+    said = document(found)
+    options = " ".join(
+        f'--set "{path}={one["value"]:.6g}"'
+        for one in said["parameters"]
+        for path in one["path"].split("=")
+    )
+    return [
+        f"{said['values']} measured values; rms of the difference over the signal's largest value: "
+        f"{said['rms_before']:.4g} before, {said['rms']:.4g} after",
+        *(f"Warning: {text}" for text in said["warnings"]),
+        f"As options: {options}",
+    ]
