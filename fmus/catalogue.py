@@ -9,11 +9,12 @@ from typing import Any
 
 from .liquid.variables import LIQUID
 from .motor.variables import MOTOR
+from .ring.variables import RING
 from .rotor.variables import ROTOR
 from .unit import SizedUnit, Unit, alternatives
 from .weights.variables import BALLS
 
-CATALOGUE: dict[str, Unit] = {unit.name: unit for unit in (ROTOR, LIQUID, BALLS, MOTOR)}
+CATALOGUE: dict[str, Unit] = {unit.name: unit for unit in (ROTOR, LIQUID, RING, BALLS, MOTOR)}
 
 
 def sized_unit(name: str, **options: Any) -> SizedUnit:

@@ -63,6 +63,8 @@ QUANTITIES = {
     "s": Quantity("a time", ("3 s", "200 ms")),
     "rad": Quantity("an angle", ("120 deg", "2.094 rad"), ("deg", 180.0 / math.pi)),
     "rad/s": Quantity("a speed", ("1200 rpm", "125.7 rad/s"), ("rpm", 30.0 / math.pi)),
+    "1/s": Quantity("a rate of decay", ("0.5 s^-1", "30 min^-1")),
+    "m^2/s": Quantity("a kinematic viscosity", ("1 mm^2/s", "1e-6 m^2/s")),
     "m/s": Quantity("a velocity", ("2 mm/s", "0.002 m/s"), ("mm/s", 1e3)),
     "m/s^2": Quantity("an acceleration", ("9.81 m/s^2", "9810 mm/s^2")),
     "kg m": Quantity("an unbalance", ("300 g mm", "3e-4 kg m"), ("g mm", 1e6)),

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .liquid import Liquid
+from .ring import Ring
 from .rotor import LinearRotor
 from .weights import Weights
 
@@ -23,7 +24,7 @@ class Mounted:
 
     Attributes:
         name: what the scene calls it.
-        device: liquid or weights.
+        device: liquid, ring part filled with liquid, or weights.
         plane: index of the correction plane, from 0.
         angles, speeds: weights' angles in the rotor [rad] and their rates [rad/s] at the start;
             empty for a liquid.
@@ -35,7 +36,7 @@ class Mounted:
     """
 
     name: str
-    device: Liquid | Weights
+    device: Liquid | Ring | Weights
     plane: int = 0
     angles: tuple[float, ...] = ()
     speeds: tuple[float, ...] = ()
@@ -97,8 +98,37 @@ class Assembly:
 
     @cached_property
     def loaded_rotor(self) -> LinearRotor:
-        """The rotor with every balancer's added mass at its plane."""
-        return self.rotor.with_added_mass(self.added_mass)
+        """The rotor with every balancer's added mass at its plane; waves of rings are stations."""
+        added = np.zeros(self.rotor.plane_count)
+        for mounted in self.balancers:
+            if not isinstance(mounted.device, Ring):
+                added[mounted.plane] += mounted.device.added_mass
+        return self.with_waves(self.rotor.with_added_mass(added))
+
+    @cached_property
+    def resting_rotor(self) -> LinearRotor:
+        """The rotor with every balancer's mass fixed to its plane, of rings all their liquid: for
+        natural frequencies at standstill."""
+        if not self.rings:
+            return self.loaded_rotor
+        added = np.zeros(self.rotor.plane_count)
+        for mounted in self.balancers:
+            device = mounted.device
+            mass = device.liquid_mass if isinstance(device, Ring) else device.added_mass
+            added[mounted.plane] += mass
+        return self.rotor.with_added_mass(added)
+
+    def with_waves(self, rotor: LinearRotor) -> LinearRotor:
+        """A rotor with the waves of the rings as further stations, and their liquid."""
+        for mounted in self.balancers:
+            if isinstance(mounted.device, Ring):
+                rotor = rotor.with_ring(mounted.device, mounted.plane)
+        return rotor
+
+    @property
+    def rings(self) -> tuple[Mounted, ...]:
+        """Only the rings part filled with liquid."""
+        return tuple(m for m in self.balancers if isinstance(m.device, Ring))
 
     @property
     def capacity(self) -> float:

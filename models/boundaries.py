@@ -11,6 +11,7 @@ from .assembly import Assembly
 from .linear.balanced import WeightTable
 from .linear.linearised import linearise, linearise_at
 from .linear.regions import Crossing, Measure, Regions, Samples, Side, find_regions
+from .ring import Ring
 from .stability import growth_and_errors
 
 GRID = 1000  # intervals of the scan, unless the caller says how narrow a band may be missed
@@ -136,4 +137,7 @@ def unknown_word(assembly: Assembly) -> Side:
     rotor = assembly.rotor.at_bottom
     parts = [rotor.damping_x, rotor.damping_y, rotor.internal_damping]
     parts.append(WeightTable.of(assembly).damping_rate)
-    return "undecided" if any(part.any() for part in parts) else "neutral"
+    damped = any(part.any() for part in parts) or any(
+        isinstance(m.device, Ring) and m.device.is_damped for m in assembly.rings
+    )
+    return "undecided" if damped else "neutral"

@@ -47,6 +47,9 @@ def unbalance_response(rotor: LinearRotor, speeds: ArrayLike) -> Complex:
         damping + w * (with_speed - damping),
         stiffness + w * (followed - stiffness),
     )
+    if rotor.waves:  # they are not linear in it
+        _, *each = zip(*(rotor.real_coefficients(one) for one in w[:, 0, 0].tolist()), strict=True)
+        damping, stiffness = np.array(each)
     forces = np.zeros((2 * rotor.stations, 1 + len(at)), complex)
     forces[:, 0] = np.concatenate([rotor.unbalance, -1j * rotor.unbalance])
     forces[at, range(1, 1 + len(at))] = 1.0

@@ -5,7 +5,9 @@
 with gravity g at every station, where J turns x into y and y into -x.  Every station is a
 displacement: of a point of the shaft, of the axis of a tilting disc, or of another body.
 Filimonikhina 2017 (4), Dubovik 2006 (5), Polushkin 2016 and Filimonikhin 2011 (1) all describe a
-rotor of this form, without gravity; they differ only in the matrices.  In complex notation
+rotor of this form, without gravity; they differ only in the matrices.  A ring part filled with
+liquid adds the coordinate y of its wave as one more station (`models.ring`), whose equation has
+terms of its own.  In complex notation
 z = x + i y the equation of an isotropic rotor reads
 
     M z'' + (C + C_i - i w G) z' + (K - i w C_i) z = u (w^2 - i w') e^{i beta} + S^T F
@@ -26,6 +28,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from . import rotor_kinds, rotor_matrices
 from .arrays import Numbers, numbers
+from .ring import Ring
 from .supports import Bearing, Support, summed, supported
 from .supports import Slider as Slider
 
@@ -64,6 +67,8 @@ class LinearRotor:
         sliders: dry friction in the supports.
         inner: how many of the stations, the last ones, are inner displacements of rubber.
         locked: axis and station from 0 of what does not move, of bodies with one free axis.
+        waves: rings of liquid that have become stations, see `with_ring`: number of the station,
+            from 0, and the ring.
     """
 
     mass: Matrix
@@ -78,6 +83,7 @@ class LinearRotor:
     sliders: tuple[Slider, ...] = ()
     inner: int = 0
     locked: tuple[tuple[int, int], ...] = ()
+    waves: tuple[tuple[int, Ring], ...] = ()
 
     @classmethod
     def planar(
@@ -257,6 +263,7 @@ class LinearRotor:
     def falling(self) -> NDArray:
         """Gravity at every station [m/s^2]: (n,) complex if isotropic, else (2n,) for x and y."""
         field = np.full(self.stations, self.gravity)
+        field[[at for at, _ in self.waves]] = 0.0
         return field if self.isotropic else np.concatenate([field.real, field.imag])
 
     def sag(self, speed: float) -> NDArray:
@@ -268,6 +275,9 @@ class LinearRotor:
             ValueError: the supports have no stiffness that would carry the weight.
         """
         mass, _, stiffness = self.coefficients(speed)
+        if self.waves and speed == 0.0:  # a liquid that does not turn forms no ring
+            stiffness = stiffness + np.diag(self._is_wave).astype(stiffness.dtype)
+            mass = np.where(self._is_wave[:, None], 0.0, mass)
         try:
             return np.linalg.solve(stiffness, mass @ self.falling)
         except np.linalg.LinAlgError:
@@ -286,6 +296,12 @@ class LinearRotor:
         sag = self.sag(speed)
         return np.array([sag.real, sag.imag]) if self.isotropic else sag.reshape(2, -1)
 
+    @property
+    def _is_wave(self) -> NDArray[np.bool_]:
+        """Which of `falling` are of waves."""
+        each = np.isin(np.arange(self.stations), [at for at, _ in self.waves])
+        return each if self.isotropic else np.tile(each, 2)
+
     def refuse_sliders(self, what: str) -> None:
         """Raise ValueError, where the supports have dry friction, for what knows none."""
         if self.sliders:
@@ -296,6 +312,40 @@ class LinearRotor:
         added = numbers(added_mass)
         return replace(self, mass=self.mass + self.planes.T @ (added[:, None] * self.planes))
 
+    def with_ring(self, ring: Ring, plane: int) -> LinearRotor:
+        """The same rotor with a ring at a plane (from 0), whose wave y is one more station.
+
+        The equation of y, times m_L f, reads m_L f ((1 + f) y'' + A) + ... = 0: M stays symmetric.
+        """
+        row, mass, inertia = self.planes[plane], ring.liquid_mass, ring.wave_inertia
+        grown = _grown(self.mass)
+        grown[:-1, :-1] += mass * np.outer(row, row)
+        grown[-1, :-1] = grown[:-1, -1] = inertia * row
+        grown[-1, -1] = inertia * (1.0 + ring.hollow)
+        bare: dict[str, Any] = {
+            name: _grown(getattr(self, name))
+            for name in ("elastic", "internal_damping", "gyroscopic")
+        }
+        wider: dict[str, Any] = {
+            name: np.pad(getattr(self, name), ((0, 0), (0, 1))) for name in ("planes", "deflection")
+        }
+        supports = tuple(
+            replace(one, rows=np.pad(one.rows, ((0, 0), (0, 1)))) for one in self.supports
+        )
+        unbalance, waves = np.append(self.unbalance, 0j), (*self.waves, (self.stations, ring))
+        return replace(
+            self, mass=grown, supports=supports, unbalance=unbalance, waves=waves, **bare, **wider
+        )
+
+    def wave_terms(self, speed: float) -> tuple[NDArray, NDArray]:
+        """What the waves add to the velocity and displacement matrices, complex (n, n) each."""
+        velocity, displacement = np.zeros((2, self.stations, self.stations), complex)
+        for at, ring in self.waves:
+            damping = ring.damping(speed)
+            velocity[at, at] = ring.wave_inertia * (damping - 4j * speed)
+            displacement[at, at] = -ring.wave_inertia * speed * (2.0 * speed + 1j * damping)
+        return velocity, displacement
+
     def coefficients(self, speed: float) -> tuple[NDArray, NDArray, NDArray]:
         """Mass, velocity and displacement matrices at a constant speed [rad/s].
 
@@ -304,6 +354,9 @@ class LinearRotor:
         if self.isotropic:
             damping = self.damping_x + self.internal_damping - 1j * speed * self.gyroscopic
             stiffness = self.stiffness_x - 1j * speed * self.internal_damping
+            if self.waves:
+                damped, stiffened = self.wave_terms(speed)
+                damping, stiffness = damping + damped, stiffness + stiffened
             return self.mass.astype(complex), damping, stiffness
         return self.real_coefficients(speed)
 
@@ -315,7 +368,11 @@ class LinearRotor:
         (c_xx, c_xy), (c_yx, c_yy) = here.dampers
         damped = [[c_xx + internal, c_xy + turned], [c_yx - turned, c_yy + internal]]
         stiff = [[here.stiffness_x, k_xy + followed], [k_yx - followed, here.stiffness_y]]
-        return np.kron(np.eye(2), self.mass), np.block(damped), np.block(stiff)
+        velocity, displacement = np.block(damped), np.block(stiff)
+        if self.waves:
+            more = self.wave_terms(speed)
+            velocity, displacement = velocity + as_real(more[0]), displacement + as_real(more[1])
+        return np.kron(np.eye(2), self.mass), velocity, displacement
 
     def free_rates(self, speed: float) -> NDArray:
         """Eigenvalues [1/s] of the free motion at a constant speed [rad/s].
@@ -329,3 +386,14 @@ class LinearRotor:
         mass, damping, stiffness = self.coefficients(speed)
         still = np.linalg.solve(mass, np.hstack([-stiffness, -damping]))
         return np.vstack([np.eye(len(mass), 2 * len(mass), len(mass)), still])
+
+
+def as_real(matrix: NDArray) -> Matrix:
+    """A complex matrix (n, n) of z = x + i y as a real one (2n, 2n) of x and y."""
+    real, turned = matrix.real, matrix.imag
+    return np.block([[real, -turned], [turned, real]])
+
+
+def _grown(matrix: Matrix) -> Matrix:
+    """A matrix with a row and a column of zeros more."""
+    return np.pad(matrix, ((0, 1), (0, 1)))

@@ -148,7 +148,7 @@ def growth_map_with_errors(
     w = _speeds(speeds)
     shape = len(assemblies), len(w)
     rates, errors = np.full(shape, math.nan), np.zeros(shape)
-    groups: dict[tuple[int, bool], list[tuple[int, Linearised]]] = {}
+    groups: dict[tuple[int, int, bool], list[tuple[int, Linearised]]] = {}
     for i, assembly in enumerate(assemblies):
         try:
             if assembly.rotor.varies:
@@ -157,7 +157,7 @@ def growth_map_with_errors(
             system = linearise(assembly)
         except CannotBalance:
             continue
-        groups.setdefault((system.size, system.constant), []).append((i, system))
+        groups.setdefault((*system.steady.shape[:2], system.constant), []).append((i, system))
     for members in groups.values():
         rows = np.array([i for i, _ in members])
         systems = [system for _, system in members]

@@ -25,7 +25,7 @@ class Part:
 
     Attributes:
         name: of the instance; its variables begin with it.
-        model: RotorOnSupports | LiquidBalancer | BallBalancer | Motor.
+        model: RotorOnSupports | LiquidBalancer | RingBalancer | BallBalancer | Motor.
         sizes: options of the unit.
         start: parameters and start values.
         plane: of the rotor's unit that a balancer sits on, from 1.
@@ -52,7 +52,11 @@ class Part:
         if self.model == "Motor":
             return ["angle", "speed"]
         size = self.unit.options
-        of_model = {"RotorOnSupports": ("stations", 4, 1), "BallBalancer": ("weights", 2, 0)}
+        of_model = {
+            "RotorOnSupports": ("stations", 4, 1),
+            "BallBalancer": ("weights", 2, 0),
+            "RingBalancer": ("", 0, 4),
+        }
         repeat, times, more = of_model.get(self.model, ("", 0, 0))
         observed = [v.name for v in self.unit.layout.variables if v.observed]
         return observed[: times * size.get(repeat, 0) + more]
@@ -122,6 +126,10 @@ class Composition:
             raise ValueError("parts: the rotor must be the first of them, and the only one")
         planes = self.parts[0].unit.sizes.options["planes"]
         motors = [part.model == "Motor" for part in self.parts]
+        if any(motors) and any(part.model == "RingBalancer" for part in self.parts):
+            raise ValueError(
+                "parts: a motor does not drive a ring of liquid, whose spin-up is not modelled"
+            )
         if any(motors[:-1]):
             raise ValueError("parts: a motor must be the last of them, and the only one")
         for part in self.parts:

@@ -23,11 +23,12 @@ from autobalancer.harness.result.result import Result as Result
 from autobalancer.harness.rotor.analysis import RotorAnalysis as RotorAnalysis
 from autobalancer.harness.scatter.study import Scatter as Scatter
 from autobalancer.harness.scene.balancer import Balls as Balls
-from autobalancer.harness.scene.balancer import Liquid as Liquid
 from autobalancer.harness.scene.balancer import Pendulums as Pendulums
 from autobalancer.harness.scene.balancer import Rollers as Rollers
 from autobalancer.harness.scene.balancing import Balancing as Balancing
 from autobalancer.harness.scene.file import bundled_scenes as bundled_scenes
+from autobalancer.harness.scene.liquid import Liquid as Liquid
+from autobalancer.harness.scene.liquid import Ring as Ring
 from autobalancer.harness.scene.rotor_table import Slider as Slider
 from autobalancer.harness.scene.rotor_table import Unbalance as Unbalance
 from autobalancer.harness.scene.run import Coupling as Coupling

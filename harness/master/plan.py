@@ -5,6 +5,7 @@ Everything that couples or exports the units reads it.
 
 from __future__ import annotations
 
+import cmath
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Any, Literal, NamedTuple
@@ -131,7 +132,7 @@ def plan(scene: Scene) -> Plan:
     table, pushed = _with_pushed(scene)
     planes = table.unit_planes([*(balancer.at for balancer in scene.balancer), *pushed.values()])
     loaded = scene.assembly().loaded_rotor
-    field = scene.operation.field
+    field, waves = scene.operation.field, _waves(scene, speed)
     gravity = {"gravity_x": field.real, "gravity_y": field.imag}
     rotor = UnitPlan(
         ROTOR,
@@ -145,7 +146,11 @@ def plan(scene: Scene) -> Plan:
             balancer.label,
             balancer.model,
             balancer.sizes(),
-            {**balancer.start(loaded), **(drive if balancer.driven else {})},
+            {
+                **balancer.start(loaded),
+                **waves.get(balancer.label, {}),
+                **(drive if balancer.driven else {}),
+            },
             balancer.fmu or "",
         )
         for balancer in scene.balancer
@@ -190,9 +195,26 @@ def _initial(scene: Scene, speed: float) -> dict[str, float]:
     if scene.operation.gravity:
         sag = scene.assembly().loaded_rotor.rest_position(speed)
         for axis, at_rest in zip("xy", sag.tolist(), strict=True):
-            for prefix, value in zip(prefixes, at_rest, strict=True):
+            for prefix, value in zip(prefixes, at_rest[: len(prefixes)], strict=True):
                 start[f"{prefix}{axis}0"] += value
     return start
+
+
+def _waves(scene: Scene, speed: float) -> dict[str, dict[str, float]]:
+    """Start values of rings of liquid, at rest in fixed axes under gravity."""
+    assembly = scene.assembly()
+    if not (assembly.rings and scene.operation.gravity):
+        return {}
+    x, y = assembly.loaded_rotor.rest_position(speed)[:, assembly.rotor.stations :]
+    turned: list[complex] = ((x + 1j * y) * cmath.rect(1.0, -scene.run.initial.angle)).tolist()
+    found = {}
+    for mounted, wave in zip(assembly.rings, turned, strict=True):
+        rate = -1j * speed * wave
+        found[mounted.name] = {
+            "wave_xi0": wave.real, "wave_eta0": wave.imag,
+            "wave_speed_xi0": rate.real, "wave_speed_eta0": rate.imag,
+        }  # fmt: skip
+    return found
 
 
 def about(unit: UnitPlan, scene: Scene) -> dict[str, Any]:

@@ -93,7 +93,7 @@ def drive_to(scene: Scene, speed: float, start: str) -> tuple[Scene, float, str]
         corners = [[t * factor, s * factor] for t, s in zip(own.times, own.speeds, strict=True)]
         said = "" if factor == 1.0 else "the scene's own run-up at its own accelerations"
     else:
-        lowest = float(modes(scene.assembly().loaded_rotor, 0.0).natural_frequencies.min())
+        lowest = float(modes(scene.assembly().resting_rotor, 0.0).natural_frequencies.min())
         seconds = RUN_UP_PERIODS * math.tau / lowest
         corners = [[0.0, 0.0], [seconds, speed]]
         said = f"run-up from 0 within {seconds:.4g} s ({RUN_UP_PERIODS:g} periods of the lowest "

@@ -107,7 +107,7 @@ def sweep(scene: Scene, low: float, high: float, *, seed: int = 1) -> Sweep:
     if not 0.0 < low < high:
         raise UserError(f"--sweep {low:g} to {high:g} rad/s: must be positive and rising")
     scene, _ = perturbed(scene)
-    lowest = float(modes(scene.assembly().loaded_rotor, 0.0).natural_frequencies.min())
+    lowest = float(modes(scene.assembly().resting_rotor, 0.0).natural_frequencies.min())
     seconds = _PERIODS * math.tau / lowest
     ways = (("rising", low, high), ("falling", high, low))
     branches = tuple(_way(scene, *way, seconds, seed) for way in ways)

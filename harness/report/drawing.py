@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable, Iterator
 
 from ..scene import Scene
-from ..scene.balancer import AnyBalancer, WeightBalancer
+from ..scene.balancer import AnyBalancer, Ring, WeightBalancer
 from ..scene.rotor import Flexible, TwoSupport
 from ..units import shown_in
 from .svg import box, circle, drawing, line, spring, words
@@ -103,6 +103,11 @@ def _end_view(scene: Scene, balancer: AnyBalancer | None, left: float) -> Iterat
         said = (
             f"{balancer.count} {balancer.kind}, track {factor * balancer.track_radius:.4g} {unit}"
         )
+    elif isinstance(balancer, Ring):
+        ratio = balancer.device.inner_radius / balancer.wall_radius
+        yield circle(middle, _MIDDLE, _REACH, "liquid")
+        yield circle(middle, _MIDDLE, ratio * _REACH, "body")
+        said = f"ring of liquid, wall {factor * balancer.wall_radius:.4g} {unit}"
     else:
         ratio = balancer.float_radius / balancer.chamber_radius
         yield circle(middle, _MIDDLE, _REACH, "liquid")

@@ -23,7 +23,7 @@ from ..output.files import movie_format, write_whole
 from ..output.picture import GREY, colour, unbroken
 from ..output.plot import harmless, metres
 from ..scene import Scene
-from ..scene.balancer import Liquid, WeightBalancer
+from ..scene.balancer import Liquid, Ring, WeightBalancer
 from .motion import Motion
 
 if TYPE_CHECKING:
@@ -137,11 +137,11 @@ def views(motion: Motion, times: Array) -> tuple[float, list[View]]:
     return factor, seen
 
 
-def _radius(balancer: WeightBalancer | Liquid) -> float:
-    """Of the track, or of the chamber [m]."""
+def _radius(balancer: WeightBalancer | Liquid | Ring) -> float:
+    """Of the track, the chamber or the ring's wall [m]."""
     if isinstance(balancer, WeightBalancer):
         return balancer.track_radius
-    return balancer.chamber_radius
+    return balancer.wall_radius if isinstance(balancer, Ring) else balancer.chamber_radius
 
 
 def _factor(scene: Scene, moved: Any) -> float:

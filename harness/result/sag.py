@@ -27,7 +27,7 @@ def sag_of(scene: Scene, time: Array, speed: Array | None = None) -> dict[str, A
     """
     if not scene.operation.gravity:
         return {}
-    rotor = scene.assembly().loaded_rotor
+    rotor = scene.assembly().resting_rotor  # waves of liquid move no sag
     if not (rotor.varies or rotor.internal_damping.any()):
         speed = np.zeros_like(time)
     elif speed is None and scene.operation.motor:

@@ -85,7 +85,7 @@ def of_run(result: Result) -> Sheet:
         )
     late = result.time >= end - span
     angle = scene.run.initial.angle + profile.angles_at(result.time[late])
-    rotor = scene.assembly().at(end).loaded_rotor
+    rotor = scene.assembly().at(end).resting_rotor  # of supports and places alone
     names = [f"rotor.{prefix}{axis}" for axis in "xy" for prefix in stations(rotor.stations)]
     samples = np.array([result[name][late] for name in names])
     motion = synchronous(angle, samples, scene.rotor.is_free).reshape(2, rotor.stations)

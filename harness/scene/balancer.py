@@ -1,97 +1,39 @@
-"""The [[balancer]] tables of a scene: balls, rollers, pendulums, liquid."""
+"""The [[balancer]] tables of a scene: balls, rollers, pendulums; of liquids in `liquid`."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
+from typing import Annotated, Any, ClassVar, Literal
 
 import numpy as np
 from pydantic import Field, model_validator
 
 from ...models.assembly import Mounted
-from ...models.liquid import Liquid as LiquidModel
 from ...models.papers.capacity import capacity, moment_range
 from ...models.rotor import LinearRotor
 from ...models.spacing import fits, half_angle, largest_radius, touching
 from ...models.weights import KAPPA, Weights
 from .feeds import Feeds, Start, fed
+from .liquid import Liquid as Liquid
+from .liquid import Ring as Ring
+from .mounting import LONGEST_NAME as LONGEST_NAME
+from .mounting import Balancer as Balancer
 from .quantities import (
     SI,
     Angle,
     Each,
-    Flag,
     NotNegative,
     Positive,
     Real,
-    Table,
-    Text,
     Whole,
     each_of,
     refusal,
     refuse_other_length,
 )
-from .unit import FmuPath
 
 _OWN = {"mass": "mass", "drag": "drag", "weight_radius": "radius"}  # key, and name in the unit
 MOST_WEIGHTS = 10_000  # a slip of the keyboard, not a balancer
-LONGEST_NAME = 32  # characters: every variable of it has at most the 63 of MATLAB
-
-
-class Balancer(Table):
-    """What every balancer has: a name (default: its kind) and a plane, counted from 1.
-
-    Attributes:
-        model: the unit that steps it.
-        driven: whether the unit is told the rotor's speed and acceleration.
-        follows: what it is told of its plane's place, for its clearance alone.
-        records: outputs that a run records where nothing else is asked for.
-        exchanges_force: whether it sends force; else its whole effect is its added mass.
-        can_meet, can_stick: whether its force can jump, as weights collide, or stick and slip.
-    """
-
-    model: ClassVar[str]
-    driven: ClassVar[bool] = False
-    follows: ClassVar[tuple[str, ...]] = ()
-
-    kind: str
-    if TYPE_CHECKING:  # of one kind a property, of another a fact
-
-        @property
-        def records(self) -> tuple[str, ...]: ...
-        @property
-        def exchanges_force(self) -> bool: ...
-        @property
-        def can_meet(self) -> bool: ...
-        @property
-        def can_stick(self) -> bool: ...
-
-    name: Annotated[
-        Text,
-        Field(min_length=1, pattern=rf"^[A-Za-z_][A-Za-z0-9_-]{{0,{LONGEST_NAME - 1}}}$"),
-    ] = ""
-    """Names its signals and its FMU: a letter first, then letters, digits, _ and -, at most 32;
-    unique; default: the kind.  In FMUs a name with - is quoted: `'left-ring'.drag`."""
-    at: Annotated[Whole, Field(ge=1)] = 1
-    """Number of the rotor's plane or station it sits on."""
-    fmu: FmuPath = None
-    """FMU that steps it instead of ours, from the folder of the scene file; it has
-    [our ports](units.md); default: ours."""
-    inertia_as_force: Annotated[Flag, Feeds()] = False
-    """The added mass is sent inside the force, for rotors without that port."""
-
-    @property
-    def label(self) -> str:
-        """The name by which signals and overrides know this balancer."""
-        return self.name or self.kind
-
-    def sizes(self) -> dict[str, Any]:
-        """What the unit is built for."""
-        return {}
-
-    def start(self, loaded_rotor: LinearRotor) -> Start:
-        """Parameters and start values of the unit, on a rotor that carries its balancers."""
-        return fed(self)
 
 
 class WeightBalancer(Balancer):
@@ -286,42 +228,4 @@ class Pendulums(WeightBalancer):
     kind: Literal["pendulums"] = "pendulums"
 
 
-class Liquid(Balancer):
-    """Chamber, float, and liquid in the gap, Dubovik 2006."""
-
-    model: ClassVar[str] = "LiquidBalancer"
-    follows: ClassVar[tuple[str, ...]] = ("x", "y")
-    records: ClassVar[tuple[str, ...]] = ("clearance",)
-    can_meet: ClassVar[bool] = False
-    can_stick: ClassVar[bool] = False
-
-    kind: Literal["liquid"] = "liquid"
-    chamber_radius: Annotated[Positive, SI("m"), Feeds()]
-    """Inner radius of the chamber."""
-    float_radius: Annotated[Positive, SI("m"), Feeds()]
-    """Less than the chamber's."""
-    height: Annotated[Positive, SI("m"), Feeds()]
-    """Of the gap, along the axis."""
-    density: Annotated[Positive, SI("kg/m^3"), Feeds()]
-    """Of the liquid."""
-
-    @property
-    def exchanges_force(self) -> bool:
-        """Only where its inertia is sent rather than carried."""
-        return self.inertia_as_force
-
-    @model_validator(mode="after")
-    def _fits_the_chamber(self) -> Liquid:
-        if self.float_radius >= self.chamber_radius:
-            raise refusal(
-                "float_radius", f"must be less than chamber_radius = {self.chamber_radius!r} m"
-            )
-        return self
-
-    def build(self) -> Mounted:
-        """The liquid on its plane."""
-        device = LiquidModel(self.chamber_radius, self.float_radius, self.height, self.density)
-        return Mounted(self.label, device, self.at - 1)
-
-
-AnyBalancer = Annotated[Balls | Rollers | Pendulums | Liquid, Field(discriminator="kind")]
+AnyBalancer = Annotated[Balls | Rollers | Pendulums | Liquid | Ring, Field(discriminator="kind")]

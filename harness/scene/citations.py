@@ -17,6 +17,7 @@ _ROTORS = {
     "flexible": ("Filimonikhin 2011", "equations of the flexible rotor"),
 }  # by `kind`
 _LIQUID = "Dubovik 2006", "equations of a rotor with a liquid balancer"
+_RING = "Li, Wang and Yuan 2018", "stability of a rotor part filled with liquid"
 _WEIGHTS = "Filimonikhina 2017", "equations of the balls, rollers or pendulums"
 
 
@@ -57,7 +58,7 @@ def _cited(scene: Scene, in_one_piece: bool) -> Iterator[tuple[str, str]]:
     if scene.rotor.kind != "planar" or not scene.balancer or not liquid_only:
         yield _ROTORS[scene.rotor.kind]  # else Dubovik's equations are those of rotor and liquid
     for balancer in scene.balancer:
-        yield _LIQUID if balancer.kind == "liquid" else _WEIGHTS
+        yield {"liquid": _LIQUID, "ring": _RING}.get(balancer.kind, _WEIGHTS)
         if balancer.can_meet:
             yield "Goncharov 2017", "spacing of weights that touch"
             yield "Moreau 1988; Murty 1974", "impacts of several weights at once"

@@ -30,6 +30,11 @@ def model_problems(scene: Scene, rotor: LinearRotor) -> Iterator[str]:
             "operation.gravity: does not support rubber (support_loss_factor, loss_factor): its "
             "inner displacement has no weight; leave one of the two out"
         )
+    if rotor.inner and any(balancer.kind == "ring" for balancer in scene.balancer):
+        yield (
+            "balancer: a ring of liquid is not supported beside rubber (support_loss_factor, "
+            "loss_factor): give stiffness and damping"
+        )
     held = {"xy"[axis] for axis, _ in rotor.locked}
     for axis, pull in zip(
         "xy", (scene.operation.field.real, scene.operation.field.imag), strict=True

@@ -173,7 +173,7 @@ def _discs_without_size(scene: Scene) -> Iterator[str]:
 
 def _natural(scene: Scene) -> list[float]:
     """Natural frequencies of the rotor with its balancers at standstill [rad/s]."""
-    rates = np.abs(scene.assembly().loaded_rotor.at_bottom.free_rates(0.0)).round(9)
+    rates = np.abs(scene.assembly().resting_rotor.at_bottom.free_rates(0.0)).round(9)
     if scene.rotor.is_free:
         rates = rates[rates > STIFF * rates.max()]
     return sorted(set(rates.tolist()))  # np.unique loads masked arrays

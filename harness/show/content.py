@@ -16,7 +16,7 @@ from ..errors import SceneError
 from ..master.one_file import composition
 from ..master.plan import plan
 from ..scene import Scene
-from ..scene.balancer import WeightBalancer
+from ..scene.balancer import Ring, WeightBalancer
 from ..scene.grade import GRADES
 from ..units import shown_in, unbalance_unit
 from .saved import document, keys_of
@@ -205,12 +205,14 @@ def _balancers(scene: Scene) -> Iterator[dict[str, Any]]:
     planes = plan(scene).planes
     sizes = [
         *("track_radius", "weight_radius", "track_offset_xi", "track_offset_eta"),
-        *("chamber_radius", "float_radius"),
+        *("chamber_radius", "float_radius", "wall_radius"),
     ]
     for balancer in scene.balancer:
         place = scene.rotor.planes[balancer.at - 1]
         known = {"label": balancer.label, "kind": balancer.kind, "z": place}
         known["plane"] = planes[balancer.label]
         known |= {key: getattr(balancer, key, None) for key in sizes}
+        if isinstance(balancer, Ring):
+            known |= {"inner_radius": balancer.device.inner_radius}
         weights = balancer.device.each if isinstance(balancer, WeightBalancer) else ()
         yield known | {"radii": [one.radius for one in weights]}

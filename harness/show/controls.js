@@ -110,6 +110,7 @@ function showSettings(found, { settings, data }) {
 
 const KINDS = {
   weights: { good: "balances", unstable: "does not balance" },
+  ring: { good: "stable", unstable: "unstable: waves grow" },
   liquid: { good: "bends less than without liquid", poor: "bends more", unstable: "unstable" },
 };
 
@@ -119,7 +120,8 @@ function strip({ window: { low, high, ends, kinds, words }, balancers, left_behi
   const marker = make("div", { className: "marker" });
   const box = make("div", { id: "strip", role: "img" });
   const said = make("p", { id: "strip_words" });
-  const meanings = KINDS[balancers.some((b) => b.track_radius) ? "weights" : "liquid"];
+  const meanings = KINDS[balancers.some((b) => b.track_radius) ? "weights"
+    : balancers.some((b) => b.wall_radius) ? "ring" : "liquid"];
   let from = low;
   const spans = ends.map((end, k) => {
     const piece = make("div", { className: `part ${kinds[k]}` });

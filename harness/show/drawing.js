@@ -165,6 +165,10 @@ class Drawing {
       return;
     }
     const turned = machine.now.angle + view;
+    if (b.wall_radius) {
+      this.ring(b, [x, y], scale, turned);
+      return;
+    }
     const [oxi, oeta] = [b.track_offset_xi * scale, b.track_offset_eta * scale];
     const tx = x + oxi * Math.cos(turned) - oeta * Math.sin(turned);
     const ty = y - oxi * Math.sin(turned) - oeta * Math.cos(turned);
@@ -186,6 +190,27 @@ class Drawing {
       c.textAlign = "center";
       if (size >= 6) c.fillText(number, wx, wy + 4);
     });
+  }
+
+  /* A ring part filled: its free surface is a circle beside the wall's by (1 - f) y. */
+  ring(b, [x, y], scale, turned) {
+    const { context: c, colours, machine, magnification: m } = this;
+    const [xi, eta] = machine.now.waves[b.label];
+    const gap = b.wall_radius - b.inner_radius, share = 1 - (b.inner_radius / b.wall_radius) ** 2;
+    const size = share * Math.hypot(xi, eta), shown = Math.min(m * size, 0.98 * gap);
+    const by = size ? (scale * share * shown) / size : 0;
+    const sx = x - by * (xi * Math.cos(turned) - eta * Math.sin(turned));
+    const sy = y + by * (xi * Math.sin(turned) + eta * Math.cos(turned));
+    c.fillStyle = size < gap ? colours.liquid : colours.heavy; // beyond, the wall is dry
+    c.globalAlpha = 0.8;
+    c.beginPath();
+    c.arc(x, y, b.wall_radius * scale, 0, TURN);
+    c.arc(sx, sy, b.inner_radius * scale, 0, TURN, true);
+    c.fill("evenodd");
+    c.globalAlpha = 1;
+    c.strokeStyle = colours.ink;
+    circle(c, x, y, b.wall_radius * scale);
+    circle(c, sx, sy, b.inner_radius * scale);
   }
 
   /* -- across the axis: x upwards, y towards the eye as a slant ------------------------------- */
@@ -244,7 +269,7 @@ function gapTimes({ chamber_radius, float_radius }, magnification = Infinity) {
 /* What a front view shows: each plane with balancers; of a bare rotor its first station. */
 function frontPlanes(machine) {
   const { data } = machine;
-  const reach = (b) => (b.chamber_radius ?? b.track_radius) + (b.weight_radius ?? 0);
+  const reach = (b) => (b.chamber_radius ?? b.wall_radius ?? b.track_radius) + (b.weight_radius ?? 0);
   const several = data.stations.length > 1;
   if (!data.balancers.length) {
     const radius = several ? 0.15 * (Math.max(...data.stations) - Math.min(...data.stations)) : 1;

@@ -205,8 +205,11 @@ class Machine {
     const facts = ["rotor.angle", "rotor.speed", "coupling.loop_gain", "coupling.error",
       "coupling.steps"];
     this.clearances = units.names.filter((name) => name.endsWith(".clearance"));
+    this.waves = units.names.filter((name) => name.endsWith(".wave_xi"))
+      .map((name) => name.slice(0, -".wave_xi".length));
     this.readAll = units.reader([...facts, ...this.places.flatMap((p) => [`${p}.x`, `${p}.y`]),
-      ...weights, ...this.clearances]);
+      ...this.waves.flatMap((w) => [`${w}.wave_xi`, `${w}.wave_eta`]), ...weights,
+      ...this.clearances]);
     const before = new Map(this.weights?.map(({ name }, k) => [name, this.history.angles[k]]));
     this.weights = weights.map((name) => ({
       name, label: name.split(".")[0], number: Number(name.match(/\[(\d+)\]/)[1]),
@@ -226,9 +229,12 @@ class Machine {
   read() {
     const [angle, speed, gain, error, steps, ...rest] = this.readAll();
     const pairs = this.places.map((_, k) => ({ x: rest[2 * k], y: rest[2 * k + 1] }));
-    const angles = rest.slice(2 * this.places.length, rest.length - this.clearances.length);
+    const first = 2 * this.places.length, last = first + 2 * this.waves.length;
+    const waves = Object.fromEntries(this.waves.map((w, k) =>
+      [w, rest.slice(first + 2 * k, first + 2 * k + 2)]));
+    const angles = rest.slice(last, rest.length - this.clearances.length);
     const clearance = Math.min(...rest.slice(rest.length - this.clearances.length));
-    this.now = { angle, speed, gain, error, steps, pairs, angles, clearance };
+    this.now = { angle, speed, gain, error, steps, pairs, waves, angles, clearance };
   }
 
   remember() {

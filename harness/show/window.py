@@ -38,7 +38,7 @@ def window(scene: Scene) -> Window:
     low, high = speeds_of_interest(scene.assembly().rotor, scene.profile().end)
     if not scene.balancer:
         return Window(low, high, (), (), "the scene has no balancer")
-    if not scene.assembly().weights:
+    if not (scene.assembly().weights or scene.assembly().rings):
         try:
             return _liquid(LiquidWindow.of(scene.assembly()), low, high)
         except ValueError as error:

@@ -15,7 +15,7 @@ from ...models.linear.balanced import CannotBalance, balanced_angles
 from ...models.papers.window import LiquidWindow
 from ...models.proof.balanced import Seen, WeightBalls, seen
 from ...models.proof.equations import Equations, matrices
-from ...models.proof.rotors import Unproved, rotor_balls
+from ...models.proof.rotors import RingBalls, Unproved, rotor_balls
 from ...models.proof.slopes import Exact, Number, Sloped, ball
 from ...models.proof.window import WindowBalls
 from ...models.weights import KAPPA
@@ -186,11 +186,13 @@ class Tables:
             Unproved: a balanced motion is not proved to exist.
         """
         self.damp()
-        weights, added, angles = [], [], _angles(self.scene)
+        weights, added, rings, angles = [], [], [], _angles(self.scene)
         for table in self.balancers.values():
             plane = table["at"] - 1
             if table["kind"] == "liquid":
                 added.append((plane, _liquid_mass(table)))
+            elif table["kind"] == "ring":
+                rings.append((plane, _ring(table)))
             else:
                 count = table["count"]
                 added.append((plane, table["mass"] * count))
@@ -198,7 +200,7 @@ class Tables:
                 each, radius, drag = (table[key] for key in ("mass", "track_radius", "drag"))
                 kappa = _exact(KAPPA[table["kind"]])
                 weights.append(WeightBalls(plane, count, each, radius, drag, kappa, stand))
-        rotor = rotor_balls(self.rotor, added)
+        rotor = rotor_balls(self.rotor, added, rings)
         found = seen(rotor, weights)
         return matrices(rotor, found), found
 
@@ -222,6 +224,11 @@ def _angles(scene: Scene) -> Iterator[float]:
 def refuse_unproved(scene: Scene) -> None:
     """Raise Unproved for what is no linear motion about balance."""
     for balancer in scene.balancer:
+        if getattr(balancer, "kinematic", 0.0):
+            raise Unproved(
+                f"{balancer.label}.viscosity: waves that it damps are not proved; give "
+                "wave_damping at the speed of interest instead"
+            )
         if balancer.can_stick:
             raise Unproved(f"{balancer.label}.rolling_resistance: dry friction is not proved")
         if getattr(balancer, "unequal", False):
@@ -281,3 +288,14 @@ def window(scene: Scene, changes: Sequence[Change] = ()) -> WindowBalls | None:
 def _liquid_mass(table: dict[str, Any]) -> Number:
     radius = table["chamber_radius"]
     return arb.pi() * radius * radius * table["density"] * table["height"]
+
+
+def _ring(table: dict[str, Any]) -> RingBalls:
+    wall, depth = table["wall_radius"] * table["wall_radius"], table["density"] * table["height"]
+    if table["inner_radius"] is not None:
+        inner = table["inner_radius"] * table["inner_radius"]
+    elif table["fill"] is not None:
+        inner = wall - table["fill"] * (wall - table["inner_wall_radius"] ** 2)
+    else:
+        inner = wall - table["liquid_mass"] / (arb.pi() * depth)
+    return RingBalls(arb.pi() * depth * (wall - inner), inner / wall, table["wave_damping"])

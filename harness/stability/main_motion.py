@@ -96,7 +96,7 @@ class MainMotion(Closing):
                 self._accuracy = replace(self._accuracy, moved=MOVED_BESIDE_OTHERS)
             self._speed = abs(scene.profile().end)  # any will do for what follows
             states = enumerate(self.units.states)
-            self._angles = [i for i, s in states if s.unit != "rotor" and not s.is_rate]
+            self._angles = [i for i, s in states if s.start.startswith("weight[") and not s.is_rate]
             self.state = self._balanced()
             self._rows, self._columns, self.neutral = self._split()
             self._refuse_false_neutral()

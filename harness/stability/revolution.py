@@ -59,6 +59,11 @@ def states(scene: Scene) -> list[State]:
         for axis in "xy"
         for prefix in stations(rotor.stations)
     ]
+    for mounted in assembly.rings:
+        for what, is_rate in (("wave", False), ("wave_speed", True)):
+            for axis in ("xi", "eta"):
+                name = f"{what}_{axis}"
+                result.append(State(mounted.name, f"{name}0", name, is_rate, length))
     for mounted in assembly.weights:
         for k in range(1, len(mounted.angles) + 1):
             for what, is_rate in (("angle", False), ("speed", True)):

@@ -37,8 +37,8 @@ NODES, COEFFICIENTS = radau(STAGES)
 
 def _radians(systems: list[Linearised], which: NDArray, speeds: NDArray) -> NDArray[np.float64]:
     """Turn of the fastest motion in half a revolution (b,)."""
-    fastest = np.array([s.fastest for s in systems])[which]
-    return math.pi * (1.0 + fastest / speeds)
+    fastest, wave = np.array([(s.fastest, s.wave) for s in systems]).reshape(-1, 2)[which].T
+    return math.pi * (1.0 + np.maximum(fastest / speeds, wave))
 
 
 def half_turn_steps(radians: NDArray) -> NDArray[np.int_]:
@@ -109,9 +109,13 @@ def _kron_each(one: NDArray, each: NDArray) -> NDArray[np.float64]:
 
 
 def _harmonics_of(steady: NDArray, speeds: NDArray) -> NDArray:
-    """A/w without anisotropy, (b, d, d), from its coefficients (b, 3, d, d)."""
+    """A/w without anisotropy, (b, d, d), from its coefficients (b, 3 or 5, d, d)."""
     w = speeds[:, None, None]
-    return steady[:, 0] / w + steady[:, 1] + steady[:, 2] * w
+    found: NDArray = steady[:, 0] / w + steady[:, 1] + steady[:, 2] * w
+    if steady.shape[1] > 3:
+        root = np.sqrt(w)
+        found = found + steady[:, 3] / root + steady[:, 4] * root
+    return found
 
 
 def _at_nodes(parts: tuple[NDArray, ...], steps: int, number: int) -> NDArray:
@@ -186,7 +190,7 @@ def fast_growth(
         system, w = systems[which[i]], speeds[i]
         limit = MOST_STEPS * w / math.pi
         angles = 2.0 * math.pi * np.arange(_FROZEN_ANGLES)[:, None, None] / _FROZEN_ANGLES
-        frozen = system.steady[0] + w * (system.steady[1] + system.turning + w * system.steady[2])
+        frozen = system.at_speed(w) + w * system.turning
         values = np.linalg.eigvals(
             frozen + np.cos(angles) * system.cosine + np.sin(angles) * system.sine
         )

@@ -9,7 +9,8 @@ In that frame (zeta = z e^{-i beta}, D = d/dt + i w) rotor and weights read
 dC, dK half the difference between the axes: constant coefficients for an isotropic rotor, one pair
 of harmonics of 2 beta for any other (Filimonikhin 2011 (11), Filimonikhina 2017 (9)).  With cross
 terms K_xy, K_yx of the supports K becomes K - i (K_xy - K_yx)/2 and dK becomes
-dK + i (K_xy + K_yx)/2, and so do C and dC.
+dK + i (K_xy + K_yx)/2, and so do C and dC.  The wave of a ring of liquid (`models.ring`) is one
+station more; its damping by viscosity goes with the root of the speed.
 
 Turns of the weights that leave S^T ds unchanged are neutral: the turned weights are at rest again,
 so their multiplier is exactly 1.  They are taken out by coordinates, not recognised afterwards: the
@@ -19,7 +20,7 @@ The rates left over, of weights of equal drag rate d, decay freely as e^{-d t}.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -34,6 +35,7 @@ Matrix = NDArray[np.float64]
 _TURN = np.array([[0.0, -1.0], [1.0, 0.0]])  # i
 # e^{-2 i beta} conj(zeta) = (mirror[0] cos 2 beta + mirror[1] sin 2 beta) zeta
 _MIRRORS = np.array([[[1.0, 0.0], [0.0, -1.0]], [[0.0, -1.0], [-1.0, 0.0]]])
+POWERS = np.array([0.0, 1.0, 2.0, 0.5, 1.5])  # of the speed, by which `steady` is multiplied
 _RANK = 1e-12  # such a direction couples to the rotor with the square of this
 
 
@@ -42,7 +44,8 @@ class Linearised:
     """A(w, beta) = sum_k w^k steady[k] + cosine cos 2 beta + sine sin 2 beta.
 
     Attributes:
-        steady: (3, d, d) coefficients of 1, w, w^2.
+        steady: (3, d, d) coefficients of 1, w, w^2; (5, d, d) with those of w^0.5, w^1.5 where
+            waves are damped by viscosity.
         cosine, sine: (d, d) parts due to anisotropy.
         turning: (d, d) what w must be multiplied by and added to undo the turning of the frame.
         constant: True when they vanish, so that eigenvalues decide.
@@ -50,6 +53,7 @@ class Linearised:
         free_decay: (f,) drag rates d of the free rates: multiplier e^{-d T} each [1/s].
         fastest: estimate of the highest natural frequency [rad/s].
         angles: (K,) of the weights in the main motion [rad].
+        wave: speed of the fastest free wave of a ring of liquid, over that of the rotor; 0: none.
     """
 
     steady: Matrix
@@ -61,11 +65,16 @@ class Linearised:
     free_decay: NDArray[np.float64]
     fastest: float
     angles: NDArray[np.float64]
+    wave: float = 0.0
 
     @property
     def size(self) -> int:
         """Order d of the system without neutral and freely decaying directions."""
         return int(self.steady.shape[1])
+
+    def at_speed(self, speed: float) -> Matrix:
+        """A without anisotropy (d, d) [1/s], at a speed [rad/s]."""
+        return np.einsum("k,kij->ij", speed ** POWERS[: len(self.steady)], self.steady)
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,7 +97,9 @@ class RotorParts:
     Attributes:
         stiffness, damping: of both axes.
         half_stiffness, half_damping: by the conjugate.
-        internal, gyroscopic: as in `LinearRotor`.
+        internal, gyroscopic: as in `LinearRotor`, with those of waves.
+        centrifugal: (n,) what waves pull by their displacement, over w^2 [kg].
+        rooted: (n,) damping of waves over the root of the speed; None where viscosity damps none.
         turning: the first four again as multiples of i; None where no support has cross terms.
     """
 
@@ -98,6 +109,8 @@ class RotorParts:
     half_damping: Numbers
     internal: Numbers
     gyroscopic: Numbers
+    centrifugal: Numbers
+    rooted: Numbers | None = None
     turning: tuple[Numbers, Numbers, Numbers, Numbers] | None = None
 
     @classmethod
@@ -105,18 +118,34 @@ class RotorParts:
         """Those of a rotor; the shaft's stiffness does not cancel, it does not stand in halves."""
         (k_xx, k_xy), (k_yx, k_yy) = rotor.springs
         (c_xx, c_xy), (c_yx, c_yy) = rotor.dampers
+        waves = tuple(_waves(rotor))
         plain = (
             rotor.elastic + (k_xx + k_yy) / 2,
             (k_xx - k_yy) / 2,
             (c_xx + c_yy) / 2,
             (c_xx - c_yy) / 2,
-            rotor.internal_damping,
-            rotor.gyroscopic,
+            rotor.internal_damping + np.diag(waves[0]),
+            rotor.gyroscopic + 4 * np.diag(waves[1]),
+            2 * waves[1],
+            waves[2] if any(ring.viscosity for _, ring in rotor.waves) else None,
         )
         if not rotor.crossed:
             return cls(*plain)
         turning = (k_yx - k_xy) / 2, (k_xy + k_yx) / 2, (c_yx - c_xy) / 2, (c_xy + c_yx) / 2
         return cls(*plain, turning)
+
+
+def _waves(rotor: LinearRotor) -> Iterator[Numbers]:
+    """Damping, inertia and damping over the root of the speed of every station's wave, (n,)."""
+    for what in (
+        lambda ring: ring.wave_inertia * ring.wave_damping,
+        lambda ring: ring.wave_inertia,
+        lambda ring: ring.wave_inertia * ring.root_damping,
+    ):
+        each = np.zeros(rotor.stations, object if rotor.mass.dtype == object else float)
+        for at, ring in rotor.waves:
+            each[at] = what(ring)
+        yield each
 
 
 def _row_space(matrix: Matrix) -> Matrix:
@@ -128,7 +157,7 @@ def _row_space(matrix: Matrix) -> Matrix:
 
 def _couplings(assembly: Assembly, table: WeightTable, angles: NDArray) -> Couplings:
     """Split the weights' turns and rates, group by group of equal drag rate."""
-    planes = assembly.rotor.planes[table.plane]  # (K, n)
+    planes = assembly.loaded_rotor.planes[table.plane]  # (K, n)
     tangent = np.hstack(
         [-np.sin(angles)[:, None] * planes, np.cos(angles)[:, None] * planes]
     )  # (K, 2n): along-track part of a unit acceleration; transposed, of a unit moment
@@ -189,7 +218,7 @@ def _kron(axes: Matrix, matrix: Matrix) -> Matrix:
 def small_motions(
     rotor: RotorParts, mass: Numbers, c: Couplings, solve: Callable[..., Numbers] = np.linalg.solve
 ) -> Numbers:
-    """The matrices (5, d, d) of `Linearised`: steady, cosine and sine.
+    """The matrices (5 or 7, d, d) of `Linearised`: steady, cosine, sine, and those of w^0.5, w^1.5.
 
     Numbers may be of any kind that `solve` can compute with: a proof has balls.
 
@@ -200,7 +229,8 @@ def small_motions(
     at = _Blocks.of(c)
     n, both = len(rotor.internal), np.eye(2)
     turn = _kron(_TURN, np.eye(n))
-    forces = np.zeros((5, 2 * n, at.size), mass.dtype)  # rows of M_eff D^2 zeta
+    parts = 5 if rotor.rooted is None else 7
+    forces = np.zeros((parts, 2 * n, at.size), mass.dtype)  # rows of M_eff D^2 zeta
     forces[0, :, at.q] = -_kron(both, rotor.stiffness)
     forces[0, :, at.u] = -_kron(both, rotor.damping + rotor.internal)
     forces[0, :, at.v] = c.pull_rate * c.drag
@@ -208,12 +238,16 @@ def small_motions(
     forces[1, :, at.u] = turn @ _kron(both, rotor.gyroscopic)
     forces[1, :, at.v] = -2.0 * turn @ c.pull_rate
     forces[2, :, at.g] = c.pull_turn
+    forces[2, :, at.q] = _kron(both, np.diag(rotor.centrifugal))
+    if rotor.rooted is not None:
+        forces[5, :, at.u] = -_kron(both, np.diag(rotor.rooted))
+        forces[6, :, at.q] = turn @ _kron(both, np.diag(rotor.rooted))
     for part, mirror in enumerate(_MIRRORS, start=3):
         forces[part, :, at.q] = -_kron(mirror, rotor.half_stiffness)
         forces[part, :, at.u] = -_kron(mirror, rotor.half_damping)
     _add_turning(forces, rotor, at)
     acceleration = solve(mass, forces)
-    result = np.zeros((5, at.size, at.size), mass.dtype)
+    result = np.zeros((parts, at.size, at.size), mass.dtype)
     result[:, at.u], result[:, at.v] = acceleration, -c.drive @ acceleration
     result[0, at.q, at.u] += np.eye(2 * n, dtype=int)
     result[0, at.g, at.v] += c.feed
@@ -223,7 +257,7 @@ def small_motions(
         result[1, at.u, at.u] -= turn
     else:  # in fixed axes, where beta stays 0
         result[0] += result[3]
-        result[3:] = 0.0
+        result[3:5] = 0.0
     return result
 
 
@@ -277,12 +311,13 @@ def linearise(assembly: Assembly) -> Linearised:
     angles = balanced_angles(assembly)
     c = _couplings(assembly, WeightTable.of(assembly), angles)
     mass = _kron(np.eye(2), rotor.mass) - c.pull_rate @ c.drive
-    *steady, cosine, sine = small_motions(RotorParts.of(rotor), mass, c)
+    found = small_motions(RotorParts.of(rotor), mass, c)
+    steady, (cosine, sine) = np.concatenate([found[:3], found[5:]]), found[3:5]
     turning, at = np.zeros_like(cosine), _Blocks.of(c)
     if c.drag.size:
         turning[at.q, at.q] = turning[at.u, at.u] = _kron(_TURN, np.eye(rotor.stations))
     return Linearised(
-        steady=np.array(steady),
+        steady=steady,
         cosine=cosine,
         sine=sine,
         turning=turning,
@@ -291,4 +326,5 @@ def linearise(assembly: Assembly) -> Linearised:
         free_decay=c.free_decay,
         fastest=_fastest(rotor, mass),
         angles=angles,
+        wave=max([0.0, *(ring.wave_speeds[1] for _, ring in rotor.waves)]),
     )

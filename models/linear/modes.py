@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from scipy.linalg import eigh, eigvals, eigvalsh
 from scipy.optimize import brentq
 
-from ..rotor import LinearRotor
+from ..rotor import LinearRotor, as_real
 from .growth import Growth, State, eigenpairs_with_errors
 
 _PLANAR = 1e-6  # |whirl| below it is a straight line: rounding of equal x and y frequencies
@@ -144,14 +144,20 @@ def critical_speeds(rotor: LinearRotor) -> NDArray[np.float64]:
     """
     if rotor.varies or rotor.inner:
         return _critical_over_speed(rotor)
-    mass, damping, stiffness = rotor.coefficients(0.0)
-    _, turning, _ = rotor.coefficients(1.0)
+    bare = replace(rotor, waves=())
+    mass, damping, stiffness = bare.coefficients(0.0)
+    _, turning, _ = bare.coefficients(1.0)
     kept = _moving(rotor)
     mass, damping, stiffness, turning = (
         each[np.ix_(kept, kept)] for each in (mass, damping, stiffness, turning)
     )
     elastic = stiffness.real if rotor.isotropic else stiffness
     inertial = mass - 1j * (turning - damping)
+    for at, ring in rotor.waves:  # K - 2 w^2 m f + i w (-4 i w m f), without damping
+        own = np.zeros((rotor.stations, rotor.stations), complex)
+        own[at, at] = ring.wave_inertia
+        still, swirl = (own, -4j * own) if rotor.isotropic else (as_real(own), as_real(-4j * own))
+        inertial = inertial + (2.0 * still - 1j * swirl)[np.ix_(kept, kept)]
     elastic = (elastic + elastic.conj().T) / 2.0  # what cross terms do beyond is like damping
     strength = eigvalsh(elastic)
     if strength[0] <= _RIGID * strength[-1]:  # a body that is free

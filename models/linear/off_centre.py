@@ -22,7 +22,7 @@ from ..weights import Weights
 def track_offsets(assembly: Assembly) -> tuple[Complex, Complex]:
     """Offset (p,) of the tracks of every plane [m], their mean by moments, and the unbalance (n,)
     of the weights' masses on them [kg m]."""
-    rotor = assembly.rotor
+    rotor = assembly.loaded_rotor
     moments: Array = np.zeros(rotor.plane_count)
     shares: Complex = np.zeros(rotor.plane_count, complex)
     unbalance: Complex = np.zeros(rotor.stations, complex)
@@ -61,7 +61,10 @@ def centred(assembly: Assembly, speed: float) -> Assembly:
         raise ArithmeticError("the weights cannot hold the centres of all tracks") from None
     return replace(
         assembly,
-        rotor=replace(assembly.rotor, unbalance=np.asarray(-(moments @ planes), complex)),
+        rotor=replace(
+            assembly.rotor,
+            unbalance=np.asarray(-(moments @ planes), complex)[: assembly.rotor.stations],
+        ),
         balancers=tuple(replace(mounted, offset=0j) for mounted in assembly.balancers),
         later=(),
     )

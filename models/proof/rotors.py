@@ -9,7 +9,7 @@ from __future__ import annotations
 import functools
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 from flint import arb, arb_mat
@@ -109,8 +109,29 @@ def solve(matrix: Exact, right: Exact) -> Exact:
     return found
 
 
-def rotor_balls(table: Mapping[str, Any], added: Sequence[tuple[int, Number]]) -> RotorBalls:
-    """The rotor of a scene's table, every number a ball, with `added` masses [kg] at its planes.
+@dataclass(frozen=True)
+class RingBalls:
+    """What `LinearRotor.with_ring` takes of a ring of liquid, every number a ball."""
+
+    liquid_mass: Number
+    hollow: Number
+    wave_damping: Number
+    viscosity: int = 0
+    root_damping: int = 0
+
+    @property
+    def wave_inertia(self) -> Number:
+        """As of `Ring`."""
+        return self.liquid_mass * self.hollow
+
+
+def rotor_balls(
+    table: Mapping[str, Any],
+    added: Sequence[tuple[int, Number]],
+    rings: Sequence[tuple[int, RingBalls]] = (),
+) -> RotorBalls:
+    """The rotor of a scene's table, every number a ball, with `added` masses [kg] and rings of
+    liquid at its planes.
 
     Raises:
         Unproved: it is not proved that there is such a rotor.
@@ -138,12 +159,16 @@ def rotor_balls(table: Mapping[str, Any], added: Sequence[tuple[int, Number]]) -
     masses = balls([0] * rotor.plane_count)
     for plane, mass in added:
         masses[plane] += mass
+    rotor = rotor.with_added_mass(masses)
+    for plane, ring in rings:
+        rotor = rotor.with_ring(cast(Any, ring), plane)
     parts = RotorParts.of(rotor)
     return RotorBalls(
         stiffness=balls(parts.stiffness), half_stiffness=balls(parts.half_stiffness),
         damping=balls(parts.damping), half_damping=balls(parts.half_damping),
         internal=balls(parts.internal), gyroscopic=balls(parts.gyroscopic), turning=parts.turning,
-        mass=rotor.with_added_mass(masses).mass, planes=rotor.planes, places=tuple(places),
+        centrifugal=balls(parts.centrifugal), mass=rotor.mass, planes=rotor.planes,
+        places=tuple(places),
         unbalances=tuple((place, balls([size * angle.cos(), size * angle.sin()]))
                          for place, size, angle in loads),
         rigid=kind == "two_support",

@@ -37,13 +37,14 @@ class Monolith:
 
     def __init__(self, assembly: Assembly, profile: SpeedProfile, angle: float = 0.0) -> None:
         """Set up the matrices; `angle` [rad] is the rotor's at time 0."""
-        rotor, self.lagrange = assembly.rotor, Lagrange(assembly)
+        self.lagrange = Lagrange(assembly)
+        rotor = self.lagrange.rotor
         self.assembly, self.profile, self.angle = assembly, profile, angle
         self.stations, self.weights = rotor.stations, self.lagrange.weights
         self._devices = [one for m in assembly.weights for one in weights_of(m).each]
         plain = self.stations == 1 and bool((rotor.planes == 1.0).all())
         plain = plain and not rotor.gyroscopic.any() and not self.lagrange.offset.any()
-        plain = plain and not rotor.crossed
+        plain = plain and not (rotor.crossed or rotor.waves)
         self.rhs: RightHandSide = self.scalar_rhs() if plain else self.array_rhs
 
     @property
@@ -62,8 +63,10 @@ class Monolith:
     def initial(self, start: Start = REST) -> Array:
         """State at time 0, (size,): at rest in the sag unless `start` says otherwise."""
         sag = self.assembly.loaded_rotor.rest_position(self.profile.speed(0.0))
+        waves = len(self.assembly.rings)  # which begin at rest
+        own = self.stations - waves
         parts = [
-            np.broadcast_to(np.asarray(value, float), self.stations) + rest
+            np.pad(np.broadcast_to(np.asarray(value, float), own), (0, waves)) + rest
             for value, rest in zip(
                 (start.x, start.y, start.vx, start.vy), (*sag, 0.0, 0.0), strict=True
             )
@@ -117,7 +120,7 @@ class Monolith:
                 (..., N) [rad/s^2].
             force: what else pushes the stations along x, then along y, (..., 2 n) [N].
         """
-        (angle, w, w1), lateral, gravity = turning, 2 * self.stations, self.assembly.rotor.gravity
+        (angle, w, w1), lateral, rotor = turning, 2 * self.stations, self.lagrange.rotor
         inertia, own = self.lagrange(angle, w, y)
         own = own[..., :-1] - inertia[..., :-1, -1] * w1
         trials = np.broadcast_shapes(*(np.shape(part)[:-1] for part in (own, push, force)))
@@ -126,7 +129,9 @@ class Monolith:
         right[..., lateral:] += push * self.lagrange.turned_inertia
         found = np.asarray(np.linalg.solve(inertia[..., :-1, :-1], right[..., None]), float)[..., 0]
         a = found[..., :lateral].reshape(*trials, 2, -1)
-        return a + np.array([[gravity.real], [gravity.imag]]), found[..., lateral:]
+        field = np.full(self.stations, rotor.gravity)
+        field[[at for at, _ in rotor.waves]] = 0.0
+        return a + np.array([field.real, field.imag]), found[..., lateral:]
 
     def array_rhs(self, t: float, y: Array) -> Array:
         """Derivative of the state, (size,), for any number of stations and planes."""

@@ -3,7 +3,8 @@
 Formulated apart from the units, which work in the rotor frame and split the force: here the axes
 are fixed, the weights' angles phi absolute, and the shaft's angle is one more coordinate, which a
 speed profile prescribes or a motor drives.  Filimonikhina 2017 (4) with the liquid of Dubovik 2006
-(3) and the w' terms of (5), and the shaft's row.
+(3) and the w' terms of (5), and the shaft's row.  The wave of a ring part filled with liquid is one
+more station.
 """
 
 from __future__ import annotations
@@ -14,7 +15,7 @@ import numpy as np
 
 from ..arrays import Array
 from ..assembly import Assembly, weights_of
-from ..liquid import Liquid
+from ..weights import Weights
 
 
 class Lagrange:
@@ -25,7 +26,7 @@ class Lagrange:
     """
 
     def __init__(self, assembly: Assembly) -> None:
-        rotor = assembly.rotor
+        rotor = assembly.with_waves(assembly.rotor)
         self.tables = rotor.tables[1]
         self.speeds = rotor.tables[0]
         self.rotor = rotor = rotor.without_tables
@@ -39,7 +40,7 @@ class Lagrange:
         self.offset = np.array([m.offset for m, _ in each], complex)
         self.turned_inertia = kappa * square
         self.drag = drag * self.radius**2
-        liquids = tuple(m for m in assembly.balancers if isinstance(m.device, Liquid))
+        liquids = tuple(m for m in assembly.balancers if not isinstance(m.device, Weights))
         loaded = replace(assembly, balancers=liquids).loaded_rotor.mass
         turns = np.hstack([np.zeros((self.weights, 2 * n)), np.eye(self.weights)])
         # a body that rolls turns by (1 + r/R) w - phi', times R/r; kappa - 1 = J/(m r^2)
@@ -82,6 +83,14 @@ class Lagrange:
             pull = (pull + self._here(damping, w) @ rates_of_both[..., None])[..., 0]
             force[..., :n] -= pull[..., :1] * row
             force[..., n : 2 * n] -= pull[..., 1:] * row
+        for at, ring in rotor.waves:
+            wave, rate = z[..., at], v[..., at]
+            turning = np.broadcast_to(w, (*y.shape[:-1], 1))[..., 0]
+            damping = ring.wave_damping + ring.root_damping * np.sqrt(np.abs(turning))
+            own = 4j * turning * rate + 2.0 * turning**2 * wave
+            own = ring.wave_inertia * (own - damping * (rate - 1j * turning * wave))
+            force[..., at] += own.real
+            force[..., n + at] += own.imag
         if rotor.crossed:
             (_, k_xy), (k_yx, _) = rotor.springs
             (_, c_xy), (c_yx, _) = rotor.dampers

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from ..arrays import Array
 from ..assembly import Assembly, Mounted
 from ..liquid import Liquid
+from ..ring import Ring
 from ..weights import Weights
 
 _INDEXED = re.compile(r"(?:(station|plane|weight)\[(\d+)\]\.)?(\w+)")
@@ -24,7 +25,7 @@ class Trajectory:
     Attributes:
         assembly: whose motion it is.
         time: (T,) [s].
-        x, y, vx, vy: (T, n) stations in fixed axes [m, m/s].
+        x, y, vx, vy: (T, n) stations in fixed axes [m, m/s]; the waves of rings stand behind them.
         angle, speed, angular_acceleration: (T,) of the rotor [rad, rad/s, rad/s^2].
         theta, angle_rate: by balancer, (T, N) angles of the weights in the rotor [rad] and their
             rates [rad/s].
@@ -51,7 +52,18 @@ class Trajectory:
     def bending(self) -> Array:
         """Largest modulus of the shaft's deflections, (T,) [m]."""
         rows = self.assembly.rotor.deflection.T
-        return np.abs((self.x + 1j * self.y) @ rows).max(axis=1)
+        return np.abs((self.x + 1j * self.y)[:, : len(rows)] @ rows).max(axis=1)
+
+    def wave(self, balancer: str) -> NDArray[np.complex128]:
+        """y of a ring's liquid in the rotor frame, (T,) [m]."""
+        column = self.assembly.rotor.stations + self._number(balancer)
+        return (self.x[:, column] + 1j * self.y[:, column]) * np.exp(-1j * self.angle)
+
+    def wave_rate(self, balancer: str) -> NDArray[np.complex128]:
+        """Its derivative as the turning rotor sees it, (T,) [m/s]."""
+        column = self.assembly.rotor.stations + self._number(balancer)
+        rate = (self.vx[:, column] + 1j * self.vy[:, column]) * np.exp(-1j * self.angle)
+        return rate - 1j * self.speed * self.wave(balancer)
 
     def moment(self, balancer: str) -> NDArray[np.complex128]:
         """Static moment of a balancer's weights in the rotor, (T,) [kg m]."""
@@ -65,7 +77,8 @@ class Trajectory:
     def plane_acceleration(self, plane: int) -> NDArray[np.complex128]:
         """Acceleration of a plane (from 0), less gravity, in the rotor frame, (T,) [m/s^2]."""
         rotor = self.assembly.rotor
-        fixed = (self.ax + 1j * self.ay) @ rotor.planes[plane] - rotor.gravity
+        a = (self.ax + 1j * self.ay)[:, : rotor.stations]
+        fixed = a @ rotor.planes[plane] - rotor.gravity
         return fixed * np.exp(-1j * self.angle)
 
     def force(self, balancer: str) -> NDArray[np.complex128]:
@@ -77,6 +90,14 @@ class Trajectory:
         device = mounted.device
         if isinstance(device, Liquid):
             return np.zeros(len(self.time), complex)
+        if isinstance(device, Ring):  # 0 = (1 + f) y'' + A + ..., F = -m_L (A + f y'')
+            column = self.assembly.rotor.stations + self._number(balancer)
+            second = (self.ax[:, column] + 1j * self.ay[:, column]) * np.exp(-1j * self.angle)
+            pulled = self.plane_acceleration(mounted.plane) + device.hollow * second
+            return (
+                device.added_mass * self.plane_acceleration(mounted.plane)
+                - device.liquid_mass * pulled
+            )
         phi1 = self.angle_rate[balancer] + self.speed[:, None]
         phi2 = self.angle_acceleration[balancer] + self.angular_acceleration[:, None]
         masses = np.array([one.mass for one in device.each])
@@ -113,9 +134,12 @@ class Trajectory:
 
     def names(self) -> list[str]:
         """Names of the state signals: displacements, velocities, weights' angles and rates."""
-        stations = self.x.shape[1]
+        stations = self.assembly.rotor.stations
         places = [""] if stations == 1 else [f"station[{j + 1}]." for j in range(stations)]
         names = [f"rotor.{place}{what}" for place in places for what in ("x", "y", "vx", "vy")]
+        for mounted in self.assembly.rings:
+            for what in ("wave", "wave_speed"):
+                names += [f"{mounted.name}.{what}_{axis}" for axis in ("xi", "eta")]
         for mounted in self.assembly.weights:
             for k in range(self.theta[mounted.name].shape[1]):
                 names += [f"{mounted.name}.weight[{k + 1}].{what}" for what in ("angle", "speed")]
@@ -124,16 +148,19 @@ class Trajectory:
     def _mounted(self, balancer: str) -> Mounted:
         return next(m for m in self.assembly.balancers if m.name == balancer)
 
+    def _number(self, ring: str) -> int:
+        return [m.name for m in self.assembly.rings].index(ring)
+
     def _rotor_signal(self, kind: str | None, index: int, what: str) -> Array | None:
         if kind is None and what in ("angle", "speed", "bending"):
             return getattr(self, what)
-        stations, planes = self.x.shape[1], self.assembly.rotor.plane_count
+        stations, planes = self.assembly.rotor.stations, self.assembly.rotor.plane_count
         station = kind == "station" or (kind is None and stations == 1)
         if station and 0 <= index < stations and what in ("x", "y", "vx", "vy"):
             return getattr(self, what)[:, index]
         if kind == "plane" and 0 <= index < planes:
             if what in ("x", "y"):
-                return getattr(self, what) @ self.assembly.rotor.planes[index]
+                return getattr(self, what)[:, :stations] @ self.assembly.rotor.planes[index]
             if what in ("a_xi", "a_eta"):
                 return _part(self.plane_acceleration(index), what)
         return None
@@ -146,9 +173,12 @@ class Trajectory:
             return _part(self.force(name), what)
         if isinstance(device, Liquid):
             if kind is None and what == "clearance":
-                shift = (self.x + 1j * self.y) @ self.assembly.rotor.planes[mounted.plane]
+                row = self.assembly.rotor.planes[mounted.plane]
+                shift = (self.x + 1j * self.y)[:, : len(row)] @ row
                 return device.gap - np.abs(shift)
             return None
+        if isinstance(device, Ring):
+            return self._ring_signal(name, device, kind, what)
         if kind == "weight" and 0 <= index < device.count and what in ("angle", "speed"):
             return (self.theta if what == "angle" else self.angle_rate)[name][:, index]
         if kind is None and what in ("moment_xi", "moment_eta"):
@@ -156,6 +186,18 @@ class Trajectory:
         if kind is None and what == "spread":
             return np.abs(np.exp(2j * self.theta[name]).mean(axis=1))
         return None
+
+    def _ring_signal(self, name: str, ring: Ring, kind: str | None, what: str) -> Array | None:
+        if kind is not None:
+            return None
+        if what == "thinness":
+            return (1.0 - ring.hollow) * np.abs(self.wave(name)) / ring.gap
+        stem, _, axis = what.rpartition("_")
+        if axis not in ("xi", "eta") or stem not in ("wave", "wave_speed", "moment"):
+            return None
+        if stem == "moment":
+            return _part(ring.wave_inertia * self.wave(name), what)
+        return _part(self.wave(name) if stem == "wave" else self.wave_rate(name), what)
 
 
 def _part(value: NDArray[np.complex128], name: str) -> Array:

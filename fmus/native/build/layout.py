@@ -55,6 +55,7 @@ TABLES: tuple[tuple[str, dict[str, Any]], ...] = (
     ("RotorOnSupports", {**_ROTOR, "kind": "flexible", "shaft": "compliance"}),
     ("RotorOnSupports", {**_ROTOR, "kind": "matrices", "tables": _SEVERAL, "speeds": _SEVERAL}),
     ("LiquidBalancer", {}),
+    ("RingBalancer", {}),
     ("BallBalancer", {"weights": _SEVERAL, "unequal": 1}),
     ("Motor", {"points": _SEVERAL}),
     ("Composite", {"planes": _SEVERAL, "corners": _SEVERAL, "unbalances": _SEVERAL}),

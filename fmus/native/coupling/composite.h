@@ -276,9 +276,12 @@ int composite_run_step(Unit *unit, double step);
 
 /* -- parts.c ----------------------------------------------------------------------------------- */
 
-/* The equations of a part: of the rotor, and of weights, NULL where it is none. */
+/* The equations of a part: of the rotor, of weights and of a ring of liquid, NULL where it is none. */
 Rotor *composite_rotor(const Composite *c);
 Balls *part_balls(const Part *part);
+RingUnit *part_ring(const Part *part);
+/* Mass that a balancer has the rotor carry, by the port or in its force [kg]. */
+double part_added_mass(const Part *part);
 /* Add the loop gain to a reason. */
 void composite_put_gain(Unit *unit);
 /* 1, with a part's reason under its name. */

@@ -5,7 +5,6 @@
 #include "base/matrix.h"
 #include "constants.h"
 #include "coupling/composite.h"
-#include "weights/liquid.h"
 
 int one_piece_allocate(Unit *unit)
 {
@@ -13,17 +12,21 @@ int one_piece_allocate(Unit *unit)
     Composite *c = unit->own;
     Pieces *pieces = &c->pieces;
     const Sizes *sizes = &c->parts->unit->layout.sizes;
-    int weights = 0, tracks = 0, k;
+    int weights = 0, tracks = 0, rings = 0, stations, k;
     for (k = 1; k < c->parts_without_motor; k++) {
         const Balls *balls = part_balls(c->parts + k);
         weights += balls ? balls->count : 0;
         tracks += balls != NULL;
+        rings += part_ring(c->parts + k) != NULL;
     }
+    stations = sizes->stations + rings;
+    pieces->rings = rings;
     for (k = 1; k < c->parts_without_motor; k++) {
         pieces->followers += c->parts[k].place >= 0;
     }
-    pieces->looked_at = unit_allocate(unit, 2 * (size_t)sizes->stations, sizeof(double));
-    pieces->places = unit_allocate(unit, (size_t)sizes->stations + ((size_t)weights + 1) / 2, sizeof(Pair));
+    pieces->looked_at = unit_allocate(unit, 2 * (size_t)stations, sizeof(double));
+    pieces->places = unit_allocate(unit, (size_t)stations + ((size_t)weights + 1) / 2, sizeof(Pair));
+    pieces->waves = unit_allocate(unit, 2 * (size_t)rings, sizeof(Pair));
     pieces->key_count = NUMBERS + outside_count(c) + one_piece_phase_doubles(c) + c->state_count;
     pieces->most_planned = unit->layout.real_count;
     pieces->planned = unit->layout.real_count + 1; /* none yet */
@@ -31,10 +34,12 @@ int one_piece_allocate(Unit *unit)
     pieces->plan = unit_allocate(unit, pieces->most_planned, sizeof(Output));
     pieces->key = unit_allocate(unit, pieces->key_count, sizeof(double));
     pieces->wanted = unit_allocate(unit, pieces->key_count, sizeof(double));
-    return !pieces->planned_outputs || !pieces->plan || !pieces->looked_at || !pieces->places || !pieces->key || !pieces->wanted ||
-           machine_allocate(unit, &pieces->step, sizes->stations, weights, tracks) ||
-           machine_allocate(unit, &pieces->instant, sizes->stations, weights, tracks) ||
-           collocation_allocate(unit, &pieces->collocation, sizes->stations, weights) || one_piece_allocate_phases(unit);
+    return !pieces->planned_outputs || !pieces->plan || !pieces->looked_at || !pieces->places || !pieces->waves || !pieces->key || !pieces->wanted ||
+           machine_allocate(unit, &pieces->step, stations, weights, tracks) ||
+           machine_allocate(unit, &pieces->instant, stations, weights, tracks) ||
+           (rings && machine_allocate_rings(unit, &pieces->step, rings, tracks)) ||
+           (rings && machine_allocate_rings(unit, &pieces->instant, rings, tracks)) ||
+           collocation_allocate(unit, &pieces->collocation, stations, weights) || one_piece_allocate_phases(unit);
 }
 
 /* -- stiff ones ----------------------------------------------------------------------------------- */
@@ -113,13 +118,15 @@ static void make(const Composite *c, double rate, Machine *machine)
     machine_take_rotor(machine, rotor, rate);
     for (k = 1; k < c->parts_without_motor; k++) {
         const Part *part = c->parts + k;
-        const double *row = rotor->planes + part->plane * rotor->stations, *real = part->unit->real;
+        const double *row = rotor->planes + part->plane * rotor->stations;
         const Balls *balls = part_balls(part);
-        const Liquid liquid = {real[0], real[1], real[2], real[3]};
+        const RingUnit *ring = part_ring(part);
         if (balls) {
             machine_take_weights(machine, row, &balls->track);
+        } else if (ring) {
+            machine_take_ring(machine, row, &ring->ring);
         } else {
-            machine_take_liquid(machine, row, liquid_added_mass(&liquid));
+            machine_take_liquid(machine, row, part_added_mass(part));
         }
     }
     if (c->motor) {
@@ -177,8 +184,7 @@ static double gain_of(const Composite *c)
         const double *row = rotor->rotor.planes + c->parts[part].plane * n;
         const double carried = inner->real[layout_index(&inner->layout, "added_mass", 1)];
         const Balls *balls = part_balls(c->parts + part);
-        const Liquid liquid = {inner->real[0], inner->real[1], inner->real[2], inner->real[3]};
-        const double sent = (balls ? weights_added_mass(&balls->track.weights) : liquid_added_mass(&liquid)) - carried;
+        const double sent = part_added_mass(c->parts + part) - carried;
         for (i = 0; i < size; i++) {
             for (j = 0; j < size; j++) {
                 const double both = row[i / 2] * row[j / 2], same = i % 2 == j % 2;
@@ -201,13 +207,13 @@ static double gain_of(const Composite *c)
 static double first_displacement(const Composite *c)
 {
     const Machine *m = &c->pieces.step;
-    const int n = m->stations;
-    const double mass = sum_of(m->mass, n * n);
+    const int all = m->stations, n = all - m->waves; /* of the rotor */
+    const double mass = sum_of(m->mass, all * all);
     double moment = 0.0, largest = 0.0;
     int k;
     for (k = 0; k < n; k++) {
         const Pair heavy = pair_scaled(m->gravity, mass);
-        const double stiffness = larger(pair_x(m->stiffness[k * n + k]), mass);
+        const double stiffness = larger(pair_x(m->stiffness[k * all + k]), mass);
         moment += hypotenuse(pair_x(m->unbalance[k]), pair_y(m->unbalance[k]));
         largest = larger(largest, hypotenuse(pair_x(heavy), pair_y(heavy)) / stiffness);
     }

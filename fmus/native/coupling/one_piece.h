@@ -11,6 +11,8 @@
 #include "machine/collocation.h"
 #include "machine/machine.h"
 #include "machine/phase.h"
+#include "machine/rings.h"
+#include "units/ring_unit.h"
 
 enum { MOST_PATIENCE = 64 }; /* steps by series before collocation is tried again */
 enum { SPEED_OF_MOTOR = 2 }; /* of the outputs that its unit computes: behind it all are of its state alone */
@@ -56,6 +58,7 @@ typedef struct {
     bool is_watched;       /* whether somebody reads what looks find, whatever is asked for */
     bool is_begun;         /* whether the step to come has been begun: one_piece_prepare */
     int followers;         /* parts that follow their plane's place */
+    int rings;             /* parts that are rings of liquid */
     double share;          /* of the tolerance, as a run has it; 0: all of it */
     double *phases;        /* in the unit's memory: of every weight the way it slides and its wall */
     double *impact;        /* scratch of impacts */
@@ -66,6 +69,7 @@ typedef struct {
     double *begun_forces;  /* in the unit's memory: from outside, at the start of the step (planes, 2) [N] */
     double *looked_at;     /* (n, 2) scratch: displacements */
     Pair *places;          /* (width,) scratch */
+    Pair *waves;           /* (2, rings) scratch */
     OutputKind kind;       /* of the outputs that were asked for last, */
     unsigned *planned_outputs; /* which are these, */
     Output *plan;          /* and their places */
@@ -119,6 +123,10 @@ int one_piece_places(Unit *unit, Pair *places);
 double one_piece_load(const Composite *c, Machine *machine, const double *states, double speed, double acceleration);
 /* The line of the motor's torque, in the machine's time. */
 void one_piece_set_line(Machine *machine, int line);
+/* The waves of rings of a state of the parts into a machine; those of the machine, displacements and velocities
+   (rings,), into the memories of the parts, where the rotor has this angle and speed. */
+void one_piece_load_waves(const Composite *c, Machine *machine, const double *states, double angle);
+void one_piece_store_waves(const Composite *c, const Pair *waves, const Pair *rates, double angle, double speed);
 void one_piece_push(const Composite *c, Machine *machine, const double *forces, double time);
 
 /* -- one_piece_stiff.c --------------------------------------------------------------------------- */

@@ -30,15 +30,30 @@ static int align_tracks(Unit *unit)
     return 0;
 }
 
+/* Write waves and their rates, which jump with their ring. */
+static void store_waves(const Composite *c)
+{
+    const Machine *m = &c->pieces.step;
+    const int first = m->stations - m->waves;
+    Pair *waves = c->pieces.waves, *rates = waves + m->waves;
+    int k;
+    for (k = 0; k < m->waves; k++) {
+        waves[k] = m->motion[first + k];
+        rates[k] = pair_scaled(m->velocity[first + k], m->rate);
+    }
+    one_piece_store_waves(c, waves, rates, c->parts->unit->memory[REST], m->speed[0] * m->rate);
+}
+
 /* Write rates, contacts and what sticks into the memories of the parts. */
 static void store(const Composite *c)
 {
     const Machine *m = &c->pieces.step;
     const struct Phase *phase = m->phase;
-    double *velocity = c->parts->unit->memory + MOTION + 2 * m->stations;
+    const int own = m->stations - m->waves;
+    double *velocity = c->parts->unit->memory + MOTION + 2 * own;
     double *slider_states = rotor_slider_states(c->parts->unit), *kept = c->pieces.phases;
     int k, w, i = 0;
-    for (k = 0; k < m->stations; k++) {
+    for (k = 0; k < own; k++) {
         velocity[2 * k] = pair_x(m->velocity[k]) * m->rate;
         velocity[2 * k + 1] = pair_y(m->velocity[k]) * m->rate;
     }
@@ -53,6 +68,7 @@ static void store(const Composite *c)
             kept[SIDE_OF_WEIGHT] = own->side;
         }
     }
+    store_waves(c);
     for (k = 0; k < phase->slider_count; k++) {
         const PhaseSlider *own = phase->sliders + k;
         slider_states[2 * own->number + SLIPS] = own->slip;
@@ -152,7 +168,7 @@ void one_piece_stop_slider(const Composite *c, int which)
     double *slider_states = rotor_slider_states(c->parts->unit) + 2 * own->number;
     slider_states[SLIPS] = 0.0;
     if (own->stiffness == 0.0) {
-        c->parts->unit->memory[MOTION + 2 * c->pieces.step.stations + own->place] = 0.0;
+        c->parts->unit->memory[MOTION + 2 * (c->pieces.step.stations - c->pieces.rings) + own->place] = 0.0;
         slider_states[HOLDS] = 0.0;
     }
 }

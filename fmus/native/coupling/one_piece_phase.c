@@ -24,10 +24,10 @@ int one_piece_allocate_phases(Unit *unit)
     Composite *c = unit->own;
     Pieces *pieces = &c->pieces;
     const Sizes *sizes = &c->parts->unit->layout.sizes;
-    const int weights = weights_of(c);
-    pieces->impact = unit_allocate(unit, phase_impact_doubles(sizes->stations, weights), sizeof(double));
-    pieces->step_phase = phase_allocate(unit, sizes->stations, weights, 2 * sizes->sliders);
-    pieces->instant_phase = phase_allocate(unit, sizes->stations, weights, 2 * sizes->sliders);
+    const int weights = weights_of(c), stations = sizes->stations + pieces->rings;
+    pieces->impact = unit_allocate(unit, phase_impact_doubles(stations, weights), sizeof(double));
+    pieces->step_phase = phase_allocate(unit, stations, weights, 2 * sizes->sliders);
+    pieces->instant_phase = phase_allocate(unit, stations, weights, 2 * sizes->sliders);
     return !pieces->impact || !pieces->step_phase || !pieces->instant_phase;
 }
 

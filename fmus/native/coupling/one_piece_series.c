@@ -42,16 +42,16 @@ double one_piece_load(const Composite *c, Machine *m, const double *states, doub
 {
     const double *rotor = state_of(c, c->parts, states), *place = rotor + MOTION;
     const LinearRotor *matrices = &composite_rotor(c)->rotor;
-    const int n = m->stations;
+    const int n = m->stations, own = n - m->waves;
     int k, w, i = 0;
     if (m->varies) {
         const bool is_step = m == &c->pieces.step;
         machine_take_bearings(m, matrices, is_step ? (int)c->course->one_piece.bearing_line
                                                    : linear_rotor_line(matrices, speed, m->bearing_line));
     }
-    for (k = 0; k < n; k++) {
+    for (k = 0; k < own; k++) {
         m->motion[k] = pair_of(place[2 * k], place[2 * k + 1]);
-        m->velocity[k] = pair_of(place[2 * n + 2 * k], place[2 * n + 2 * k + 1]);
+        m->velocity[k] = pair_of(place[2 * own + 2 * k], place[2 * own + 2 * k + 1]);
         m->velocity[k] = pair_scaled(m->velocity[k], m->per_rate);
     }
     for (k = 1; k < c->parts_without_motor; k++) {
@@ -64,13 +64,16 @@ double one_piece_load(const Composite *c, Machine *m, const double *states, doub
     }
     m->speed[0] = speed * m->per_rate;
     m->speed[1] = acceleration * m->per_rate * m->per_rate;
+    if (m->waves) {
+        one_piece_load_waves(c, m, states, rotor[REST]);
+    }
     return rotor[REST];
 }
 
 void one_piece_push(const Composite *c, Machine *m, const double *forces, double time)
 {
     const LinearRotor *rotor = &composite_rotor(c)->rotor;
-    const int n = m->stations, planes = rotor->plane_count;
+    const int n = m->stations, own = rotor->stations, planes = rotor->plane_count;
     double power = m->per_rate * m->per_rate;
     int i, k, order;
     for (order = 0; order < SIGNAL_ORDERS; order++, power *= m->per_rate / order) {
@@ -79,9 +82,9 @@ void one_piece_push(const Composite *c, Machine *m, const double *forces, double
         }
         for (k = 0; k < planes; k++) {
             const Pair force = outside_derivative(c, forces, k, order, time);
-            for (i = 0; i < n; i++) {
+            for (i = 0; i < own; i++) {
                 m->push[order * n + i] =
-                    pair_add_scaled(m->push[order * n + i], force, rotor->planes[k * n + i] * power);
+                    pair_add_scaled(m->push[order * n + i], force, rotor->planes[k * own + i] * power);
             }
         }
     }
@@ -172,6 +175,58 @@ int one_piece_expand(Unit *unit)
     return 0;
 }
 
+/* -- waves -------------------------------------------------------------------------------------- */
+
+/* y = Y e^{i angle}, y' = (Y' + i w Y) e^{i angle}. */
+void one_piece_load_waves(const Composite *c, Machine *m, const double *states, double angle)
+{
+    const Pair turn = pair_direction(angle);
+    int k, i = m->stations - m->waves;
+    for (k = 1; k < c->parts_without_motor; k++) {
+        if (part_ring(c->parts + k)) {
+            const double *memory = state_of(c, c->parts + k, states);
+            const Pair wave = pair_of(memory[RING_WAVE], memory[RING_WAVE + 1]);
+            const Pair rate = pair_scaled(pair_of(memory[RING_RATE], memory[RING_RATE + 1]), m->per_rate);
+            m->motion[i] = pair_product(wave, turn);
+            m->velocity[i] = pair_product(pair_add_scaled(rate, pair_turned(wave), m->speed[0]), turn);
+            i++;
+        }
+    }
+}
+
+void one_piece_store_waves(const Composite *c, const Pair *waves, const Pair *rates, double angle, double speed)
+{
+    const Pair back = pair_direction(-angle);
+    int k, i = 0;
+    for (k = 1; k < c->parts_without_motor; k++) {
+        if (part_ring(c->parts + k)) {
+            double *memory = c->parts[k].unit->memory;
+            const Pair wave = pair_product(waves[i], back);
+            const Pair rate = pair_add_scaled(pair_product(rates[i], back), pair_turned(wave), -speed);
+            memory[RING_WAVE] = pair_x(wave);
+            memory[RING_WAVE + 1] = pair_y(wave);
+            memory[RING_RATE] = pair_x(rate);
+            memory[RING_RATE + 1] = pair_y(rate);
+            memory[RING_SINCE] = 0.0;
+            i++;
+        }
+    }
+}
+
+/* Let the waves stand where they are at a time of the step, in the machine's. */
+static void stand_waves(const Composite *c, double time, double angle, double speed)
+{
+    const Machine *m = &c->pieces.step;
+    const int first = m->stations - m->waves, order = one_piece_order(c);
+    Pair *waves = c->pieces.waves, *rates = waves + m->waves;
+    int k;
+    for (k = 0; k < m->waves; k++) {
+        waves[k] = machine_at(m->motion + first + k, m->width, order, time);
+        rates[k] = pair_scaled(machine_at(m->velocity + first + k, m->width, order - 1, time), m->rate);
+    }
+    one_piece_store_waves(c, waves, rates, angle, speed);
+}
+
 /* -- places ------------------------------------------------------------------------------------- */
 
 /* Let the parts stand at a time of the step, in the machine's [1]. */
@@ -179,22 +234,25 @@ void one_piece_stand_at(Unit *unit, double time)
 {
     Composite *c = unit->own;
     Machine *m = &c->pieces.step;
-    const int n = m->stations, width = m->width, order = one_piece_order(c);
+    const int n = m->stations, own = n - m->waves, width = m->width, order = one_piece_order(c);
     const double speed = machine_speed_at(m, order, time) * m->rate, turned = machine_turned(m, order, time);
     double *rotor = c->parts->unit->memory, *place = rotor + MOTION;
     int k, w, i = 0;
     memcpy(c->states, c->at_begin, c->state_count * sizeof(double));
     angle_turn(rotor, turned);
-    for (k = 0; k < n; k++) {
+    for (k = 0; k < own; k++) {
         const Pair displacement = machine_at(m->motion + k, width, order, time);
         const Pair velocity = pair_scaled(machine_at(m->velocity + k, width, order - 1, time), m->rate);
         place[2 * k] = pair_x(displacement);
         place[2 * k + 1] = pair_y(displacement);
-        place[2 * n + 2 * k] = pair_x(velocity);
-        place[2 * n + 2 * k + 1] = pair_y(velocity);
+        place[2 * own + 2 * k] = pair_x(velocity);
+        place[2 * own + 2 * k + 1] = pair_y(velocity);
     }
-    place[4 * n] = speed;
-    place[4 * n + 1] = 0.0;
+    place[4 * own] = speed;
+    place[4 * own + 1] = 0.0;
+    if (m->waves) {
+        stand_waves(c, time, rotor[REST], speed);
+    }
     for (k = 1; k < c->parts_without_motor; k++) {
         const Balls *balls = part_balls(c->parts + k);
         double *angles = c->parts[k].unit->memory;

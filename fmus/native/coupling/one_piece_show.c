@@ -40,13 +40,13 @@ int one_piece_expand_instant(Unit *unit, int order)
 static Knot plane_signal(const Composite *c, int plane)
 {
     const Machine *m = &c->pieces.instant;
-    const int n = m->stations;
-    const double *row = composite_rotor(c)->rotor.planes + plane * n;
+    const int n = m->stations, own = n - m->waves;
+    const double *row = composite_rotor(c)->rotor.planes + plane * own;
     Pair a = pair_both(0.0), slope = a, back = m->spin[0];
     Knot knot;
     int i;
     back = pair_of(pair_x(back), -pair_y(back));
-    for (i = 0; i < n; i++) {
+    for (i = 0; i < own; i++) {
         a = pair_add_scaled(a, m->acceleration[i], row[i]);
         slope = pair_add_scaled(slope, m->acceleration[n + i], row[i]);
     }
@@ -147,7 +147,7 @@ static int find_place(const Composite *c, size_t reference, int *column, int *nu
     const Balls *balls = part ? part_balls(part) : NULL;
     const long at = part ? observed_number(part, reference) : -1;
     int k, before = 0;
-    if (part == c->parts && at >= 1 && at <= 2 * n) {
+    if (part == c->parts && at >= 1 && at <= 2 * (n - c->pieces.rings)) {
         *column = (int)(at - 1) / 2;
         *number = (int)(at - 1) % 2;
         return 0;
@@ -257,24 +257,39 @@ void one_piece_read_places(const Composite *c, double time, double *values)
 
 /* -- model exchange ------------------------------------------------------------------------------- */
 
+/* Y' and Y'' of a ring, Y'' e^{i angle} = y'' - 2 i w y' - w^2 y - i w' y. */
+static void write_wave_rates(const Composite *c, const Part *part, int station, double *rates)
+{
+    const Machine *m = &c->pieces.instant;
+    const Pair back = pair_direction(-c->parts->unit->memory[REST]), wave = m->motion[station];
+    const Number w = m->speed[0];
+    Pair second = pair_add_scaled(m->acceleration[station], pair_turned(m->velocity[station]), -2.0 * w);
+    second = pair_add_scaled(second, wave, -w * w);
+    second = pair_add_scaled(second, pair_turned(wave), -m->speed[1]);
+    second = pair_scaled(pair_product(second, back), m->rate * m->rate);
+    copy_doubles(2, part->unit->memory + RING_RATE, rates);
+    rates[2] = pair_x(second);
+    rates[3] = pair_y(second);
+}
+
 int one_piece_rates(Unit *unit, double *rates)
 {
     Composite *c = unit->own;
     const Machine *m = &c->pieces.instant;
-    const int n = m->stations;
+    const int n = m->stations, own = n - m->waves;
     const double square = m->rate * m->rate;
-    int k, w, i = 0;
+    int k, w, i = 0, wave = own;
     if (one_piece_expand_instant(unit, ACCELERATION_ORDER)) {
         return 1;
     }
     *rates++ = m->speed[0] * m->rate;
-    copy_doubles(2 * (size_t)n, c->parts->unit->memory + MOTION + 2 * n, rates);
-    for (k = 0; k < n; k++) {
+    copy_doubles(2 * (size_t)own, c->parts->unit->memory + MOTION + 2 * own, rates);
+    for (k = 0; k < own; k++) {
         const Pair a = pair_scaled(pair_sum(m->acceleration[k], m->gravity), square);
-        rates[2 * n + 2 * k] = pair_x(a);
-        rates[2 * n + 2 * k + 1] = pair_y(a);
+        rates[2 * own + 2 * k] = pair_x(a);
+        rates[2 * own + 2 * k + 1] = pair_y(a);
     }
-    rates += 4 * n;
+    rates += 4 * own;
     for (k = 1; k < c->parts_without_motor; k++) {
         const Balls *balls = part_balls(c->parts + k);
         const int count = balls ? balls->count : 0;
@@ -283,6 +298,10 @@ int one_piece_rates(Unit *unit, double *rates)
             rates[count + w] = pair_at(m->velocity[m->width + n + i / 2], i % 2) * square;
         }
         rates += 2 * count;
+        if (part_ring(c->parts + k)) {
+            write_wave_rates(c, c->parts + k, wave++, rates);
+            rates += RING_STATES;
+        }
     }
     if (c->motor) {
         rates[0] = m->speed[0] * m->rate;

@@ -112,6 +112,9 @@ static int choose_length(Unit *unit, double *length)
             return 1;
         }
         *length = machine_length(m, one_piece_order(c), one_piece_step_tolerance(unit), one_piece->largest);
+        if (c->pieces.rings) {
+            *length = rings_length(m, *length);
+        }
         if (c->pieces.is_stiff && one_piece_try_collocation(unit, length)) {
             return 1;
         }
@@ -197,7 +200,7 @@ int one_piece_prepare(Unit *unit, double *angle, bool *is_wanted)
 {
     Pieces *pieces = &((Composite *)unit->own)->pieces;
     pieces->is_begun = *is_wanted = false;
-    if (one_piece_is_eventful(unit->own) || composite_rotor(unit->own)->rotor.bearings.count) {
+    if (one_piece_is_eventful(unit->own) || pieces->rings || composite_rotor(unit->own)->rotor.bearings.count) {
         return 0; /* it goes on alone */
     }
     if (begin_next(unit)) {

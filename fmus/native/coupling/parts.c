@@ -1,6 +1,7 @@
 /* A part's step and what is said about it. */
 #include "coupling/composite.h"
 #include "units/weights_unit.h"
+#include "weights/liquid.h"
 
 Rotor *composite_rotor(const Composite *c)
 {
@@ -10,6 +11,22 @@ Rotor *composite_rotor(const Composite *c)
 Balls *part_balls(const Part *part)
 {
     return part->unit->equations == &WEIGHTS_EQUATIONS ? part->unit->own : NULL;
+}
+
+RingUnit *part_ring(const Part *part)
+{
+    return part->unit->equations == &RING_EQUATIONS ? part->unit->own : NULL;
+}
+
+double part_added_mass(const Part *part)
+{
+    const Balls *balls = part_balls(part);
+    const RingUnit *ring = part_ring(part);
+    const double *real = part->unit->real;
+    const Liquid liquid = {real[0], real[1], real[2], real[3]};
+    return balls ? weights_added_mass(&balls->track.weights)
+           : ring ? ring_added_mass(&ring->ring)
+                  : liquid_added_mass(&liquid);
 }
 
 void composite_put_gain(Unit *unit)

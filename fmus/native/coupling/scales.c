@@ -1,6 +1,5 @@
 #include "base/elementary.h"
 #include "coupling/composite.h"
-#include "weights/liquid.h"
 
 static double largest_row(int n, const double *matrix)
 {
@@ -35,15 +34,6 @@ static double largest_rotor_force(const Unit *unit, double speed, double spin_up
            motion * larger(largest_row(n, rotor->damping_x), largest_row(n, rotor->damping_y));
 }
 
-/* Mass that a balancer has the rotor carry, by the port or in its force [kg]. */
-static double added_mass(const Part *part)
-{
-    const Balls *balls = part_balls(part);
-    const double *real = part->unit->real;
-    const Liquid liquid = {real[0], real[1], real[2], real[3]};
-    return balls ? weights_added_mass(&balls->track.weights) : liquid_added_mass(&liquid);
-}
-
 void composite_added_masses(const Composite *c, double *masses)
 {
     int k;
@@ -51,7 +41,7 @@ void composite_added_masses(const Composite *c, double *masses)
         masses[k] = 0.0;
     }
     for (k = 1; k < c->parts_without_motor; k++) {
-        masses[c->parts[k].plane] += added_mass(c->parts + k);
+        masses[c->parts[k].plane] += part_added_mass(c->parts + k);
     }
 }
 
@@ -71,7 +61,7 @@ double composite_largest_force(const Composite *c)
             const double rate = speed + largest_of(balls->count, speeds);
             own += balls->count * weights->mass * weights->track_radius * (rate * rate + spin_up);
         }
-        carried += added_mass(c->parts + k);
+        carried += part_added_mass(c->parts + k);
     }
     return own + carried * (own + (largest_rotor_force(c->parts->unit, speed, spin_up) + weight)) / mass;
 }

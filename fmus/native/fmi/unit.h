@@ -128,7 +128,7 @@ struct Unit {
 };
 
 extern const Equations COMPOSITE_EQUATIONS;
-extern const Equations ROTOR_EQUATIONS, LIQUID_EQUATIONS, WEIGHTS_EQUATIONS, MOTOR_EQUATIONS;
+extern const Equations ROTOR_EQUATIONS, LIQUID_EQUATIONS, RING_EQUATIONS, WEIGHTS_EQUATIONS, MOTOR_EQUATIONS;
 
 /* Zeroed memory that goes with the instance, or NULL. */
 void *unit_allocate(Unit *unit, size_t count, size_t size);

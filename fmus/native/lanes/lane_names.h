@@ -17,6 +17,7 @@
 #define machine_state lane_machine_state
 #define machine_take_pull lane_machine_take_pull
 #define machine_take_weight lane_machine_take_weight
+#define machine_times_speed lane_machine_times_speed
 #define series_weight_advance lane_series_weight_advance
 #define series_weight_finish lane_series_weight_finish
 #define series_weight_force lane_series_weight_force

@@ -15,26 +15,28 @@ static int any_of(const double *values, int count)
 /* What supports and shaft pull and damp. */
 static void take_supports(Machine *machine, const LinearRotor *rotor)
 {
-    const int square = rotor->stations * rotor->stations;
+    const int own = rotor->stations, apart = machine->stations - own; /* waves stand behind them */
     const double t = machine->per_rate;
     int k;
-    for (k = 0; k < square; k++) {
-        machine->stiffness[k] = pair_scaled(pair_of(rotor->stiffness_x[k], rotor->stiffness_y[k]), t * t);
-        machine->damping[k] = pair_scaled(pair_of(rotor->damping_x[k], rotor->damping_y[k]), t);
-        machine->damping[k] = pair_sum(machine->damping[k], pair_both(rotor->internal_damping[k] * t));
+    for (k = 0; k < own * own; k++) {
+        const int to = k + k / own * apart;
+        machine->stiffness[to] = pair_scaled(pair_of(rotor->stiffness_x[k], rotor->stiffness_y[k]), t * t);
+        machine->damping[to] = pair_scaled(pair_of(rotor->damping_x[k], rotor->damping_y[k]), t);
+        machine->damping[to] = pair_sum(machine->damping[to], pair_both(rotor->internal_damping[k] * t));
     }
-    for (k = 0; k < square && rotor->crossed; k++) {
-        machine->cross_stiffness[k] = pair_scaled(pair_of(rotor->stiffness_xy[k], rotor->stiffness_yx[k]), t * t);
-        machine->cross_damping[k] = pair_scaled(pair_of(rotor->damping_xy[k], rotor->damping_yx[k]), t);
+    for (k = 0; k < own * own && rotor->crossed; k++) {
+        const int to = k + k / own * apart;
+        machine->cross_stiffness[to] = pair_scaled(pair_of(rotor->stiffness_xy[k], rotor->stiffness_yx[k]), t * t);
+        machine->cross_damping[to] = pair_scaled(pair_of(rotor->damping_xy[k], rotor->damping_yx[k]), t);
     }
 }
 
 /* Add of a bearing's numbers in this order to matrices: along the axes, and across. */
-static void add_bearing(int n, const double *row, const double *four, double scale, Pair *along, Pair *across)
+static void add_bearing(int own, int n, const double *row, const double *four, double scale, Pair *along, Pair *across)
 {
     int i, j;
-    for (i = 0; i < n; i++) {
-        for (j = 0; j < n; j++) {
+    for (i = 0; i < own; i++) {
+        for (j = 0; j < own; j++) {
             const double share = row[i] * row[j] * scale;
             along[i * n + j] = pair_sum(along[i * n + j], pair_of(share * four[0], share * four[3]));
             across[i * n + j] = pair_sum(across[i * n + j], pair_of(share * four[1], share * four[2]));
@@ -45,7 +47,7 @@ static void add_bearing(int n, const double *row, const double *four, double sca
 void machine_take_bearings(Machine *machine, const LinearRotor *rotor, int line)
 {
     enum { DAMPING = BEARING_NUMBERS / 2 };
-    const int n = rotor->stations;
+    const int own = rotor->stations, n = machine->stations;
     const double t = machine->per_rate;
     double still[BEARING_NUMBERS], slope[BEARING_NUMBERS];
     int b, k;
@@ -58,49 +60,55 @@ void machine_take_bearings(Machine *machine, const LinearRotor *rotor, int line)
         machine->cross_stiffness_slope[k] = machine->cross_damping_slope[k] = pair_zero();
     }
     for (b = 0; b < rotor->bearings.count; b++) {
-        const double *row = rotor->bearings.rows + b * n;
+        const double *row = rotor->bearings.rows + b * own;
         linear_rotor_bearing(rotor, b, line, still, slope);
-        add_bearing(n, row, still, t * t, machine->stiffness, machine->cross_stiffness);
-        add_bearing(n, row, still + DAMPING, t, machine->damping, machine->cross_damping);
-        add_bearing(n, row, slope, t, machine->stiffness_slope, machine->cross_stiffness_slope);
-        add_bearing(n, row, slope + DAMPING, 1.0, machine->damping_slope, machine->cross_damping_slope);
+        add_bearing(own, n, row, still, t * t, machine->stiffness, machine->cross_stiffness);
+        add_bearing(own, n, row, still + DAMPING, t, machine->damping, machine->cross_damping);
+        add_bearing(own, n, row, slope, t, machine->stiffness_slope, machine->cross_stiffness_slope);
+        add_bearing(own, n, row, slope + DAMPING, 1.0, machine->damping_slope, machine->cross_damping_slope);
     }
     machine->bearing_line = line;
 }
 
 void machine_take_rotor(Machine *machine, const LinearRotor *rotor, double rate)
 {
-    const int n = rotor->stations, square = n * n;
+    const int n = machine->stations, own = rotor->stations;
     const double t = 1.0 / rate;
     int k;
-    machine->weight_count = machine->track_count = 0;
+    machine->weight_count = machine->track_count = machine->ring_count = 0;
     machine->width = n;
     machine->unknowns = 2 * n;
     machine->drive.motor = NULL;
     machine->rate = rate;
     machine->per_rate = t;
-    copy_doubles((size_t)square, rotor->mass, machine->mass);
+    for (k = 0; k < n * n && n > own; k++) { /* of waves nothing but what their rings set */
+        machine->mass[k] = machine->internal_damping[k] = machine->gyroscopic[k] = 0.0;
+        machine->stiffness[k] = machine->damping[k] = pair_zero();
+        machine->cross_stiffness[k] = machine->cross_damping[k] = pair_zero();
+    }
     take_supports(machine, rotor);
-    for (k = 0; k < square; k++) {
-        machine->internal_damping[k] = rotor->internal_damping[k] * t;
-        machine->gyroscopic[k] = rotor->gyroscopic[k];
+    for (k = 0; k < own * own; k++) {
+        const int to = k + k / own * (n - own);
+        machine->mass[to] = rotor->mass[k];
+        machine->internal_damping[to] = rotor->internal_damping[k] * t;
+        machine->gyroscopic[to] = rotor->gyroscopic[k];
     }
     machine->crossed = rotor->crossed;
     machine->varies = rotor->bearings.count > 0;
     machine->bearing_line = -1;
-    machine->turns = any_of(rotor->internal_damping, square) || any_of(rotor->gyroscopic, square);
+    machine->turns = any_of(rotor->internal_damping, own * own) || any_of(rotor->gyroscopic, own * own);
     for (k = 0; k < n; k++) {
-        machine->unbalance[k] = pair_of(rotor->unbalance[2 * k], rotor->unbalance[2 * k + 1]);
+        machine->unbalance[k] = k < own ? pair_of(rotor->unbalance[2 * k], rotor->unbalance[2 * k + 1]) : pair_zero();
     }
     machine->gravity = pair_scaled(pair_of(rotor->gravity[0], rotor->gravity[1]), t * t);
 }
 
 void machine_take_liquid(Machine *machine, const double *row, double mass)
 {
-    const int n = machine->stations;
+    const int n = machine->stations, own = n - machine->waves;
     int i, j;
-    for (i = 0; i < n; i++) {
-        for (j = 0; j < n; j++) {
+    for (i = 0; i < own; i++) {
+        for (j = 0; j < own; j++) {
             machine->mass[i * n + j] += row[i] * (mass * row[j]);
         }
     }
@@ -121,8 +129,13 @@ static void take_weight(SeriesWeight *made, const Weights *one, double per_rate)
 void machine_take_weights(Machine *machine, const double *row, const Track *track)
 {
     MachineTrack *made = machine->tracks + machine->track_count++;
-    const int count = track->weights.count;
+    const int count = track->weights.count, own = machine->stations - machine->waves;
     int k;
+    if (machine->waves) {
+        double *wide = machine->rows + (size_t)(made - machine->tracks) * machine->stations;
+        copy_doubles((size_t)own, row, wide);
+        row = wide; /* the others are 0 */
+    }
     made->first = machine->weight_count;
     made->end = made->first + count;
     made->row = row;
@@ -136,7 +149,7 @@ void machine_take_weights(Machine *machine, const double *row, const Track *trac
     machine->weight_count = made->end;
     machine->width = machine->stations + (made->end + 1) / 2;
     machine_take_liquid(machine, row, made->mass);
-    for (k = 0; k < machine->stations && made->is_off; k++) {
+    for (k = 0; k < own && made->is_off; k++) {
         machine->unbalance[k] = pair_add_scaled(machine->unbalance[k], made->offset, row[k] * made->mass);
     }
 }

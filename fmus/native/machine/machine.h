@@ -55,6 +55,7 @@ typedef struct {
 
 typedef struct {
     int stations, weight_count, track_count; /* n, N */
+    int waves, ring_count; /* the last of the stations, of rings of liquid, and how many rings it has so far */
     int width;    /* columns of a series of the motion: n, and N/2 rounded up */
     int unknowns; /* 2 n, one more for a motor */
     int turns;    /* whether forces turn the rotor's velocity: internal damping or gyroscopic */
@@ -88,6 +89,9 @@ typedef struct {
     Number *matrix;     /* (unknowns, unknowns) Cholesky's factor, with one over its diagonal; of two
                            unknowns the inverse */
     Number *right;      /* (unknowns,) */
+    Number *rows;        /* (tracks, n) where waves make stations more than the rotor has */
+    struct MachineRing *rings; /* of rings.h */
+    double *root;        /* (K + 1,) series of the root of the speed, where a wave is damped by viscosity */
     struct Phase *phase; /* of phase.h, where weights can touch or stick, or supports stick; NULL: they cannot */
 } Machine;
 
@@ -125,6 +129,8 @@ int machine_results(const Machine *machine, int order, NumberBlock *blocks);
 void machine_expand(Machine *machine, Number angle, int order);
 /* The part of it before the first coefficients: directions, and the factors of the matrix. */
 void machine_start(Machine *machine, Number angle);
+/* Coefficient k of w times a series whose elements stand `stride` apart, up to that order. */
+Pair machine_times_speed(const Machine *machine, const Pair *series, int stride, int k);
 /* The unknowns of an order in place of their right-hand sides. */
 void machine_solve(const Machine *machine, Number *right);
 

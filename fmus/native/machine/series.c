@@ -3,6 +3,7 @@
 #include "machine/machine.h"
 #ifndef SIDE_BY_SIDE /* machines with events go on alone */
 #include "machine/phase.h"
+#include "machine/rings.h"
 #endif
 
 /* Take off M and I what the weights take with them. */
@@ -82,8 +83,7 @@ void machine_solve(const Machine *m, Number *b)
     }
 }
 
-/* Coefficient k of w times a series whose elements stand `stride` apart, up to that order. */
-static Pair times_speed(const Machine *m, const Pair *series, int stride, int k)
+Pair machine_times_speed(const Machine *m, const Pair *series, int stride, int k)
 {
     const int last = k < m->speed_order ? k : m->speed_order;
     Pair sum = pair_scaled(series[k * stride], m->speed[0]);
@@ -153,14 +153,19 @@ static void push_stations(Machine *m, int k, Pair spun_twice)
                 turning = pair_sum(turning, pair_add_scaled(damped, v[j], m->gyroscopic[i * n + j]));
             }
             m->turning[k * n + i] = turning;
-            sum = pair_sum(sum, pair_turned(times_speed(m, m->turning + i, n, k)));
+            sum = pair_sum(sum, pair_turned(machine_times_speed(m, m->turning + i, n, k)));
             if (m->drive.motor) {
-                m->swept[k * n + i] = times_speed(m, m->motion + i, m->width, k);
+                m->swept[k * n + i] = machine_times_speed(m, m->motion + i, m->width, k);
             }
         }
         if (k < SIGNAL_ORDERS) {
             sum = pair_sum(sum, m->push[k * n + i]);
         }
+#ifndef SIDE_BY_SIDE
+        if (m->waves && machine_is_wave(m, i)) {
+            sum = pair_sum(sum, rings_push(m, i, k));
+        }
+#endif
         m->right[2 * i] = pair_x(sum);
         m->right[2 * i + 1] = pair_y(sum);
     }
@@ -197,13 +202,13 @@ static void push_weights(Machine *m, int k, Pair spun_twice)
 /* Coefficients of order k from the solution; the motion's of k + 2 but for the weights of k + 1. */
 static void take_stations(Machine *m, int k)
 {
-    const int n = m->stations;
+    const int n = m->stations, falling = k == 0 ? n - m->waves : 0;
     Pair *v = m->velocity + (k + 1) * m->width, *q = m->motion + (k + 2) * m->width;
     int i;
     for (i = 0; i < n; i++) {
         const Pair a = pair_of(m->right[2 * i], m->right[2 * i + 1]);
         m->acceleration[k * n + i] = a;
-        v[i] = pair_scaled(k == 0 ? pair_sum(a, m->gravity) : a, number_of(m->per[k + 1]));
+        v[i] = pair_scaled(i < falling ? pair_sum(a, m->gravity) : a, number_of(m->per[k + 1]));
         q[i] = pair_scaled(v[i], number_of(m->per[k + 2]));
     }
 }
@@ -286,6 +291,11 @@ void machine_expand(Machine *m, Number angle, int order)
     int k;
     m->speed_order = m->drive.motor ? 0 : !number_is_zero(m->speed[1]);
     machine_start(m, angle);
+#ifndef SIDE_BY_SIDE
+    if (m->waves) {
+        rings_expand_root(m, order);
+    }
+#endif
     for (k = 0; k <= order - 2; k++) {
         Pair spun_twice = spun(m, k);
         Number gained = !m->drive.motor && k < m->speed_order ? m->speed[k + 1] : number_of(0.0);

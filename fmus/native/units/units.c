@@ -8,7 +8,7 @@ static const char NO_MEMORY[] = "not enough memory for a unit of this size";
 
 static const Equations *equations_of(const char *name)
 {
-    const Equations *const all[] = {&ROTOR_EQUATIONS, &LIQUID_EQUATIONS, &WEIGHTS_EQUATIONS,
+    const Equations *const all[] = {&ROTOR_EQUATIONS, &LIQUID_EQUATIONS, &WEIGHTS_EQUATIONS, &RING_EQUATIONS,
                                      &MOTOR_EQUATIONS};
     size_t k;
     for (k = 0; k < sizeof all / sizeof *all; k++) {

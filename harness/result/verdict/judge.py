@@ -147,5 +147,5 @@ def _with_least(verdict: Verdict, scene: Scene, stretch: Stretch) -> Verdict:
 
 def _called(scene: Scene) -> str:
     kinds = {balancer.kind for balancer in scene.balancer}
-    several = "weights" if "liquid" not in kinds else "balancers"
+    several = "balancers" if kinds & {"liquid", "ring"} else "weights"
     return kinds.pop() if len(kinds) == 1 else several if kinds else ""

@@ -113,18 +113,22 @@ class Known:
     @cached_property
     def _unit_responses(self) -> Complex:
         """Motion (n, 2, n) of all stations by a unit of unbalance at each [m/(kg m)]."""
-        each = np.eye(self.loaded.stations, dtype=complex)
+        each, own = np.eye(self.loaded.stations, dtype=complex), self.assembly.rotor.stations
         return np.array(
-            [unbalance_response(replace(self.loaded, unbalance=u), [self.speed])[0] for u in each]
+            [
+                unbalance_response(replace(self.loaded, unbalance=u), [self.speed])[0, :, :own]
+                for u in each[:own]  # behind them stand waves of liquid
+            ]
         )
 
     def moments(self, angles: Array) -> Complex:
         """Unbalance (..., n) that weights at `angles` (..., K) leave at the stations [kg m]."""
-        pulls = self.loaded.planes[self.table.plane] * self.table.moment[:, None]
+        planes = self.assembly.rotor.planes
+        pulls = planes[self.table.plane] * self.table.moment[:, None]
         left = self.assembly.rotor.unbalance + np.exp(1j * angles) @ pulls
         for mounted in self.assembly.weights:  # masses on tracks that are off centre
             mass = mounted.device.added_mass
-            left = left + mass * mounted.offset * self.loaded.planes[mounted.plane]
+            left = left + mass * mounted.offset * planes[mounted.plane]
         return np.asarray(left)
 
     def response(self, moments: Complex) -> Complex:
@@ -134,9 +138,11 @@ class Known:
             NoResponse: see `unbalance_response`.
         """
         if self.loaded.sliders:
-            return unbalance_response(
-                replace(self.loaded, unbalance=np.asarray(moments, complex)), [self.speed]
-            )[0]
+            own = self.assembly.rotor.stations
+            there = np.zeros(self.loaded.stations, complex)
+            there[:own] = moments
+            rotor = replace(self.loaded, unbalance=there)
+            return unbalance_response(rotor, [self.speed])[0, :, :own]
         return np.einsum("j,jan->an", moments, self._unit_responses)
 
     def sizes(self, angles: Array) -> Array:
@@ -149,7 +155,8 @@ class Known:
 
     def size_of_turns(self, turns: Sequence[float] | Array) -> float:
         """Steady vibration by turns of the weights (K,) [rad] away from balance, at most [m]."""
-        pulls = self.loaded.planes[self.table.plane] * (self.table.moment * np.abs(turns))[:, None]
+        planes = self.assembly.rotor.planes
+        pulls = planes[self.table.plane] * (self.table.moment * np.abs(turns))[:, None]
         if self.loaded.sliders:
             return _size(self.response(pulls.sum(axis=0).astype(complex)))
         each = np.einsum("kj,jan->kan", pulls, self._unit_responses)
@@ -176,7 +183,7 @@ class Known:
     @cached_property
     def least(self) -> float:
         """About the least steady vibration that moments in the weights' planes leave [m]."""
-        used = self.loaded.planes[np.unique(self.table.plane)]
+        used = self.assembly.rotor.planes[np.unique(self.table.plane)]
         by_plane = np.einsum("pj,jan->anp", used, self._unit_responses).reshape(-1, len(used))
         own = self.response(np.asarray(self.assembly.rotor.unbalance, complex))
         found, *_ = np.linalg.lstsq(by_plane, -own.ravel(), rcond=None)
@@ -219,15 +226,14 @@ class Known:
         from ....models.linear.linearised import linearise
 
         system, w = linearise(self.balancing), self.speed
-        average = system.steady[0] + w * system.steady[1] + w * w * system.steady[2]
-        values = np.linalg.eigvals(average)
+        values = np.linalg.eigvals(system.at_speed(w))
         slowest = values[values.real.argmax()] if len(values) else complex(-math.inf)
         return float(abs(slowest))
 
     @cached_property
     def critical(self) -> float:
         """Lowest critical speed with the balancers' masses [rad/s]."""
-        return float(np.abs(self.loaded.at_bottom.free_rates(0.0)).min())
+        return float(np.abs(self.assembly.resting_rotor.at_bottom.free_rates(0.0)).min())
 
     @cached_property
     def natural(self) -> Array:

@@ -31,8 +31,8 @@ class Verdict:
     """What a run comes to; as text a few sentences.
 
     Attributes:
-        balancers: what they are called: balls, rollers, pendulums, weights, liquid or balancers;
-            empty where there are none.
+        balancers: what they are called: balls, rollers, pendulums, weights, liquid, ring or
+            balancers; empty where there are none.
         vibration: largest distance of a station from the middle in the last revolution [m]; under
             gravity from its mean.
         velocity: vibration velocity of the last revolution [m/s rms], the larger of x and y.
