@@ -14,7 +14,7 @@ from .rotor.variables import ROTOR
 from .unit import SizedUnit, Unit, alternatives
 from .weights.variables import BALLS
 
-CATALOGUE: dict[str, Unit] = {unit.name: unit for unit in (ROTOR, LIQUID, RING, BALLS, MOTOR)}
+CATALOGUE: dict[str, Unit] = {unit.name: unit for unit in (ROTOR, LIQUID, BALLS, RING, MOTOR)}
 
 
 def sized_unit(name: str, **options: Any) -> SizedUnit:

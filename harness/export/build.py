@@ -60,7 +60,7 @@ def build_files(
 
     >>> from pathlib import Path
     >>> len(ab.build_files(None, Path("units"), platforms=["x86_64-linux"]).files)
-    4
+    5
     """
     if (plain or flat or reference) and (ssp or not one_file):
         raise UserError("--plain, --flat-names, --reference: give --one-file and leave out --ssp")

@@ -102,6 +102,12 @@ def _under_a_motor(scene: Scene, rotor: LinearRotor) -> Iterator[str]:
     motor = scene.operation.motor
     if motor is None:
         return
+    for i, balancer in enumerate(scene.balancer, start=1):
+        if balancer.kind == "ring":
+            yield (
+                f"operation.motor: a motor does not drive a ring of liquid (balancer[{i}]): how the "
+                "liquid follows the rotor is not modelled; give operation.run_up"
+            )
     u = rotor.unbalance
     least = float((u.conj() @ np.linalg.solve(rotor.mass, u)).real)
     if not motor.inertia > least:

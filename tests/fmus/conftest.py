@@ -28,11 +28,13 @@ SHAPES = [
     ("RotorOnSupports", {"planes": 3, "frame": "fixed"}),
     ("LiquidBalancer", {}),
     ("LiquidBalancer", {"frame": "fixed"}),
+    ("RingBalancer", {}),
+    ("RingBalancer", {"frame": "fixed"}),
     ("BallBalancer", {}),
     ("BallBalancer", {"weights": 1}),
     ("BallBalancer", {"weights": 5, "frame": "fixed"}),
 ]
-ELSEWHERE = [SHAPES[k] for k in (2, 4, 8)]  # of each unit one
+ELSEWHERE = [SHAPES[k] for k in (2, 4, 6, 10)]  # of each unit one
 
 
 class Probe:

@@ -74,6 +74,19 @@ def test_slope_outputs_are_the_outputs_derivatives(frame, spin_up, probe, rotor_
         liquid = probe("LiquidBalancer", {"inertia_as_force": True}, frame=frame)
         liquid.put(f"a_{xi}", *wavy)
         assert slope_error(liquid, [f"F_{xi}", f"F_{eta}"]) < 1e-9
+        ring = probe(
+            "RingBalancer",
+            {
+                **turning,
+                "inertia_as_force": force,
+                "viscosity": 1e-4,
+                "wave_xi0": 1e-3,
+                "angle": 0.4,
+            },
+            frame=frame,
+        )
+        ring.put(f"a_{xi}", *wavy)
+        assert slope_error(ring, [f"F_{xi}", f"F_{eta}"]) < 2e-5
 
 
 def test_liquid_leaves_by_the_port_or_in_the_force_but_not_by_both(probe):
@@ -150,6 +163,7 @@ def test_unit_runs_alone_with_an_input_file(fmus, unit, backend):
 PERTURBED = {
     "RotorOnSupports": {"plane[1].F_xi": 3.0, "der(plane[1].F_eta)": 20.0, "x0": 1e-4},
     "LiquidBalancer": {"a_xi": 3.0, "x": 1e-3, "chamber_radius": 0.06},
+    "RingBalancer": {"a_xi": 3.0, "der(a_eta)": 20.0, "wave_speed_xi0": 0.3},
     "BallBalancer": {"a_xi": 3.0, "der(a_eta)": 20.0, "weight[1].speed0": 3.0},
 }
 
@@ -232,6 +246,8 @@ def test_after_a_failed_step_the_state_can_be_restored_and_stepped(host_of, back
         ("RotorOnSupports", {}, "plane[1].added_mass", -1.0, r"plane\[1\].added_mass = -1.0 kg"),
         ("LiquidBalancer", {}, "float_radius", 0.06, r"float_radius = 0.06 m: .*smaller than"),
         ("LiquidBalancer", {}, "density", 0.0, r"density = 0.0 kg/m3: .*above 0"),
+        ("RingBalancer", {}, "inner_radius", 0.2, r"inner_radius = 0.2 m: .*smaller than"),
+        ("RingBalancer", {}, "viscosity", -1.0, r"viscosity = -1.0 m2/s: .*at least 0"),
         ("BallBalancer", {}, "kappa", 0.5, r"kappa = 0.5: .*at least 1"),
         ("BallBalancer", {}, "drag", -0.1, r"drag = -0.1 N.s/m: .*at least 0"),
         ("BallBalancer", {}, "weight_radius", 0.01, r"weight_radius = 0.01 m: must be 0.0 m in a"),

@@ -12,7 +12,7 @@ ROOT = Path(autobalancer.models.__file__).parents[1]
 DESCRIPTION = {
     f"models.{name}"
     for name in (
-        *("arrays", "assembly", "constants", "liquid", "motor", "rotor", "rotor_kinds"),
+        *("arrays", "assembly", "constants", "liquid", "motor", "ring", "rotor", "rotor_kinds"),
         *("rotor_matrices", "rotor_tilting", "shaft", "supports", "tilting", "weights"),
     )
 }

@@ -19,6 +19,8 @@ pytestmark = pytest.mark.slow
 CASES: list[tuple[str, dict[str, Any]]] = [
     ("LiquidBalancer", {}),
     ("LiquidBalancer", {"frame": "fixed"}),
+    ("RingBalancer", {}),
+    ("RingBalancer", {"frame": "fixed"}),
     ("BallBalancer", {"weights": 1}),
     ("BallBalancer", {"weights": 2}),
     ("BallBalancer", {"weights": 7, "frame": "fixed"}),

@@ -83,17 +83,6 @@ void machine_solve(const Machine *m, Number *b)
     }
 }
 
-Pair machine_times_speed(const Machine *m, const Pair *series, int stride, int k)
-{
-    const int last = k < m->speed_order ? k : m->speed_order;
-    Pair sum = pair_scaled(series[k * stride], m->speed[0]);
-    int j;
-    for (j = 1; j <= last; j++) {
-        sum = pair_add_scaled(sum, series[(k - j) * stride], m->speed[j]);
-    }
-    return sum;
-}
-
 /* What w' leads E'' to without that of order k, and with it where it is prescribed. */
 static Pair spun(const Machine *m, int k)
 {

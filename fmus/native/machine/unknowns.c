@@ -52,3 +52,14 @@ void machine_take_weight(Machine *m, int w, int k, Number acceleration, Number s
     series_weight_finish(weight, k, acceleration, m->per + k + 1);
     pair_set(&m->velocity[(k + 1) * m->width + m->stations + w / 2], w % 2, pair_x(weight->rate[k + 1]) - speed_gained);
 }
+
+Pair machine_times_speed(const Machine *m, const Pair *series, int stride, int k)
+{
+    const int last = k < m->speed_order ? k : m->speed_order;
+    Pair sum = pair_scaled(series[k * stride], m->speed[0]);
+    int j;
+    for (j = 1; j <= last; j++) {
+        sum = pair_add_scaled(sum, series[(k - j) * stride], m->speed[j]);
+    }
+    return sum;
+}
