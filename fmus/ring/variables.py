@@ -28,8 +28,9 @@ def variables(sizes: Sizes) -> list[Variable]:
     waves = [f"{what}_{axis}" for what in ("wave", "wave_speed") for axis in ("xi", "eta")]
     starts = tuple(f"{name}0" for name in waves)
     begins = (*_FORCE, *starts)
-    drive = (*(() if sizes.frame == "rotor" else ("angle",)), "speed", SPIN[0])
-    values, slopes = (*a, *drive), (*a, *(f"der({name})" for name in a), *drive)
+    turning = (*(() if sizes.frame == "rotor" else ("angle",)), "speed")
+    values = [(name, *turning) for name in a]
+    slopes = [(*a, f"der({name})", *turning, SPIN[0]) for name in a]
     return [
         positive("wall_radius", 0.1, "m", "Radius a of the wall"),
         positive("inner_radius", 0.08, "m", "Radius b of the free surface, below a"),
@@ -46,7 +47,7 @@ def variables(sizes: Sizes) -> list[Variable]:
         plain_input("angle", 0.0, "rad", "Angle of the rotor at the start of the step"),
         *spin_inputs(),
         *signal_outputs(
-            force, "force", "Force on the rotor", [values] * 2, [slopes] * 2, begins=begins
+            force, "force", "Force on the rotor", values, slopes, begins=begins
         ),
         output(
             "added_mass", "kg", "Mass m/(1 + f) to be carried by the rotor",

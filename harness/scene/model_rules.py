@@ -105,8 +105,8 @@ def _under_a_motor(scene: Scene, rotor: LinearRotor) -> Iterator[str]:
     for i, balancer in enumerate(scene.balancer, start=1):
         if balancer.kind == "ring":
             yield (
-                f"operation.motor: a motor does not drive a ring of liquid (balancer[{i}]): how the "
-                "liquid follows the rotor is not modelled; give operation.run_up"
+                f"operation.motor: a motor does not drive a ring of liquid (balancer[{i}]): how "
+                "the liquid follows the rotor is not modelled; give operation.run_up"
             )
     u = rotor.unbalance
     least = float((u.conj() @ np.linalg.solve(rotor.mass, u)).real)
