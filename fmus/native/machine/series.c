@@ -113,7 +113,7 @@ static Pair sloped(Machine *m, int i, int k)
         sum = pair_add_times(sum, m->cross_damping_slope[at], pair_swapped(v[j]));
     }
     m->sloped[k * n + i] = sum;
-    return times_speed(m, m->sloped + i, n, k);
+    return machine_times_speed(m, m->sloped + i, n, k);
 }
 
 /* Forces on the stations of order k, apart from the weights'. */
