@@ -70,7 +70,7 @@ class OneFileRun(Closing):
         self.coupled = exchanging(scene)
         self._chooses_steps = scene.coupling.tolerance is not None and self.coupled
         self.meets_events = meets_events(scene)
-        self.time, self._passes = 0.0, 0.0
+        self.time, self._passes, self._parts = 0.0, 0.0, 1
 
     def like(self, scene: Scene) -> OneFileRun:
         """As `CoSimulation.like`."""
@@ -83,7 +83,8 @@ class OneFileRun(Closing):
         self.time = 0.0
         try:
             share, points = 0.0 if attempt is None else SHARES[attempt], None
-            if again:
+            self._parts = again.parts if again else 1
+            if again and self._chooses_steps:
                 allowed = RESIDUAL_SHARE * share * (self.scene.coupling.tolerance or 0.0)
                 points = divided(again.times, again.parts), again.residual * allowed
             self._run.start(points, share)
@@ -129,7 +130,8 @@ class OneFileRun(Closing):
     def _stretches(self) -> Iterator[Stretch]:
         longest = step_size(self.scene, FEWEST_CHOSEN)
         for (step, count), bound in zip(schedule(self.scene), milestones(self.scene), strict=True):
-            given = (0.0, longest, 0) if self._chooses_steps else (step, step, count)
+            part = step / self._parts
+            given = (0.0, longest, 0) if self._chooses_steps else (part, part, count * self._parts)
             yield Stretch(self.time, bound, *given)
 
     def _on(

@@ -10,6 +10,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ..errors import UserError
+from ..master.alone import friction_error
+from ..master.compared import motion_signals
 from ..master.facts import Facts, events
 from ..master.global_error import Controlled
 from ..master.left_out import left_out
@@ -142,11 +144,13 @@ def _run(
     own, made_of = recorded_for([*names, *(velocities(scene) if known else [])] if names else [])
     start_time = clock.perf_counter()
     controlled: Controlled | TwoTolerances | None = None
+    states_friction = names and known and not simulation.coupled and scene.rotor.friction
+    watched = motion_signals(scene) if states_friction else []
     if simulation.scene.coupling.tolerance is not None and simulation.coupled:
         controlled = controlled_runs(simulation, own, made_of)
         recorder = controlled.run(progress)
     else:
-        recorder = Recorder(simulation.units, own, made_of)
+        recorder = Recorder(simulation.units, own, [*made_of, *watched])
         simulation.start()
         simulation.record(recorder, progress)
     seconds = clock.perf_counter() - start_time
@@ -155,6 +159,9 @@ def _run(
     facts = simulation.facts()
     if controlled:
         facts = replace(facts, estimated_error=controlled.error, unknown_error=controlled.unknown)
+    if watched:  # runs once more
+        own_error = friction_error(simulation, recorder)
+        facts = replace(facts, estimated_error=max(facts.estimated_error, own_error))
     merged = merged_now(simulation.scene, simulation.units) if known else []
     facts = replace(facts, messages=(*facts.messages, *merged))
     return result(recorder, facts, seconds, names, velocities(scene) if names and known else [])

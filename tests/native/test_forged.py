@@ -17,7 +17,7 @@ STATES, COMPOSITIONS = 1000, 300
 @pytest.fixture(scope="module")
 def found(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Found]:
     folder = tmp_path_factory.mktemp("forged")
-    return study(folder, range(STATES), range(COMPOSITIONS))
+    return dict(study(folder, range(STATES), range(COMPOSITIONS)))
 
 
 @pytest.mark.slow

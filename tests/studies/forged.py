@@ -16,7 +16,7 @@ import random
 import re
 import subprocess
 import sys
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import cache
 from pathlib import Path
@@ -48,6 +48,7 @@ UNITS = (
 )
 SCENES = ("two_balls", "balls_and_liquid", "goncharov_balls", "finite_weights", "bristol_friction")
 SCENES += ("sommerfeld", "run_up", "contact_order", "three_mass_shaft", "liquid_touch")
+AT_ONCE = 1000  # cases between two lines of the report
 ENVIRONMENT = {"ASAN_OPTIONS": "detect_leaks=1:allocator_may_return_null=1"}
 
 
@@ -260,24 +261,27 @@ def write_compositions(path: Path, count: int) -> None:
 # -- the study ----------------------------------------------------------------------------------
 
 
-def study(folder: Path, states: range, compositions: range) -> dict[str, Found]:
-    """Run these cases in a folder."""
+def study(
+    folder: Path, states: range, compositions: range, at_once: int = 1_000_000
+) -> Iterator[tuple[str, Found]]:
+    """Run these cases in a folder; what is found of each kind, `at_once` cases at a time."""
     host, library = sanitized(folder)
     kinds, texts = folder / "kinds.txt", folder / "compositions.txt"
     write_kinds(kinds)
     write_compositions(texts, compositions.stop)
-    made = {"states": (kinds, states), "compositions": (texts, compositions)}
-    return {
-        kind: run(host, library, kind, file, cases.start, len(cases))
-        for kind, (file, cases) in made.items()
-    }
+    for kind, file, cases in ("states", kinds, states), ("compositions", texts, compositions):
+        for first in cases[::at_once]:
+            count = min(at_once, cases.stop - first)
+            yield kind, run(host, library, kind, file, first, count)
 
 
-def report(found: dict[str, Found]) -> Iterable[str]:
+def report(kind: str, found: Found) -> str:
     """Lines that say what was found."""
-    for kind, each in found.items():
-        yield f"{kind}: {each.cases} cases, {len(each.faults)} faults; {'; '.join(each.counts)}"
-        yield from (f"  case {number}: {words}" for number, words in each.faults)
+    faults = [f"  case {number}: {words}" for number, words in found.faults]
+    counts = "; ".join(found.counts)
+    return "\n".join(
+        [f"{kind}: {found.cases} cases, {len(found.faults)} faults; {counts}", *faults]
+    )
 
 
 def main() -> int:
@@ -288,14 +292,14 @@ def main() -> int:
     parser.add_argument("--first", type=int, default=0)
     given = parser.parse_args()
     first = given.first
+    faults = 0
     with TemporaryDirectory(prefix="autobalancer-") as folder:
-        found = study(
-            Path(folder),
-            range(first, first + given.states),
-            range(first, first + given.compositions),
-        )
-    print("\n".join(report(found)))
-    return any(each.faults for each in found.values())
+        states = range(first, first + given.states)
+        compositions = range(first, first + given.compositions)
+        for kind, found in study(Path(folder), states, compositions, AT_ONCE):
+            print(report(kind, found), flush=True)
+            faults += len(found.faults)
+    return faults > 0
 
 
 if __name__ == "__main__":
