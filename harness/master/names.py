@@ -36,10 +36,10 @@ def turning_parts(count: int) -> dict[str, tuple[str, int]]:
     }
 
 
-def mean_angles(outputs: Iterable[str]) -> dict[str, str]:
-    """What many runs call the mean angles of weights in the last revolution: the angles by it."""
+def of_angles(outputs: Iterable[str], what: str) -> dict[str, str]:
+    """What many runs call what they make of weights' angles, such as `mean_angle`: angles by it."""
     angle = re.compile(r"^(.*\.weight\[\d+\]\.)angle$")
-    return {f"{found[1]}mean_angle": name for name in outputs if (found := angle.match(name))}
+    return {f"{found[1]}{what}": name for name in outputs if (found := angle.match(name))}
 
 
 def plane(number: int, what: str) -> str:

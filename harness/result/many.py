@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from ..errors import UserError
 from ..master.merged import merged_runs, names_of_states
-from ..master.names import mean_angles, station_residuals, stations, turning_parts
+from ..master.names import of_angles, station_residuals, stations, turning_parts
 from ..master.one_file import composition
 from ..master.plan import plan
 from ..master.schedule import end_time
@@ -24,6 +24,7 @@ from .alike import table_of, values_of
 
 POINTS_PER_REV = 20  # at which the amplitude is looked at, where a tolerance chooses the steps
 MOST_RUNS = 32  # of a call: some MB of outputs
+LAG_TURNS = 10  # revolutions at the end over which lags of weights are averaged
 _COPIES = 2  # outputs, and what is made of them
 SETTLED_AMPLITUDE = 0.05  # of the largest: how far from the last amplitude a settled rotor may be
 STEADY = 0.005  # of it: what the amplitude of a settled one may change by in the last revolution
@@ -59,7 +60,8 @@ def cosimulate_many(
             rotor's only one [m]; at constant speed `rotor.x.in_phase` and `.quadrature_lead`, also
             of `y` and of a station: x = in_phase cos theta - quadrature_lead sin theta in the last
             revolution [m], with the rotor's angle theta; `balls.weight[1].mean_angle` of the last
-            revolution [rad]; or outputs of the FMU, which are taken at the end of a run.
+            revolution [rad], and `.mean_lag` behind the rotor in the last ten [rad/s]; or outputs
+            of the FMU, which are taken at the end of a run.
         threads: default: one a core.
 
     Returns:
@@ -78,7 +80,8 @@ def cosimulate_many(
     inputs = [v.name for v in layout.variables if v.causality != "output"]
     outputs = [v.name for v in layout.reals if v.causality == "output"]
     residuals = station_residuals(len(scene.rotor.points))
-    means, profile = mean_angles(outputs), scene.profile()
+    angles, lags = (of_angles(outputs, what) for what in ("mean_angle", "mean_lag"))
+    means, profile = angles | lags, scene.profile()
     is_steady = not (profile.changes or scene.operation.motor)
     parts_of = turning_parts(len(scene.rotor.points)) if is_steady else {}
     _refuse_unknown(results, [*RESULTS, *residuals, *parts_of, *means, *outputs])
@@ -123,8 +126,13 @@ def cosimulate_many(
         reduced = _reduced(motion, turns, ends[part], residuals, heavy)
         reduced |= dict(zip(["error", "loop_gain", *ending[2:]], at_end.T, strict=True))
         late = signals[:, -((signals.shape[1] - 1) // turns) :]
-        for name in set(means).intersection(results):
+        for name in set(angles).intersection(results):
             reduced[name] = late[:, :, asked.index(means[name])].mean(axis=1)
+        for name in set(lags).intersection(results):
+            turned = signals[:, :, asked.index(means[name])]
+            first = -(turned.shape[1] - 1) // turns * min(LAG_TURNS, turns) - 1
+            seconds = ends[part] * (-first - 1) / (turned.shape[1] - 1)
+            reduced[name] = (turned[:, first] - turned[:, -1]) / seconds
         for name in set(parts_of).intersection(results):
             signal, which = parts_of[name]
             turning = _turning(late[:, :, asked.index(signal)], points, scene.revolutions)

@@ -36,7 +36,7 @@ _NUMBERS = (
     *("residual", "grade", "settled", "merged", "behind", "alone"),
     *("largest", "largest_alone"),
 )  # of a machine
-BEHIND = 0.02  # of the rotor's speed: weights that lag by more at the end are left behind
+BEHIND = 0.02  # of its speed: weights that lag by more, at the end and on average, are left behind
 Columns = tuple[NDArray[np.float64], NDArray[np.object_]]  # (m, numbers), failure
 
 
@@ -175,14 +175,15 @@ def _outcomes(machines: list[Scene]) -> Columns:
     """Of machines that can be run, by row."""
     first = machines[0]
     asked, states = moments(first), names_of_states(first)
-    speeds = [
-        f"{b.label}.{weight(k, 'speed')}"
+    weights = [
+        f"{b.label}.{weight(k, '')}"
         for b in first.balancer
         if isinstance(b, WeightBalancer)
         for k in range(1, b.count + 1)
     ]
+    speeds, lags = [f"{w}speed" for w in weights], [f"{w}mean_lag" for w in weights]
     motor = ["motor.speed"] if first.operation.motor else []
-    wanted = ["residual", "settled", "largest", *(asked or ()), *states, *speeds, *motor]
+    wanted = ["residual", "settled", "largest", *(asked or ()), *states, *speeds, *lags, *motor]
     results = list(dict.fromkeys(wanted))
     outcomes = cosimulate_many(first, table_of(machines), results=results, threads=1)
     bare = [one.without_balancers() for one in machines]
@@ -198,7 +199,10 @@ def _outcomes(machines: list[Scene]) -> Columns:
             grade = residual_unbalance(machine, held, end_time(machine))[1]
         at_end = machine.profile().speed(end_time(machine))
         speed = float(outcomes["motor.speed"][k]) if motor else at_end
-        behind = sum(-float(outcomes[name][k]) > BEHIND * speed for name in speeds)
+        behind = sum(
+            min(-float(outcomes[now][k]), float(outcomes[mean][k])) > BEHIND * speed
+            for now, mean in zip(speeds, lags, strict=True)
+        )
         residual, alone = float(outcomes["residual"][k]), _alone(machine, speed)
         other = behind or (bool(speeds) and residual >= alone)
         settled = 0.0 if other else float(outcomes["settled"][k])

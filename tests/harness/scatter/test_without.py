@@ -73,3 +73,19 @@ def test_the_command_compares_with_the_machines_without_balancers(invoke, tmp_pa
         outcome.output.split()
     )
     assert "left behind" not in outcome.output
+
+
+def test_weights_that_swing_between_two_frequencies_are_neither_settled_nor_left_behind():
+    """Between two natural frequencies; an integration calls 16 to 29 of 100 starts so."""
+    rotor = {**GREEN, "damping": [0.1, 0.2], "stiffness": [1.0, 4.0]}
+    balls = {**BALLS, "mass": 0.0327, "drag": 0.006, "angles": [3.2159, 5.9719]}
+    del balls["speeds"]
+    scene = Scene(rotor=rotor, balancer=[balls], speed=2.2, run={"revolutions": 1500})
+    rates, lags = ([f"balls.weight[{k}].{what}" for k in (1, 2)] for what in ("speed", "mean_lag"))
+    ends = scene.run.many({"rotor.unbalance": [0.01]}, results=[*rates, *lags])
+    assert min(ends[name][0] for name in rates) < -0.02 * 2.2  # slow at this moment
+    assert max(abs(ends[name][0]) for name in lags) < 0.01 * 2.2
+    found = scene.scatter({"rotor.unbalance": "normal(0.01,0.0001%)"}, n=1)
+    assert found.behind.tolist() == [0.0]
+    assert found.settled.tolist() == [0.0]
+    assert found.as_json()["other_motion"] == 1
