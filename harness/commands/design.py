@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from ..design.space import MATERIALS
+from ..errors import UserError
 from ..output import options
 from ..output.table import Sheet
 from ..output.terminal import progress_bar, say, show
@@ -80,6 +81,13 @@ def command(
     output: Annotated[
         Path | None, options.picture("Picture (png, svg, pdf).", "--output", "-o")
     ] = None,
+    save: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="FILE.toml",
+            help="Scene with the recommended weights, at the smallest drag tried.",
+        ),
+    ] = None,
     changes: Annotated[list[str] | None, set_option("balls.drag=0.1")] = None,
     report: Annotated[Path | None, options.REPORT] = None,
     details: Annotated[
@@ -98,6 +106,8 @@ def command(
     space: dict[str, Any] = {"race": race, "width": width, "material": material}
     space |= {"reserve": reserve, "most": most, "workers": os.cpu_count() or 1}
     if details:
+        if save is not None:
+            raise UserError("--save: --details recommends no size; leave one of them out")
         _details(loaded, unbalance, space, number or DETAILS_STARTS, page, output)
         return
     if number is not None:
@@ -111,6 +121,9 @@ def command(
         show(candidates_table(data))
         for line in data.words():
             say(line)
+    if save is not None:
+        found = data.scene()
+        say(f"Scene: {found.save(save)}" if found else f"{save}: not written, none is recommended")
     for path in filter(None, (output, page.picture(f"{loaded.name}_design"))):
         say(f"Picture: {data.plot(path)}")
     page.cited = "ISO 3290" if standard else ""

@@ -14,7 +14,7 @@ from ..output.workers import Progress, Workers, in_order
 from ..scene import Scene
 from .candidates import Candidate, candidates, largest_capacity
 from .drags import DragRange
-from .scenes import weights_of
+from .scenes import unbalance_of, weights_of
 from .space import Space
 from .trials import Trial, corner_scenes, preference, run_corner
 
@@ -38,6 +38,7 @@ class Fitting(Outcome):
         start: rest, turning or run-up.
         assumed: drive, drag and unbalance, a sentence each.
         starts: runs of every corner.
+        driven: the scene with its drive.
     """
 
     drawn_by: ClassVar[str] = "..design.fitting_plot:plot_fitting"
@@ -51,6 +52,20 @@ class Fitting(Outcome):
     start: str
     assumed: tuple[str, ...]
     starts: int
+    driven: Scene
+
+    def scene(self) -> Scene | None:
+        """The scene with the recommended weights at the smallest drag tried; None: none is."""
+        from .answer import sure
+
+        if not (good := sure(self)):
+            return None
+        least = min(corner.drag for corner in good[0].corners)
+        largest = [self.space.unbalance]
+        ((found, _),) = corner_scenes(self.driven, good[0].candidate, [least], largest)
+        own = self.driven.document["rotor"].get("unbalance")  # as it was written
+        same = math.isclose(unbalance_of(self.driven), largest[0], rel_tol=1e-9)
+        return found.replace({"rotor.unbalance": own}) if same else found
 
     def table(self) -> Sheet:
         """A row for every candidate."""
@@ -113,7 +128,7 @@ def fitting(
     most = largest_capacity(scene, space, counts)
     return Fitting(
         scene.heading, balls.kind, space, tuple(trials), len(found) - len(chosen), most, start,
-        tuple(line for line in assumed if line), starts,
+        tuple(line for line in assumed if line), starts, driven,
     )  # fmt: skip
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -92,6 +93,33 @@ def _with_balls(scene):
     from autobalancer.harness.design.scenes import with_balls
 
     return with_balls(scene, 0.08, 0.014)
+
+
+def test_the_recommended_weights_make_a_scene_with_the_drive_at_the_smallest_drag(found):
+    best = next(t for t in found.trials if t.worst.share == 1.0)
+    often = best
+    for _ in range(6):  # as if 42 starts had balanced
+        often = often.with_more(best)
+    made = replace(found, trials=(often,)).scene()
+    (balls,) = made.balancer
+    size = (best.candidate.count, best.candidate.mass, best.candidate.track)
+    assert (balls.count, balls.mass, balls.track_radius) == size
+    assert balls.drag == min(c.drag for c in best.corners)
+    assert list(made.profile().speeds) == [0.0, 309.0]
+    assert made.rotor.unbalance == 1.2e-4
+    assert found.scene() is None  # 6 starts show too little
+
+
+def test_the_command_saves_no_scene_where_none_is_recommended(invoke, fan, tmp_path):
+    path, target = fan.save(tmp_path / "fan.toml"), tmp_path / "with.toml"
+    space = ["--track", "80mm", "--width", "14mm", "--drag", "1e-4", "--most", "2", "-n", "2"]
+    outcome = invoke("design", path, *space, "--save", target)
+    assert outcome.exit_code == 0, outcome.output
+    assert "not written, none is recommended" in " ".join(outcome.output.split())
+    assert not target.exists()
+    outcome = invoke("design", path, *space, "--details", "--save", target)
+    assert outcome.exit_code == 2
+    assert "leave one of them out" in outcome.stderr
 
 
 def test_balls_that_are_left_behind_are_not_recommended(fan):
