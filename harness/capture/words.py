@@ -15,6 +15,8 @@ if TYPE_CHECKING:
 
 _EARLY = 1.0  # of 2 Om sqrt(A_u/(kappa R))/(Om - w): the unbalance can catch weights earlier
 
+FAR = 100.0  # times the rotor's speed: a release beyond it is no speed of this machine
+
 
 def sentence(data: Captured) -> str:
     """Whether weights can be left behind at the rotor's speed, and from which drag on not."""
@@ -48,7 +50,9 @@ def sentence(data: Captured) -> str:
     size = data.amplitude(motion)
     largest = f"{brief(1e3 * size)} to {brief(1e3 * (size + data.unbalance_amplitude))} mm"
     until = ", not let go at higher speeds"
-    if math.isfinite(motion.release_speed):
+    if FAR * data.speed < motion.release_speed < math.inf:
+        until = f", not let go below {FAR:g} times that speed"
+    elif math.isfinite(motion.release_speed):
         until = f", let go at {in_both(motion.release_speed, 'rad/s')}"
     elif math.isnan(motion.release_speed):
         until = ""
@@ -66,7 +70,7 @@ def _cannot_tell(data: Captured) -> str:
     return (
         f"Closed form: cannot tell at {in_both(data.speed, 'rad/s')}, which lies below a natural "
         f"frequency: bunched {data.called} can slip there, by up to "
-        f"{100.0 * found.slip / found.speed:.2g} % of the speed. Count what happens: "
+        f"{brief(100.0 * found.slip / found.speed)} % of the speed. Count what happens: "
         "`autobalancer motions`."
     )
 
@@ -77,7 +81,7 @@ def _drag(data: Captured, words: str) -> str:
         value = f"{next(iter(limits.values()))} N s/m"
     else:
         value = ", ".join(f"{v} N s/m of {name}" for name, v in limits.items())
-    ratio = f" ({data.found.drag_ratio:.2g} times the present one)" if data.drag_given else ""
+    ratio = f" ({brief(data.found.drag_ratio)} times the present one)" if data.drag_given else ""
     if not data.found.drag_ratio:
         return ""
     return f"; {words} {value}{ratio}{' on' if words.startswith('never') else ''}"

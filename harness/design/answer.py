@@ -75,7 +75,7 @@ def _none(data: Fitting) -> list[str]:
     ]
     if best.margin < 1.0:
         lines.append(
-            f"Its balls can be left behind: it needs {1.0 / best.margin:.2g} times the drag, or "
+            f"Its balls can be left behind: it needs {brief(1.0 / best.margin)} times the drag, or "
             "lighter weights, more damping of the supports, or a quicker run-up."
         )
     return lines
@@ -85,7 +85,7 @@ def _take(data: Fitting, best: Trial) -> str:
     low, _ = best.interval
     held = best.candidate.capacity / data.space.unbalance if data.space.unbalance else math.inf
     settled = f" within {best.settling:.3g} s at speed (median)" if best.settling else ""
-    margin = f"drag is {best.margin:.2g} times the one that excludes weights left behind"
+    margin = f"drag is {brief(best.margin)} times the one that excludes weights left behind"
     if math.isinf(best.margin):
         margin = "no natural frequency holds weights back"
     elif math.isnan(best.margin):
@@ -95,7 +95,7 @@ def _take(data: Fitting, best: Trial) -> str:
         f"starts of the worst corner (at least {100.0 * low:.0f} %, with 95 % confidence)"
         f"{settled}; "
         f"capacity {held:.3g} times the largest unbalance; {margin}; vibration at speed "
-        f"{100.0 * best.left:.2g} % of that without."
+        f"{brief(100.0 * best.left)} % of that without."
     )
 
 

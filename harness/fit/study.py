@@ -14,9 +14,9 @@ from numpy.typing import NDArray
 from ...models.arrays import Array
 from ...models.harmonic_balance import NoResponse
 from ..errors import UserError
-from ..output.outcome import Outcome
-from ..output.table import Sheet
 from ..scene import Scene
+from ..units import brief
+from .estimate import Estimate
 from .measured import SPEED, MeasuredAmplitudes, read_measured
 from .model import HarmonicModel, Model
 from .parameters import Parameter
@@ -28,66 +28,38 @@ from .systematic import SIGNIFICANCE, significance
 if TYPE_CHECKING:
     from ..output.workers import Progress
 
-ALIKE = math.sqrt(10.0)  # a variance inflation of 10 is commonly taken for too much
 
-
-@dataclass(frozen=True, eq=False, repr=False)
-class Fit(Outcome):
-    """What was found.
+@dataclass(frozen=True, eq=False, repr=False, kw_only=True)
+class Fit(Estimate[Scene]):
+    """What was found, in SI units; intervals are wider than from scatter where a run-out is likely.
 
     Attributes:
-        start: the scene that was fitted.
         measured: amplitudes.
-        parameters, values: (p,) what was free, and what it is.
-        uncertainty: (p,) half the interval of 95 % confidence; infinite where the data do not tell,
-            NaN where a value ended at its limit or the residuals are systematic.  Wider than from
-            scatter alone where a run-out is likely.
-        correlation: (p, p) of the values.
-        inflation: (p,) of the interval, over that with all other values known.
         simulated: (n,) amplitudes with these values, as `MeasuredAmplitudes.values` [m].
         residuals: ln(simulated / measured), then differences of phases [rad], as
             `MeasuredAmplitudes.logarithms`.
-        significance: probability that independent scatter looks as systematic as the residuals;
-            NaN where there are too few to tell.
         runout: constant run-outs that explain the residuals best; None where all are subtracted.
-        at_limit: (p,) whether a value ended at its limit.
-        rms: of the residuals, before and after.
         guessed: rms that harmonic balance has with its own values, the least of all starts;
             NaN: the scene is not for it.
         starts: from how many harmonic balance found values.
-        ended: why the search has.
     """
 
     drawn_by: ClassVar[str] = "..fit.plot:plot_fit"
     document_by: ClassVar[str] = "..fit.report:document"
+    measures: ClassVar[str] = "amplitudes"
 
-    start: Scene
     measured: MeasuredAmplitudes
-    parameters: tuple[Parameter, ...]
-    values: Array
-    uncertainty: Array
-    correlation: Array
-    inflation: Array
     simulated: Array
     residuals: Array
-    significance: float
     runout: Runout | None
-    at_limit: NDArray[np.bool_]
-    rms: tuple[float, float]
     guessed: float
     starts: int
-    ended: str
-
-    @property
-    def is_systematic(self) -> bool:
-        """Whether residuals of neighbours in speed deviate alike, so that no interval is known."""
-        return self.significance < SIGNIFICANCE
 
     @property
     def scene(self) -> Scene:
         """The scene with the values that were found."""
-        pairs = zip(self.parameters, self.values.tolist(), strict=True)
-        return self.start.replace({k: v for one, x in pairs for k, v in one.changes(x).items()})
+        found: Scene = self._fitted()
+        return found
 
     def predicted_rms(self, measured: str | Path) -> float:
         """Rms of the difference from other measurements, with the values that were found.
@@ -107,46 +79,15 @@ class Fit(Outcome):
         simulated = Model(self.start, self.parameters, others).logarithms(self.values[None])[0]
         return rms(difference(simulated, others.logarithms, others.is_phase))
 
-    def table(self) -> Sheet:
-        """A line a parameter, in SI units."""
-        starts = [parameter.start for parameter in self.parameters]
-        labels = [parameter.label for parameter in self.parameters]
-        columns = (labels, starts, self.values.tolist(), self.uncertainty.tolist())
-        rows = list(zip(*columns, strict=True))
-        return Sheet(("parameter", "start", "fitted", "± (95 %)"), rows, "lrrr", self.start.heading)
-
-    def warnings(self) -> list[str]:
-        """What the data cannot tell."""
-        labels = [parameter.label for parameter in self.parameters]
-        said = [
-            f"{label}: the measured amplitudes do not depend on it"
-            for label, uncertainty in zip(labels, self.uncertainty, strict=True)
-            if math.isinf(uncertainty)
-        ]
-        said += [
-            f"{label}: ended at its limit, {value:.6g}"
-            for label, value, ended in zip(labels, self.values, self.at_limit, strict=True)
-            if ended
-        ]
-        said += self._of_residuals()
-        others = np.abs(self.correlation - np.eye(len(labels))).argmax(axis=1)
-        return said + [
-            f"{labels[i]}: known {self.inflation[i]:.2g} times worse than with the others known; "
-            f"most like it is {labels[j]}, correlation {self.correlation[i, j]:+.3f}"
-            for i, j in enumerate(others.tolist())
-            if ALIKE < self.inflation[i] < math.inf
-        ]
-
     def _of_residuals(self) -> list[str]:
         """What residuals show, or may hide."""
         likely = self.runout is not None and self.runout.is_likely
         if self.is_systematic:
+            with_runout = f". {self._with_runout()}" if likely else ""
             return [
-                "residuals of neighbours deviate alike (independent scatter does so in "
-                f"{100.0 * self.significance:.2g} % of files, the limit is "
-                f"{100.0 * SIGNIFICANCE:g} %): something is missing in the scene or was not "
-                "subtracted, such as a run-out; the values can be off by more than any interval "
-                f"from scatter, so none is given{f'. {self._with_runout()}' if likely else ''}"
+                f"residuals of neighbours {self._systematic()}: something is missing in the scene "
+                "or was not subtracted, such as a run-out; the values can be off by more than any "
+                f"interval from scatter, so none is given{with_runout}"
             ]
         if likely:
             return [f"{self._with_runout()}; the intervals include both: subtract the run-out"]
@@ -157,13 +98,12 @@ class Fit(Outcome):
         assert self.runout is not None
         sizes = ", ".join(f"{size:.2g} m in {name}" for name, size in self.runout.sizes.items())
         starts = np.array([parameter.start for parameter in self.parameters])
-        labels = [parameter.label for parameter in self.parameters]
-        pairs = zip(labels, self.values + self.runout.shift * starts, strict=True)
+        pairs = zip(self.labels, self.values + self.runout.shift * starts, strict=True)
         values = ", ".join(f"{label} = {value:.6g}" for label, value in pairs)
         return (
             f"A constant run-out ({sizes}) would explain {100.0 * self.runout.explained:.0f} % of "
             "the squares of the residuals (in independent scatter, in "
-            f"{100.0 * self.runout.chance:.2g} % of files; the limit is "
+            f"{brief(100.0 * self.runout.chance)} % of files; the limit is "
             f"{100.0 * RUNOUT_SIGNIFICANCE:g} %), with {values}"
         )
 
@@ -235,22 +175,22 @@ def fit(
     before, after = model.logarithms(np.array([scale, solution.x * scale]))
     residuals = difference(after, logarithms, is_phase)
     return Fit(
-        scene,
-        measured,
-        tuple(parameters),
-        solution.x * scale,
-        np.where(withheld, math.nan, uncertainty * np.abs(scale)),
-        correlation,
-        inflation,
-        np.exp(after[~is_phase]),
-        residuals,
-        chance,
-        runout,
-        at_limit,
-        (rms(difference(before, logarithms, is_phase)), rms(residuals)),
-        guess.rms if guess else math.nan,
-        guess.starts if guess else 0,
-        solution.message,
+        start=scene,
+        measured=measured,
+        parameters=tuple(parameters),
+        values=solution.x * scale,
+        uncertainty=np.where(withheld, math.nan, uncertainty * np.abs(scale)),
+        correlation=correlation,
+        inflation=inflation,
+        simulated=np.exp(after[~is_phase]),
+        residuals=residuals,
+        significance=chance,
+        runout=runout,
+        at_limit=at_limit,
+        rms=(rms(difference(before, logarithms, is_phase)), rms(residuals)),
+        guessed=guess.rms if guess else math.nan,
+        starts=guess.starts if guess else 0,
+        ended=str(solution.message),
     )
 
 

@@ -13,17 +13,15 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.interpolate import Akima1DInterpolator
 
 from ...models.arrays import Array
 from ..errors import UserError
 from ..master.closing import Closing
 from ..master.unit_run import UnitRun
-from ..output.outcome import Outcome
-from ..output.table import Sheet
 from ..result.system import recorded_again, run_system
 from ..scene.system import System
+from .estimate import Estimate
 from .parameters import SCATTER, Parameter, parse_free
 from .search import known, rms, search
 from .series import MeasuredSignals, read_signals
@@ -31,8 +29,6 @@ from .systematic import SIGNIFICANCE, significance
 
 if TYPE_CHECKING:
     from ..output.workers import Progress
-
-ALIKE = math.sqrt(10.0)  # a variance inflation of 10 is commonly taken for too much
 
 
 class SystemModel(Closing):
@@ -82,56 +78,29 @@ def _in_equal_steps(system: System) -> System:
     return system.replace({"coupling.step": system.run.duration / steps})
 
 
-@dataclass(frozen=True, eq=False, repr=False)
-class SystemFit(Outcome):
-    """What was found.
+@dataclass(frozen=True, eq=False, repr=False, kw_only=True)
+class SystemFit(Estimate[System]):
+    """What was found, in the units of the FMUs.
 
     Attributes:
-        start: the system that was fitted.
         measured: signals over time.
-        parameters, values: (p,) what was free, and what it is, in the units of the FMUs.
-        uncertainty: (p,) half the interval of 95 % confidence; infinite where the data do not tell,
-            NaN where a value ended at its limit or the residuals are systematic.
-        correlation: (p, p) of the values.
-        inflation: (p,) of the interval, over that with all other values known.
         simulated: (n,) with these values, column after column of what was measured.
         residuals: (n,) simulated less measured, over the largest measured value of the signal.
-        significance: probability that independent scatter looks as systematic as the residuals.
-        at_limit: (p,) whether a value ended at its limit.
-        rms: of the residuals, before and after.
-        ended: why the search has.
     """
 
     drawn_by: ClassVar[str] = "..fit.plot_system:plot_fit"
     document_by: ClassVar[str] = "..fit.systems:document"
+    measures: ClassVar[str] = "signals"
 
-    start: System
     measured: MeasuredSignals
-    parameters: tuple[Parameter, ...]
-    values: Array
-    uncertainty: Array
-    correlation: Array
-    inflation: Array
     simulated: Array
     residuals: Array
-    significance: float
-    at_limit: NDArray[np.bool_]
-    rms: tuple[float, float]
-    ended: str
 
     @property
     def system(self) -> System:
         """The system with the values that were found."""
-        pairs = zip(self.parameters, self.values.tolist(), strict=True)
-        return self.start.replace({k: v for one, x in pairs for k, v in one.changes(x).items()})
-
-    def table(self) -> Sheet:
-        """A line a parameter, in the units of the FMUs."""
-        starts = [one.start for one in self.parameters]
-        labels = [one.label for one in self.parameters]
-        columns = (labels, starts, self.values.tolist(), self.uncertainty.tolist())
-        rows = list(zip(*columns, strict=True))
-        return Sheet(("parameter", "start", "fitted", "± (95 %)"), rows, "lrrr", self.start.heading)
+        found: System = self._fitted()
+        return found
 
     def predicted_rms(self, measured: str | Path) -> float:
         """Rms of the difference from other measurements, with the values that were found.
@@ -144,32 +113,13 @@ class SystemFit(Outcome):
         with SystemModel(self.start, self.parameters, others) as model:
             return rms(model.logarithms(self.values[None])[0] - others.values / model.scale)
 
-    def warnings(self) -> list[str]:
-        """What the data cannot tell."""
-        labels = [one.label for one in self.parameters]
-        said = [
-            f"{label}: the measured signals do not depend on it"
-            for label, spread in zip(labels, self.uncertainty, strict=True)
-            if math.isinf(spread)
-        ]
-        said += [
-            f"{label}: ended at its limit, {value:.6g}"
-            for label, value, ended in zip(labels, self.values, self.at_limit, strict=True)
-            if ended
-        ]
-        if self.significance < SIGNIFICANCE:
-            said.append(
-                "residuals of neighbours in time deviate alike (independent scatter does so in "
-                f"{100.0 * self.significance:.2g} % of files, the limit is "
-                f"{100.0 * SIGNIFICANCE:g} %): something is missing in the system; the values can "
-                "be off by more than any interval from scatter, so none is given"
-            )
-        others = np.abs(self.correlation - np.eye(len(labels))).argmax(axis=1)
-        return said + [
-            f"{labels[i]}: known {self.inflation[i]:.2g} times worse than with the others known; "
-            f"most like it is {labels[j]}, correlation {self.correlation[i, j]:+.3f}"
-            for i, j in enumerate(others.tolist())
-            if ALIKE < self.inflation[i] < math.inf
+    def _of_residuals(self) -> list[str]:
+        """What residuals show."""
+        if not self.is_systematic:
+            return []
+        return [
+            f"residuals of neighbours in time {self._systematic()}: something is missing in the "
+            "system; the values can be off by more than any interval from scatter, so none is given"
         ]
 
 
@@ -214,11 +164,20 @@ def _fitted(
     withheld = at_limit | (chance < SIGNIFICANCE) & np.isfinite(uncertainty)
     before, after = model.logarithms(np.array([scale, solution.x * scale]))
     return SystemFit(
-        system, data, tuple(parameters), solution.x * scale,
-        np.where(withheld, math.nan, uncertainty * np.abs(scale)), correlation, inflation,
-        after * model.scale, after - aim, chance, at_limit,
-        (rms(before - aim), rms(after - aim)), str(solution.message),
-    )  # fmt: skip
+        start=system,
+        measured=data,
+        parameters=tuple(parameters),
+        values=solution.x * scale,
+        uncertainty=np.where(withheld, math.nan, uncertainty * np.abs(scale)),
+        correlation=correlation,
+        inflation=inflation,
+        simulated=after * model.scale,
+        residuals=after - aim,
+        significance=chance,
+        at_limit=at_limit,
+        rms=(rms(before - aim), rms(after - aim)),
+        ended=str(solution.message),
+    )
 
 
 def _parameter(paths: tuple[str, ...], system: System) -> Parameter:

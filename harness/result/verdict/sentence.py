@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from ...scene.grade import GRADES
 from ...units import brief, in_both, readable_unbalance
 from .outcome import Outcome
-from .words import millimetres, percent
+from .words import millimetres, percent, velocity
 
 if TYPE_CHECKING:
     from .verdict import Passage, Verdict
@@ -46,9 +46,7 @@ def _vibration(verdict: Verdict) -> str:
     mostly_other = _is_mostly_other(verdict)
     said = f"ibration {millimetres(verdict.vibration)}"
     if verdict.velocity is not None:
-        value = 1e3 * verdict.velocity
-        rms = "below 0.0001" if value < 1e-4 else brief(value)
-        said += f" ({rms} mm/s rms)"
+        said += f" ({velocity(verdict.velocity)})"
     if verdict.balancers and verdict.alone:
         share = percent((size if mostly_other else verdict.vibration) / verdict.alone)
         at = f"; at the rotor's frequency {millimetres(size)}" if mostly_other else ""
