@@ -16,6 +16,7 @@ Work = Callable[..., Iterator[Row]]  # scene -> rows, with the options of one of
 # by module: the functions load SciPy, which a process that only distributes the work does without
 CHECKS: dict[str, str | Work] = {
     "liquid_window": ".liquid_window:check_liquid_window",
+    "ring_band": ".ring_band:check_ring_band",
     "critical_speeds": ".critical_speeds:check_critical_speeds",
     "capacity": ".capacity:check_capacity",
     "sommerfeld": ".sommerfeld:check_sommerfeld",

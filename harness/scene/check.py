@@ -36,15 +36,16 @@ class CriticalSpeedsCheck(Table):
 
 class PlainCheck(Table):
     """A theory or a source, in its own numbers: the window of a liquid balancer, Dubovik 2006 (6),
-    (10), (11), of a planar rotor, alike in x and y; what weights of finite size leave of an
-    unbalance, Goncharov 2017 (5) (`capacity`); a motor before the rotor's resonance, caught below
-    the limit torque and passing above it (`sommerfeld`).  Of one bundled scene: Tables 1 and 2 of
-    Filimonikhina 2017; of Goncharov 2017 Table 1 (`goncharov_table`), Fig. 7
-    (`goncharov_ranking`), (1) (`slow_root`), (10) and (13) (`largest_spread`); the rig of
-    Rodrigues et al. 2010."""
+    (10), (11), of a planar rotor, alike in x and y; the unstable band of a ring of liquid on such
+    a rotor (`ring_band`); what weights of finite size leave of an unbalance, Goncharov 2017 (5)
+    (`capacity`); a motor before the rotor's resonance, caught below the limit torque and passing
+    above it (`sommerfeld`). Of one bundled scene: Tables 1 and 2 of Filimonikhina 2017; of
+    Goncharov 2017 Table 1 (`goncharov_table`), Fig. 7 (`goncharov_ranking`), (1) (`slow_root`),
+    (10) and (13) (`largest_spread`); the rig of Rodrigues et al. 2010."""
 
     kind: Literal[
         "liquid_window",
+        "ring_band",
         "capacity",
         "sommerfeld",
         "filimonikhina_table",

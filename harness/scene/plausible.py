@@ -11,7 +11,7 @@ import numpy as np
 
 from ...models.papers.capacity import weight_mass
 from ..units import engineers, in_both, readable_unbalance, rounded
-from .balancer import WeightBalancer
+from .balancer import Liquid, WeightBalancer
 from .quantities import each_of
 from .rotor import Flexible
 
@@ -27,6 +27,7 @@ STIFF = 1e-6  # of the highest frequency: lower ones are those of a free body
 MODES_OF_INTEREST = 1.5  # times the speed: slower ones are passed or near
 MOST_CHANGE_BY_SIZE = 0.05  # of a natural frequency, by the inertia that a disc must have
 _warnings_given: set[str] = set()  # warnings that this process has given
+RING_RADIUS, RING_GAP = 0.15, 0.005  # m: chambers with a float are smaller or their gap is
 WIDEST = 4.0 * math.pi  # rad: an angle beyond two turns is in degrees
 
 
@@ -109,6 +110,7 @@ def _implausible(scene: Scene) -> Iterator[str]:
                 f"{one.label}.angles = {[float(f'{a:g}') for a in one.angles]} rad: more than two "
                 'turns; are they in degrees? then write "120 deg"'
             )
+    yield from _rings_called_liquid(scene)
     yield from _short_of_capacity(scene)
     yield from _discs_without_size(scene)
     if (ratio := scene.rotor.largest_damping_ratio()) > 1.0:
@@ -116,6 +118,19 @@ def _implausible(scene: Scene) -> Iterator[str]:
             f"rotor: the supports' damping is {ratio:.3g} times the critical one; usual are 0.01 "
             'to 0.2: give damping_ratio = "5 %" instead if damping is not known'
         )
+
+
+def _rings_called_liquid(scene: Scene) -> Iterator[str]:
+    """Full chambers with a float that have the size of a ring with a free surface."""
+    for one in scene.balancer:
+        if isinstance(one, Liquid):
+            gap = one.chamber_radius - one.float_radius
+            if one.chamber_radius >= RING_RADIUS and gap >= RING_GAP:
+                yield (
+                    f"{one.label}.chamber_radius = {one.chamber_radius:g} m: as large as a ring "
+                    'part filled with liquid, and kind = "liquid" is a full chamber with a float, '
+                    'without waves; write kind = "ring" for a ring with a free surface'
+                )
 
 
 def _short_of_capacity(scene: Scene) -> Iterator[str]:

@@ -50,6 +50,10 @@ def judge(result: Result, scene: Scene) -> Verdict:
     judged = judged or (plateaus[-1] if plateaus and not last.speed else last)
     verdict = run.judge(judged)
     verdict = _with_least(_looked_ahead(run, verdict, judged), scene, judged)
+    thin = [
+        float(values.max()) for name, values in result.signals.items() if name.endswith(".thinness")
+    ]
+    verdict = replace(verdict, thinness=max(thin, default=None))
     if len(stretches) == 1:
         return verdict
     each = tuple((p.begin, p.end, verdict if p is judged else run.judge(p)) for p in plateaus)

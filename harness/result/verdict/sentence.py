@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
+from ....models.ring import BELIEVED, DRY, WARNED
 from ...scene.grade import GRADES
 from ...units import brief, in_both, readable_unbalance
 from .outcome import Outcome
@@ -34,10 +35,31 @@ def sentences(verdict: Verdict) -> Iterator[str]:
         yield f"V{said}{f'; not judged: {verdict.reason}' if verdict.reason else ''}."
     yield from _parts(verdict)
     yield from _unbalance(verdict)
+    yield from _thinness(verdict)
     yield from _plateaus(verdict)
     yield from map(_passage, verdict.passages)
     if verdict.remedy:
         yield f"{verdict.remedy[0].upper()}{verdict.remedy[1:]}."
+
+
+def _thinness(verdict: Verdict) -> Iterator[str]:
+    """How far the model of a ring of liquid is to be believed."""
+    thin = verdict.thinness or 0.0
+    if thin > DRY:
+        yield (
+            "The wall of the ring was dry in places: the model of small waves is invalid from "
+            "there on, and how large the vibration becomes is not known."
+        )
+    elif thin > WARNED:
+        yield (
+            f"The wave took {percent(thin)} of the layer of liquid away: more than 30 %, beyond "
+            "which waves are too large for the model."
+        )
+    elif thin > BELIEVED:
+        yield (
+            f"The wave took {percent(thin)} of the layer of liquid away: the motion beside the "
+            "steady one may err by some 10 %."
+        )
 
 
 def _vibration(verdict: Verdict) -> str:

@@ -54,6 +54,8 @@ class Verdict:
         capacity, needed: of the weights' moment, where it does not suffice [kg m].
         plateaus: verdicts of all plateaus of a profile, begin and end [s].
         passages: changes of speed with their largest vibration.
+        thinness: largest part of its layer that the wave of a ring of liquid takes away; 1: the
+            wall is dry.
     """
 
     balancers: str
@@ -78,6 +80,7 @@ class Verdict:
     capacity: float | None = None
     plateaus: tuple[tuple[float, float, Verdict], ...] = ()
     passages: tuple[Passage, ...] = ()
+    thinness: float | None = None
 
     @property
     def balanced(self) -> bool | None:
