@@ -6,6 +6,7 @@ import importlib
 import inspect
 import re
 from collections.abc import Iterator
+from dataclasses import is_dataclass
 from typing import Any
 
 from autobalancer.scene import Scene
@@ -59,12 +60,23 @@ def _entry(name: str, thing: Any, level: str) -> Iterator[str]:
     if callable(thing) and not is_error:
         yield from ("```python", _signature(name.split(".")[-1], thing, is_table), "```", "")
     yield from _docstring(inspect.getdoc(thing) or "")
+    if is_class:
+        yield from _inherited(thing)
     if is_table:
         yield from ("Units and limits: [keys of a scene](scene.md).", "")
     if is_class and issubclass(thing, Outcome) and thing is not Outcome:
         yield from ("It also has the methods of [Outcome](#outcome).", "")
     for key, member in members(thing).items():
         yield from _entry(f"{name}.{key}", member, level + "#")
+
+
+def _inherited(thing: type) -> Iterator[str]:
+    """Attributes that a result has from those it extends."""
+    for base in thing.__mro__[1:]:
+        if is_dataclass(base) and issubclass(base, Outcome):
+            _, head, attributes = inspect.cleandoc(base.__doc__ or "").partition("Attributes:\n")
+            entries = list(_docstring(head + attributes))
+            yield from ("And of every such result:", "", *entries[3:])
 
 
 def members(thing: Any) -> dict[str, Any]:
