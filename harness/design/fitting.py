@@ -18,6 +18,7 @@ from .scenes import unbalance_of, weights_of
 from .space import Space
 from .trials import Trial, corner_scenes, preference, run_corner
 
+_HELD = 2.0  # times the settling time that a saved scene runs at its speed
 SMALL = 0.1  # of the largest unbalance: the smallest that is tried where none is given
 MOST = 24  # candidates that are run: the lightest
 FIRST = 6  # starts of every candidate and corner; all of them only of the best `KEPT`
@@ -55,7 +56,10 @@ class Fitting(Outcome):
     driven: Scene
 
     def scene(self) -> Scene | None:
-        """The scene with the recommended weights at the smallest drag tried; None: none is."""
+        """The scene with the recommended weights at the smallest drag tried; None: none is.
+
+        After a run-up its run lasts twice as long as such weights took to balance.
+        """
         from .answer import sure
 
         if not (good := sure(self)):
@@ -65,7 +69,11 @@ class Fitting(Outcome):
         ((found, _),) = corner_scenes(self.driven, good[0].candidate, [least], largest)
         own = self.driven.document["rotor"].get("unbalance")  # as it was written
         same = math.isclose(unbalance_of(self.driven), largest[0], rel_tol=1e-9)
-        return found.replace({"rotor.unbalance": own}) if same else found
+        found = found.replace({"rotor.unbalance": own}) if same else found
+        if not found.profile().changes:
+            return found
+        seconds = found.profile().times[-1] + _HELD * good[0].settling
+        return found.replace({"run.duration": float(f"{seconds:.3g}"), "run.revolutions": None})
 
     def table(self) -> Sheet:
         """A row for every candidate."""

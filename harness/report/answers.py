@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Literal
 
@@ -19,6 +20,7 @@ from .parts import Lead
 from .runs import SwitchedOn
 
 WORSE = 1.05  # times the vibration without balancers
+LIKELY = 0.9  # share of random run-ups that balance
 
 
 @dataclass(frozen=True)
@@ -58,11 +60,20 @@ def fitted(started: SwitchedOn) -> Answer:
     if with_them is None or without is None:
         return Answer("Should balancers be fitted? Cannot tell: the run-up could not be run.", None)
     (end, peak), (bare_end, bare_peak) = with_them, without
+    largest, share, said = "at most ", 1.0, ""
+    points = started.run_ups
+    if points is not None and math.isfinite(points.largest) and not started.scene.operation.gravity:
+        peak, share = points.largest, points.balanced.share
+        largest = "a largest vibration of "
+        said = f" (median of {points.balanced.of} random starts, of which {points.balanced.count} "
+        said += "balance)"
     text = (
         f"At speed it vibrates {_compared(end, bare_end)}; "
-        f"on the way there at most {_compared(peak, bare_peak)}."
+        f"on the way there {largest}{_compared(peak, bare_peak)}{said}."
     )
     better = end < bare_end / WORSE
+    if better and share < LIKELY:
+        return Answer(f"Balancers are better here than none only if they balance. {text}", False)
     if better and peak <= WORSE * bare_peak:
         return Answer(f"Balancers are better here than none. {text}", True)
     if better:

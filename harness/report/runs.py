@@ -2,16 +2,21 @@
 
 from __future__ import annotations
 
+import os
 import warnings
 from dataclasses import dataclass
 from typing import Any
 
+from ..capture.captured import captured_or_none
 from ..errors import SimulationError, UserError
+from ..motions.outcome import Motions, Point
 from ..motions.starts import drive_to, holders, length
+from ..motions.study import find_motions
 from ..result.result import Result
 from ..result.run import cosimulate
 from ..scene import Scene
 
+STARTS = 40  # random ones of each kind
 _NO_DRIVE = {"operation.speed": None, "operation.run_up": None, "operation.motor": None}
 
 
@@ -25,6 +30,7 @@ class SwitchedOn:
         bare: without them; None where there are none, or it failed.
         reason: why there is no run.
         assumed: how it is run up where the scene does not say.
+        motions: of `STARTS` random starts of each kind; None: not known, `unknown` says why.
     """
 
     scene: Scene
@@ -32,6 +38,14 @@ class SwitchedOn:
     bare: Result | None
     reason: str = ""
     assumed: str = ""
+    motions: Motions | None = None
+    unknown: str = ""
+
+    @property
+    def run_ups(self) -> Point | None:
+        """Random starts from standstill."""
+        points = self.motions.points if self.motions else ()
+        return next((point for point in points if point.start == "run-up"), None)
 
 
 def own_run(scene: Scene) -> Result:
@@ -46,12 +60,25 @@ def switched_on(scene: Scene, seconds: float | None = None) -> SwitchedOn:
         seconds: of the run-up [s]; default: of a slow one.
     """
     started, assumed = from_rest(scene, seconds)
+    motions, unknown = _motions(started)
     try:
         run = _quietly(started)
         bare = _quietly(started.without_balancers()) if started.balancer else None
     except (UserError, SimulationError) as error:
-        return SwitchedOn(started, None, None, str(error), assumed)
-    return SwitchedOn(started, run, bare, "", assumed)
+        return SwitchedOn(started, None, None, str(error), assumed, motions, unknown)
+    return SwitchedOn(started, run, bare, "", assumed, motions, unknown)
+
+
+def _motions(scene: Scene) -> tuple[Motions | None, str]:
+    """How random starts end, from the real start and from the friendliest."""
+    if captured_or_none(scene) is None:
+        return None, ""
+    kinds = ["run-up"] if scene.operation.motor else ["run-up", "rest", "turning"]
+    speed, workers = scene.profile().end, os.cpu_count() or 1
+    try:
+        return find_motions(scene, [speed], kinds, STARTS, workers=workers), ""
+    except (UserError, SimulationError) as error:
+        return None, str(error)
 
 
 def from_rest(scene: Scene, seconds: float | None = None) -> tuple[Scene, str]:

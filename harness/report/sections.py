@@ -9,8 +9,7 @@ from typing import Any
 
 from ...models.linear.modes import speeds_of_interest
 from ..capture.captured import captured_or_none
-from ..errors import SimulationError, UserError
-from ..motions.study import find_motions
+from ..errors import UserError
 from ..output.outcome import Outcome
 from ..output.report import Part
 from ..output.table import GOOD, Sheet
@@ -30,7 +29,6 @@ from .runs import SwitchedOn
 
 Parts = list[str | Part]
 METHODS = ("criterion", "floquet")
-STARTS = 40  # random ones of each kind: a share is known to +-15 points
 
 
 def picture_of(outcome: Outcome, shows: str) -> Image:
@@ -73,22 +71,17 @@ def switching_on(scene: Scene, started: SwitchedOn) -> Parts:
     if found is None:
         return [*parts, "No balls, rollers or pendulums: nothing can be left behind."]
     parts.append(in_words(found.sentence()))
-    parts += _shares(started.scene)
+    parts += _shares(started)
     if found.found.natural:
         parts.append(picture_of(found, "Brake and drag over the weights' speed."))
     return [*parts, *(Note(line) for line in found.limits())]
 
 
-def _shares(scene: Scene) -> Parts:
+def _shares(started: SwitchedOn) -> Parts:
     """How many of many starts balance, from the real start and from the friendliest."""
-    kinds = ["run-up"] if scene.operation.motor else ["run-up", "rest", "turning"]
-    try:
-        found = find_motions(
-            scene, [scene.profile().end], kinds, STARTS, workers=os.cpu_count() or 1
-        )
-    except (UserError, SimulationError) as error:
-        return [Note(f"Shares of starts: not known: {error}")]
-    return [found.readable(), *(in_words(line) for line in found.sentences())]
+    if started.motions is None:
+        return [Note(f"Shares of starts: not known: {started.unknown}")]
+    return [started.motions.readable(), *(in_words(one) for one in started.motions.sentences())]
 
 
 def vibration(scene: Scene, own: Result, started: SwitchedOn, limit: float | None) -> Parts:

@@ -107,6 +107,8 @@ def test_the_recommended_weights_make_a_scene_with_the_drive_at_the_smallest_dra
     assert balls.drag == min(c.drag for c in best.corners)
     assert list(made.profile().speeds) == [0.0, 309.0]
     assert made.rotor.unbalance == 1.2e-4
+    assert made.run.duration == pytest.approx(4.0 + 2.0 * best.settling, rel=0.01)
+    assert made.run().summary().balanced
     assert found.scene() is None  # 6 starts show too little
 
 

@@ -2,14 +2,20 @@
 
 from __future__ import annotations
 
+import math
 import re
 from xml.etree import ElementTree
 
+import numpy as np
 import pytest
 
 import autobalancer as ab
 from autobalancer.harness.errors import UserError
+from autobalancer.harness.motions.kinds import Kind, Motion
+from autobalancer.harness.motions.outcome import Motions, Point, Share
+from autobalancer.harness.report import answers
 from autobalancer.harness.report.drawing import machine_drawing
+from autobalancer.harness.report.runs import SwitchedOn
 
 SVG = "{http://www.w3.org/2000/svg}"
 
@@ -39,17 +45,45 @@ def test_page_repeats_the_command_and_holds_the_scene(page):
     assert "[rotor]" in text
 
 
-def test_run_up_of_the_page_is_that_of_an_independent_run(page):
+def test_run_up_of_the_page_is_the_median_of_random_starts(page):
     written, _ = page
-    turning = {"weights.speeds": [0.0, 0.0], "operation.speed": None, "run.record": None}
-    scene = ab.load("two_balls")
+    random, scene = np.random.default_rng(9), ab.load("two_balls")
     speed = scene.profile().end
-    corners = [[0.0, 0.0], [60.0, speed], [60.0 + 400.0 * 3.141592653589793 / speed, speed]]
-    there = scene.replace({**turning, "operation.profile": corners, "run.revolutions": None})
-    peak = max(abs(there.run()["rotor.x"] + 1j * there.run()["rotor.y"]))
-    said = re.search(r"on the way there at most ([\d.]+) mm", written.verdicts[0])
+    corners = [[0.0, 0.0], [60.0, speed], [60.0 + 60.0 * math.pi / speed, speed]]
+    drive = {"operation.speed": None, "operation.profile": corners, "run.revolutions": None}
+    peaks = []
+    for _ in range(9):
+        angles = random.uniform(0.0, math.tau, 2).tolist()
+        start = {"weights.speeds": [0.0, 0.0], "weights.angles": angles, "run.record": None}
+        run = scene.replace({**start, **drive}).run()
+        peaks.append(1e3 * np.hypot(run["rotor.x"], run["rotor.y"]).max())
+    said = re.search(r"a largest vibration of ([\d.]+) mm .*median of 40", written.verdicts[0])
     assert said is not None
-    assert float(said[1]) == pytest.approx(1e3 * peak, rel=0.05)
+    assert min(peaks) < float(said[1]) < max(peaks)
+
+
+@pytest.mark.parametrize(
+    ("peak", "balanced", "words"),
+    [(0.9, 40, "Balancers are better here than none."), (2.0, 40, "worse in the run-up"),
+     (0.9, 20, "only if they balance")],
+)  # fmt: skip
+def test_verdict_counts_random_starts_and_not_only_evenly_spread_weights(
+    monkeypatch, peak, balanced, words
+):
+    """Weights that begin evenly spread vibrate as if there were none, and random ones more."""
+    shares = tuple(
+        Share(Motion(kind), count, 40, math.nan, 0.0)
+        for kind, count in ((Kind.BALANCED, balanced), (Kind.IRREGULAR, 40 - balanced))
+    )
+    point = Point(3.0, "run-up", shares, 1.0, peak)
+    ends = {"with": (0.1, 1.0), "without": (1.0, 1.0)}
+    monkeypatch.setattr(answers, "ends_and_peaks", ends.get)
+    scene = ab.load("two_balls")
+    found = Motions("", (point,), 40, (), scene)
+    answer = answers.fitted(SwitchedOn(scene, "with", "without", motions=found))
+    assert words in answer.text
+    assert f"40 random starts, of which {balanced} balance" in answer.text
+    assert answer.good is {0.9: balanced == 40, 2.0: None}[peak]
 
 
 @pytest.mark.parametrize("name", ab.bundled_scenes())

@@ -2,7 +2,8 @@
 
 `python -m tests.studies.left_behind.motions [MACHINES]` draws machines of every kind, a speed, a
 drag and a start, runs each with the package and with `integrate.c`, and compares the names.  A run
-that the package calls undecided is counted by itself.
+that the package calls undecided is counted by itself.  So is a sensitive start: its integration
+ends in another motion when the weights start 1e-9 rad further.
 """
 
 from __future__ import annotations
@@ -26,6 +27,7 @@ from .draw import KINDS, Drawn, draw
 from .machine import library, run
 
 TURNS, WINDOWS = 4000.0, 40  # of a run, half of which decides
+APART = 1e-9  # rad by which a start is moved to see whether it is sensitive
 
 
 @dataclass
@@ -57,11 +59,11 @@ def by_package(one: Case) -> tuple[Kind, int]:
     return Kind(int(kind[0])), int(weights[0])
 
 
-def by_integration(one: Case) -> tuple[Kind, int]:
-    """What a long integration ends in."""
+def by_integration(one: Case, moved: float = 0.0) -> tuple[Kind, int]:
+    """What a long integration ends in, from a start that is moved by an angle."""
     count = len(one.machine.weights)
     made, _ = job(one.scene, one.speed, one.start, one.seed, 0, 1)
-    angles = made.values[0][0::2]
+    angles = made.values[0][0::2] + moved * np.arange(1, count + 1)
     rates = np.zeros(count) if one.start == "rest" else np.full(count, one.speed)
     drags = [d for b in one.scene.balancer for d in each_of(b.drag)]
     weights = [replace(w, drag=d) for w, d in zip(one.machine.weights, drags, strict=True)]
@@ -90,30 +92,37 @@ def _named(late: np.ndarray, speed: float, bare: float) -> tuple[Kind, int]:
     return (Kind.BEHIND, int(slow.sum())) if steady and rest_turn else (Kind.IRREGULAR, 0)
 
 
-def study(machines: int, first: int = 0) -> list[tuple[Case, tuple[Kind, int], tuple[Kind, int]]]:
-    """Every machine with both names."""
+Row = tuple[Case, tuple[Kind, int], tuple[Kind, int], bool]
+
+
+def study(machines: int, first: int = 0) -> list[Row]:
+    """Every machine with both names, and whether its start is sensitive."""
     library()
     cases = [case(KINDS[i % len(KINDS)], i) for i in range(first, first + machines)]
     with ThreadPoolExecutor(os.cpu_count()) as pool:
         package = list(pool.map(by_package, cases))
         own = list(pool.map(by_integration, cases))
-    return list(zip(cases, package, own, strict=True))
+        near = list(pool.map(by_integration, cases, [APART] * machines))
+    sensitive = [a != b for a, b in zip(own, near, strict=True)]
+    return list(zip(cases, package, own, sensitive, strict=True))
 
 
 def main() -> None:
     found = study(int(sys.argv[1]) if len(sys.argv) > 1 else 200)
     undecided = [row for row in found if row[1][0] is Kind.UNDECIDED]
-    decided = [row for row in found if row[1][0] is not Kind.UNDECIDED]
+    sensitive = [row for row in found if row[3] and row not in undecided]
+    decided = [row for row in found if row not in undecided and row not in sensitive]
     agree = [row for row in decided if row[1] == row[2]]
     share = f"{len(agree)} of {len(decided)} named alike ({100 * len(agree) / len(decided):.1f} %)"
-    print(f"{len(found)} machines: {len(undecided)} undecided, {share}")
-    names = Counter(f"{own[0].name.lower()} {own[1] or ''}" for _, _, own in found)
+    print(f"{len(found)} machines: {len(undecided)} undecided, {len(sensitive)} sensitive, {share}")
+    names = Counter(f"{own[0].name.lower()} {own[1] or ''}" for _, _, own, _ in found)
     print("by the integration:", ", ".join(f"{n} {name}" for name, n in names.most_common()))
-    for one, package, own in found:
-        if package != own:
+    for one, package, own, moves in found:
+        if package != own or moves:
             words = f"{one.seed} {one.machine.kind} {one.start} speed {one.speed:.3f}"
             ours, theirs = (f"{kind.name} {count}" for kind, count in (package, own))
-            print(f"{words}: package {ours}, integration {theirs}")
+            word = ", sensitive" if moves else ""
+            print(f"{words}: package {ours}, integration {theirs}{word}")
 
 
 if __name__ == "__main__":
