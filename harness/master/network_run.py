@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from ..errors import UnitError
 from .coupled import Coupled
 from .foreign.abilities import CUBIC, abilities
-from .foreign.instance import UnitFailure
+from .foreign.instance import EndAsked, UnitFailure
 from .loop import QuasiNewton, consistent_start, rescaled, value_eigenvalues
 from .network.member import Member
 from .network.network import BRIEF
@@ -42,6 +42,7 @@ class NetworkRun(Coupled):
     Attributes:
         scene: what is run; its `coupling` has `scheme` and `corrections`.
         units: by name; `wiring` their connections.
+        ended: which unit asked to end the last run before its end, as a sentence.
     """
 
     scene: Any
@@ -49,6 +50,7 @@ class NetworkRun(Coupled):
     units: dict[str, Any]
     wiring: Wiring
     scheme: Scheme
+    ended = ""
 
     def refuse_stuck(self) -> None:
         """Raise UnitError where states are to be restored that a unit does not restore."""
@@ -192,7 +194,11 @@ class NetworkRun(Coupled):
             unit, _, variable = signal.partition(".")
             outputs[unit].add(variable)
         self._lagging = [m for m in self.system.members if _can_be_read(m, outputs[m.unit.name])]
-        super().record(recorder, progress)
+        self.ended = ""
+        try:
+            super().record(recorder, progress)
+        except EndAsked as error:
+            self.ended = f"{error}: the run ends there"
 
     def _record_row(self, recorder: Recorder) -> None:
         brief = BRIEF * self._schedule[0][0] / self._parts

@@ -131,7 +131,7 @@ def _answer(number: int, _frame: FrameType | None) -> None:
         return
     for each in _SAID:
         signal.signal(each, signal.SIG_IGN)
-    _end(number)
+    _end(*_SAID[number])
 
 
 def _answer_late(pipe: int) -> None:
@@ -140,10 +140,15 @@ def _answer_late(pipe: int) -> None:
         pass
     time.sleep(_GRACE)
     _unbroken.acquire(timeout=_STARTING)
-    _end(number)
+    _end(*_SAID[number])
 
 
-def _end(number: int) -> None:
+def end_process(words: str, code: int) -> None:
+    """End the process from whatever it is in, with a line of words and an exit code."""
+    _end(lambda: words, code)
+
+
+def _end(words: Callable[[], str], code: int) -> None:
     """End the process from whatever it is in; its worker processes and files go with it."""
     _ending.acquire(timeout=2.0 * _CLEARING)  # the other thread may be at it, and hang
     with suppress(KeyError, AttributeError, OSError, ValueError):
@@ -155,7 +160,6 @@ def _end(number: int) -> None:
     for draft in tuple(drafts):
         with suppress(OSError):
             draft.unlink()
-    words, code = _SAID[number]
     with suppress(OSError):
         os.write(2, (_CLEAR_LINE if os.isatty(2) else b"") + f"{words()}\n".encode())
     os._exit(code)

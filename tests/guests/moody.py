@@ -1,5 +1,7 @@
 """A unit that misbehaves in the way that its parameter `mood` names."""
 
+import ctypes
+import os
 import time
 
 from pythonfmu import (
@@ -41,6 +43,10 @@ class Moody(Fmi2Slave):
             raise ZeroDivisionError("a division in the second step")
         if self.steps >= 2 and self.mood == "nan":
             self.y = float("nan")
+        if self.steps >= 2 and self.mood == "crashes":
+            ctypes.string_at(0)
+        if self.steps >= 2 and self.mood == "aborts":
+            os.abort()
         if self.mood == "gain":
             self.y = 1.5 * self.u + 1.0
         return True

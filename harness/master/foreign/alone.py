@@ -6,6 +6,7 @@ import re
 from pathlib import Path
 from typing import Any
 
+from .abilities import abilities
 from .archive import read_description
 
 DEFAULT_DURATION = 1.0  # s: where the FMU suggests none
@@ -22,6 +23,8 @@ def document_of(path: Path) -> dict[str, Any]:
     experiment = description.defaultExperiment
     stop = float((experiment and experiment.stopTime) or DEFAULT_DURATION)
     step = float((experiment and experiment.stepSize) or stop / DEFAULT_STEPS)
+    if fixed := abilities(description).fixed_step:  # of which steps must be multiples
+        step = fixed * max(1, round(step / fixed))
     name = re.sub(r"^(?=[\d-])|[^\w-]", "_", path.stem, flags=re.ASCII)[:32]
     return {
         "title": description.modelName,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import shutil
+import stat
 import zipfile
 import zlib
 from functools import lru_cache
@@ -130,6 +131,26 @@ def _platform(description: ModelDescription) -> str:
     return fmpy.platform if old else fmpy.platform_tuple
 
 
+def _follow_links(path: Path, archive: zipfile.ZipFile, folder: Path) -> None:
+    """Put copies in the place of symbolic links, which zipfile writes as their text.
+
+    Raises:
+        UnitError: a link points to what the archive does not hold.
+    """
+    for info in archive.infolist():
+        if not stat.S_ISLNK(info.external_attr >> 16):
+            continue
+        place = folder / info.filename
+        target = place.parent / archive.read(info).decode("utf-8", "replace")
+        if not target.resolve().is_relative_to(folder.resolve()) or not target.is_file():
+            raise UnitError(
+                f"{path}: {info.filename} is a link to {str(target.relative_to(place.parent))!r}, "
+                "which is no file of the archive: pack the file itself"
+            )
+        place.unlink()
+        shutil.copyfile(target, place)
+
+
 def unpacked(path: Path) -> Path:
     """A new folder with what is in an FMU that `read_description` has let pass.
 
@@ -140,6 +161,7 @@ def unpacked(path: Path) -> Path:
     try:
         with zipfile.ZipFile(path) as archive:
             archive.extractall(folder)
+            _follow_links(path, archive, folder)
     except (zipfile.BadZipFile, zlib.error, EOFError, RuntimeError) as error:
         shutil.rmtree(folder, ignore_errors=True)
         raise UnitError(f"{path}: is damaged: {error}") from error

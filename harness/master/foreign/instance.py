@@ -25,7 +25,7 @@ from ...errors import SimulationError, UnitError
 from ...scene.messages import did_you_mean
 from ..closing import Closing
 from ..names import readable
-from . import python_guest
+from . import crashes, python_guest
 from .abilities import abilities, kind_of
 from .archive import read_description, unpacked
 from .measures import measured, measures
@@ -41,6 +41,10 @@ _only_once: set[Path] = set()  # files whose one instance lives
 
 class UnitFailure(UnitError, SimulationError):
     """A unit of foreign origin failed while it ran: the file is to blame, and the run has ended."""
+
+
+class EndAsked(SimulationError):
+    """A unit asks to end the simulation: nothing has failed, and the run ends there."""
 
 
 class Group:
@@ -71,6 +75,7 @@ class ForeignUnit(Closing):
         name: of the unit.
 
     Attributes:
+        folder: where the file is unpacked.
         abilities: what the unit can.
         variables: by name; `measured_in` by name, for people.
         calls: number of FMI calls by kind; `messages` what it has logged.
@@ -98,10 +103,11 @@ class ForeignUnit(Closing):
             )
         self._running = False  # initialised, and has not failed
         self._has_failed = False
-        self._folder = unpacked(path)
+        self.folder = unpacked(path)
         if self._once:
             _only_once.add(self._once)
-        self.is_python = python_guest.runs_python(self._folder)
+        self.is_python = python_guest.runs_python(self.folder)
+        crashes.watch(self)
 
     def check_start(self, start: Mapping[str, Any]) -> None:
         """Refuse start values that the unit does not have, or of another type.
@@ -211,8 +217,9 @@ class ForeignUnit(Closing):
         self.time = 0.0
         self._free_instance()
         if self.is_python:
-            python_guest.before_making(self._folder)
+            python_guest.before_making(self.folder)
         folder = os.getcwd()  # fmpy leaves it changed where a library cannot be loaded
+        crashes.asked.append((self, "loading"))
         try:
             self._make()
         except UnitError:
@@ -220,9 +227,10 @@ class ForeignUnit(Closing):
         except Exception as error:  # of ctypes and fmpy
             raise UnitError(f"{self.path}: cannot be loaded: {error}{self._said()}") from error
         finally:
+            crashes.asked.pop()
             os.chdir(folder)
             if self.is_python:
-                python_guest.after_making(self._folder)
+                python_guest.after_making(self.folder)
         self._begin(start)
 
     def start(self) -> None:
@@ -256,16 +264,25 @@ class ForeignUnit(Closing):
         Raises:
             UnitFailure: it failed.
         """
+        crashes.asked.append((self, what))
         try:
             return act(*arguments)
+        except EndAsked:
+            raise
         except FMICallException as error:
             status = _STATUS[min(int(getattr(error, "status", 3)), 5)]
             reason = f"{what} failed ({status})"
         except Exception as error:  # a function that the library lacks, or of ctypes
             reason = f"{what} failed: {error}"
+        finally:
+            crashes.asked.pop()
         self._running, self._has_failed = False, True
         raise UnitFailure(f"{self.name} ({self.path.name}) at t = {self.time:g} s: {reason}"
                           f"{self._said()}")  # fmt: skip
+
+    def _ends(self, time: float) -> str:
+        """What is said of a unit that asks to end at a time [s]."""
+        return f"{self.name} ({self.path.name}) asks to end the simulation at t = {time:g} s"
 
     def _said(self) -> str:
         return f": {'; '.join(self.messages[-3:])}" if self.messages else ""
@@ -287,7 +304,7 @@ class ForeignUnit(Closing):
             return  # pythonfmu's loader would release what it has released after the exception
         acts = [*([fmu.terminate] if self._running else []), fmu.freeInstance]
         self._running = False
-        freeing = threading.Thread(target=_quietly, args=acts, daemon=True)
+        freeing = threading.Thread(target=_quietly, args=(self, *acts), daemon=True)
         freeing.start()
         freeing.join(PATIENCE)
         if freeing.is_alive():
@@ -301,10 +318,11 @@ class ForeignUnit(Closing):
         try:
             self._free_instance()
         finally:
-            shutil.rmtree(self._folder, ignore_errors=True)
+            crashes.let_go(self)
+            shutil.rmtree(self.folder, ignore_errors=True)
             _only_once.discard(self._once or Path())
             if self.is_python:
-                python_guest.after_freeing(self._folder)
+                python_guest.after_freeing(self.folder)
 
     @abstractmethod
     def _make(self) -> None:
@@ -343,11 +361,11 @@ class Fmi2Unit(ForeignUnit):
         self._callbacks = callbacks  # kept alive for the C side
         self.fmu = fmi2.FMU2Slave(
             guid=self.description.guid,
-            unzipDirectory=str(self._folder),
+            unzipDirectory=str(self.folder),
             modelIdentifier=self.description.coSimulation.modelIdentifier,
             instanceName=self.name,
         )
-        resources = self._folder / "resources"
+        resources = self.folder / "resources"
         # pythonfmu's loader takes what follows file:// for a path as it stands
         place = f"file://{resources}" if self.is_python else resources.as_uri()
         self.fmu.component = self.fmu.fmi2Instantiate(
@@ -375,7 +393,21 @@ class Fmi2Unit(ForeignUnit):
         self._checked("initialisation", self.fmu.enterInitializationMode)
 
     def _do_step(self, time: float, step: float) -> None:
-        self.fmu.doStep(time, step)
+        try:
+            self.fmu.doStep(time, step, not self.abilities.restores_state)
+        except FMICallException as error:
+            if error.status == fmi2.fmi2Discard and self._is_terminated():
+                raise EndAsked(self._ends(time)) from error
+            raise
+
+    def _is_terminated(self) -> bool:
+        """Whether a step was discarded because the unit asks to end."""
+        if self.is_python:  # pythonfmu says so of every step that failed
+            return False
+        try:
+            return bool(self.fmu.getBooleanStatus(fmi2.fmi2Terminated))
+        except Exception:  # a function that the library lacks, or that fails
+            return False
 
     def _state(self, what: str) -> Any:
         return getattr(self.fmu, f"fmi2{what}FMUstate")
@@ -394,7 +426,7 @@ class Fmi3Unit(ForeignUnit):
     def _make(self) -> None:
         self.fmu = fmi3.FMU3Slave(
             guid=self.description.guid,
-            unzipDirectory=str(self._folder),
+            unzipDirectory=str(self.folder),
             modelIdentifier=self.description.coSimulation.modelIdentifier,
             instanceName=self.name,
         )
@@ -413,9 +445,12 @@ class Fmi3Unit(ForeignUnit):
         self._checked("initialisation", self.fmu.enterInitializationMode)
 
     def _do_step(self, time: float, step: float) -> None:
-        _, terminates, early, reached = self.fmu.doStep(time, step)
+        again = self.abilities.restores_state
+        _, terminates, early, reached = self.fmu.doStep(
+            time, step, noSetFMUStatePriorToCurrentPoint=not again
+        )
         if terminates:
-            raise SimulationError("the unit asks to end the simulation")
+            raise EndAsked(self._ends(reached if early else time + step))
         if early and not math.isclose(reached, time + step, rel_tol=1e-9):
             raise SimulationError(f"the unit returned early, at t = {reached:g} s")
 
@@ -430,10 +465,12 @@ class Fmi3Unit(ForeignUnit):
         return "Int64" if kind == "Enumeration" else kind
 
 
-def _quietly(*acts: Any) -> None:
+def _quietly(unit: ForeignUnit, *acts: Any) -> None:
+    crashes.asked.append((unit, "freeing"))
     for act in acts:
         with suppress(Exception):  # nothing can be done about a unit that fails when it is freed
             act()
+    crashes.asked.pop()
 
 
 def foreign_unit(path: Path, name: str) -> ForeignUnit:

@@ -7,9 +7,10 @@ units join those of the systems around them by `_`.
 
 from __future__ import annotations
 
+import re
 import shutil
 import zipfile
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from pathlib import Path, PurePosixPath
 from tempfile import mkdtemp
@@ -17,10 +18,12 @@ from typing import Any
 from xml.etree import ElementTree
 
 from ...errors import UnitError
-from .archive import refuse_dangerous
+from ...scene.messages import did_you_mean
+from .archive import read_description, refuse_dangerous
 
 STRUCTURE = "SystemStructure.ssd"
 DEFAULT_DURATION = 1.0  # s: where the file suggests none
+LONGEST_NAME = 32  # of a unit
 _FMU_TYPES = ("", "application/x-fmu-sharedlibrary")
 _REALS = ("Real", "Float64", "Float32")
 _WHOLE = ("Integer", "Enumeration", "Int8", "UInt8", "Int16", "UInt16", "Int32", "UInt32", "Int64")
@@ -35,6 +38,7 @@ class Structure:
     Attributes:
         folder: where it is unpacked.
         components: by path with dots, the source of its FMU; `start` its parameters.
+        systems: connectors by path with dots; the whole one's is empty.
         wires: from node to node, with a factor.
         outputs: connectors of the whole system.
     """
@@ -42,6 +46,7 @@ class Structure:
     path: Path
     folder: Path
     components: dict[str, str] = field(default_factory=dict)
+    systems: dict[str, list[str]] = field(default_factory=dict)
     start: dict[str, dict[str, Any]] = field(default_factory=dict)
     wires: list[tuple[Node, Node, float]] = field(default_factory=list)
     outputs: list[Node] = field(default_factory=list)
@@ -79,10 +84,10 @@ def _document(path: Path, folder: Path) -> dict[str, Any]:
         raise UnitError(f"{path}: {STRUCTURE} has no System: is not an SSP")
     found = Structure(path, folder)
     _read_system(found, system, "")
-    experiment = _child(root, "DefaultExperiment")
-    stop = float((experiment is not None and experiment.get("stopTime")) or DEFAULT_DURATION)
+    stop = _duration(found, _child(root, "DefaultExperiment"))
+    _refuse_loose_ends(found)
     sources = _sources(found)
-    names = {one: one.replace(".", "_")[-32:] for one in found.components}
+    names = _unit_names(found.components)
     connections = []
     for (unit, variable), feeding in sources.items():
         for number, ((source, output), factor) in enumerate(feeding):
@@ -107,15 +112,91 @@ def _document(path: Path, folder: Path) -> dict[str, Any]:
     }
 
 
+def _duration(found: Structure, experiment: Element | None) -> float:
+    """How long to run [s]."""
+    if experiment is None:
+        return DEFAULT_DURATION
+    start, stop = (
+        _real(found, experiment.get(key) or default, f"DefaultExperiment.{key}")
+        for key, default in (("startTime", "0"), ("stopTime", repr(DEFAULT_DURATION)))
+    )
+    if start:
+        raise UnitError(
+            f"{found.path}: DefaultExperiment.startTime = {start:g}: systems start at 0 s here: "
+            "set it to 0, and stopTime to how long the run is"
+        )
+    return stop
+
+
+def _unit_names(components: Iterable[str]) -> dict[str, str]:
+    """Names of units by paths of components: letters, digits, _ and - of them, each once."""
+    found: dict[str, str] = {}
+    for path in components:
+        name = re.sub(r"^(?=[\d-])|[^\w-]", "_", path, flags=re.ASCII)[-LONGEST_NAME:]
+        name = re.sub(r"^[\d-]", "_", name)
+        number = 2
+        while name in found.values():
+            name, number = f"{name[: LONGEST_NAME - 4].rstrip('_')}_{number}", number + 1
+        found[path] = name
+    return found
+
+
+def _real(found: Structure, text: str, where: str) -> float:
+    """A number of the file."""
+    try:
+        return float(text)
+    except ValueError:
+        raise UnitError(f"{found.path}: {where} = {text!r}: must be a number") from None
+
+
+def _refuse_loose_ends(found: Structure) -> None:
+    """Raise UnitError for connections to what is not there, or of what has a source already."""
+    elements = {*found.components, *found.systems}
+    ends: set[Node] = set()
+    for start, end, _ in found.wires:
+        for element, connector in (start, end):
+            if element not in elements:
+                raise UnitError(
+                    f"{found.path}: connection of {connector!r}: no element {element!r}"
+                    f"{did_you_mean(element, sorted(elements - {''}))}; elements: "
+                    f"{', '.join(sorted(elements - {''}))}"
+                )
+            if element in found.systems and connector not in found.systems[element]:
+                raise UnitError(
+                    f"{found.path}: {element or 'the system'} has no connector {connector!r}; it "
+                    f"has: {', '.join(found.systems[element]) or 'none'}"
+                )
+        if end in ends:
+            raise UnitError(
+                f"{found.path}: {'.'.join(filter(None, end))}: has two connections: an input has "
+                "one source"
+            )
+        ends.add(end)
+    for node in ends:
+        if node[0] in found.components and not (_traced(found, node) or _from_top(found, node)):
+            raise UnitError(
+                f"{found.path}: {'.'.join(node)}: is connected to a connector that nothing feeds"
+            )
+
+
+def _from_top(found: Structure, node: Node) -> bool:
+    """Whether a node gets its value from an input of the whole system, which keeps its start."""
+    sources = [start for start, end, _ in found.wires if end == node]
+    return node[0] == "" if not sources else any(_from_top(found, one) for one in sources)
+
+
 def _read_system(found: Structure, system: Element, prefix: str) -> None:
     """A system and those within it; `prefix` its path with a dot at the end, empty at the top."""
     own = prefix.rstrip(".")
+    found.systems[own] = [c.get("name", "") for c in _connectors(system)]
     if not own:
         found.outputs = [
             (own, c.get("name", "")) for c in _connectors(system) if c.get("kind") == "output"
         ]
     for one in _children(_child(system, "Elements")):
         name, tag = prefix + one.get("name", ""), _tag(one)
+        if name in found.components or name in found.systems:
+            raise UnitError(f"{found.path}: {name}: two elements have this name")
         if tag == "System":
             _read_system(found, one, f"{name}.")
         elif tag == "Component":
@@ -129,9 +210,23 @@ def _read_system(found: Structure, system: Element, prefix: str) -> None:
             ((prefix + one.get(f"{end}Element", "")).rstrip("."), one.get(f"{end}Connector", ""))
             for end in ("start", "end")
         ]
-        found.wires.append((ends[0], ends[1], _factor(found, one)))
+        found.wires.append((*_directed(found, ends[0], ends[1]), _factor(found, one)))
     for name, value in _bound(found, system):  # of whole systems they go before those of parts
         _set(found, prefix + name, value)
+
+
+def _directed(found: Structure, start: Node, end: Node) -> tuple[Node, Node]:
+    """A connection from its source on: the standard lets either end be written first."""
+    is_input = [n[0] in found.components and _causality(found, n) == "input" for n in (start, end)]
+    shows = [n[0] in found.components and _causality(found, n) == "output" for n in (start, end)]
+    return (end, start) if (is_input[0] and not is_input[1]) or (shows[1] and not shows[0]) else (
+        start, end)  # fmt: skip
+
+
+def _causality(found: Structure, node: Node) -> str:
+    """Of a variable of a component; empty where the FMU does not have it."""
+    description = read_description(found.folder / found.components[node[0]])
+    return next((v.causality or "" for v in description.modelVariables if v.name == node[1]), "")
 
 
 def _read_component(found: Structure, one: Element, name: str) -> None:
@@ -141,7 +236,12 @@ def _read_component(found: Structure, one: Element, name: str) -> None:
             f"{found.path}: {name}: source {source!r} of type {one.get('type', '')!r} is not "
             "supported: components are FMUs"
         )
-    found.components[name] = str(_inside(found, source))
+    inside = _inside(found, source)
+    if not (found.folder / inside).is_file():
+        raise UnitError(
+            f"{found.path}: {name}: the archive has no {source!r}: pack the FMU into it"
+        )
+    found.components[name] = str(inside)
     for parameter, value in _bound(found, one):
         found.start.setdefault(name, {})[parameter] = value
 
@@ -153,6 +253,11 @@ def _set(found: Structure, path: str, value: Any) -> None:
             found.start.setdefault(name, {})[path[len(name) + 1 :]] = value
             return
     owner, _, connector = path.rpartition(".")
+    if connector not in found.systems.get(owner, ()):
+        raise UnitError(
+            f"{found.path}: parameter {path!r}: is of no component and no connector; components: "
+            f"{', '.join(found.components)}"
+        )
     for (element, output), (target, variable), factor in found.wires:
         if (element, output) == (owner, connector) and target in found.components:
             scaled = value * factor if isinstance(value, float) else value
@@ -175,7 +280,7 @@ def _bound(found: Structure, owner: Element) -> Iterator[tuple[str, Any]]:
                 e for m in _children(mapping) for e in (m if _tag(m) != "MappingEntry" else [m])
             ]
         for one in sets:
-            for name, value in _values(one):
+            for name, value in _values(found, one):
                 yield from _mapped(found, prefix + name, value, entries)
 
 
@@ -189,10 +294,11 @@ def _mapped(
     for entry in own:
         change = _child(entry, "LinearTransformation")
         if change is not None and isinstance(value, float):
-            yield (
-                entry.get("target", ""),
-                value * float(change.get("factor", 1.0)) + float(change.get("offset", 0.0)),
+            factor, offset = (
+                _real(found, change.get(key, default), f"mapping of {name}: {key}")
+                for key, default in (("factor", "1"), ("offset", "0"))
             )
+            yield entry.get("target", ""), value * factor + offset
         elif len(list(entry)) and change is None:
             raise UnitError(
                 f"{found.path}: mapping of {name}: {_tag(entry[0])} is not supported: linear ones "
@@ -202,18 +308,22 @@ def _mapped(
             yield entry.get("target", ""), value
 
 
-def _values(parameter_set: Element) -> Iterator[tuple[str, Any]]:
+def _values(found: Structure, parameter_set: Element) -> Iterator[tuple[str, Any]]:
     for parameter in _children(_child(parameter_set, "Parameters")):
+        name = parameter.get("name", "")
         for value in parameter:
             text, tag = value.get("value", ""), _tag(value)
             if tag in _REALS:
-                yield parameter.get("name", ""), float(text)
+                yield name, _real(found, text, f"parameter {name}")
             elif tag in _WHOLE:
-                yield parameter.get("name", ""), int(text)
+                whole = _real(found, text, f"parameter {name}")
+                if whole != round(whole):
+                    raise UnitError(f"{found.path}: parameter {name} = {text}: must be whole")
+                yield name, int(whole)
             elif tag == "Boolean":
-                yield parameter.get("name", ""), text in ("true", "1")
+                yield name, text in ("true", "1")
             elif tag == "String":
-                yield parameter.get("name", ""), text
+                yield name, text
 
 
 def _sources(found: Structure) -> dict[Node, list[tuple[Node, float]]]:
@@ -243,12 +353,14 @@ def _factor(found: Structure, connection: Element) -> float:
         name = ".".join([connection.get("endElement", ""), connection.get("endConnector", "")])
         if _tag(change) == "ConnectionGeometry" or _tag(change) == "Annotations":
             continue
-        if _tag(change) != "LinearTransformation" or float(change.get("offset", 0.0)):
+        where = f"connection to {name}: "
+        offset = _real(found, change.get("offset", "0"), f"{where}offset")
+        if _tag(change) != "LinearTransformation" or offset:
             raise UnitError(
                 f"{found.path}: connection to {name}: {_tag(change)} with an offset or a table is "
                 "not supported: factors are"
             )
-        return float(change.get("factor", 1.0))
+        return _real(found, change.get("factor", "1"), f"{where}factor")
     return 1.0
 
 

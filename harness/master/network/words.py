@@ -11,7 +11,7 @@ MOST_NAMED = 4  # signals or units in a sentence
 
 def notes(run: Any) -> list[str]:
     """Of a run that has been started: loops, what units cannot do, and what they have logged."""
-    found = []
+    found = [run.ended] if run.ended else []
     if run.system.stuck and run.system.coupled and run.scheme_name != "jacobi":
         unseen = ", and its gain is known only as far as the units show it before the first step"
         found.append(

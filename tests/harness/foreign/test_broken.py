@@ -3,13 +3,19 @@
 from __future__ import annotations
 
 import os
+import re
+import stat
+import subprocess
+import sys
 import tempfile
+import zipfile
 from pathlib import Path
 
 import pytest
 import tomli_w
 
-from autobalancer.harness.master.foreign import instance
+import autobalancer as ab
+from autobalancer.harness.master.foreign import archive, instance
 
 
 @pytest.fixture(scope="module")
@@ -83,6 +89,15 @@ FILES = {
     "drive": (with_file("C:/elsewhere"), "a path outside the archive"),
     "zip bomb": (with_file("resources/big", bytes(150_000_000)), "would unpack to 1.5"),
     "entities": (described(lambda text: BOMB + text[text.index("<fmi") :]), "defines entities"),
+    "link outwards": (
+        lambda good, altered, folder: linked(altered(good), "../../../etc/passwd"),
+        "resources/link is a link to '../../../etc/passwd', which is no file of the archive",
+    ),
+    "one name twice": (replaced('name="v0"', 'name="x0"'), 'variable name "x0"'),
+    "identifier": (
+        described(lambda text: re.sub('modelIdentifier="[^"]*"', 'modelIdentifier="../x"', text)),
+        "none for this machine",
+    ),
     "library": (
         lambda good, altered, _: altered(
             good,
@@ -92,6 +107,15 @@ FILES = {
         "cannot be loaded",
     ),
 }
+
+
+def linked(path, target):
+    """The FMU with a symbolic link in it."""
+    link = zipfile.ZipInfo("resources/link")
+    link.create_system, link.external_attr = 3, (stat.S_IFLNK | 0o777) << 16
+    with zipfile.ZipFile(path, "a") as archive:
+        archive.writestr(link, target)
+    return path
 
 
 def instance_platform():
@@ -236,3 +260,50 @@ def test_a_signal_that_no_unit_has_is_refused(good, ran):
     assert "'m.q' is not recorded by any unit" in ran(
         unit=[{"name": "m", "fmu": str(good)}], run=run
     )
+
+
+def test_a_link_within_the_archive_is_followed(good, altered):
+    linked(altered(good), "slavemodule.txt")
+    path = good.parent / "linked.fmu"
+    path.write_bytes(altered(good).read_bytes())
+    with instance.foreign_unit(linked(path, "slavemodule.txt"), "m") as unit:
+        assert (unit.folder / "resources" / "link").read_text() == "mass"
+
+
+@pytest.mark.skipif(os.name == "nt", reason="signals of a crash are answered on POSIX alone")
+@pytest.mark.parametrize("mood", ["crashes", "aborts"])
+def test_a_unit_that_crashes_the_process_is_named_and_leaves_nothing(mood, guest, tmp_path):
+    unit = [{"name": "moody", "fmu": str(guest("moody")), "start": {"mood": mood}}]
+    document = {"unit": unit, "coupling": {"step": 0.1}, "run": {"duration": 0.5}}
+    (tmp_path / "system.toml").write_text(tomli_w.dumps(document))
+    (tmp_path / "temporary").mkdir()
+    done = subprocess.run(
+        [sys.executable, "-m", "autobalancer.harness", "run", tmp_path / "system.toml"],
+        capture_output=True, text=True, env={**os.environ, "TMPDIR": str(tmp_path / "temporary")},
+    )  # fmt: skip
+    assert done.returncode == 2, done.stderr
+    assert "moody (Moody.fmu) at t = 0.1 s: a step of 0.1 s crashed this process" in done.stderr
+    assert not list((tmp_path / "temporary").iterdir())
+
+
+def test_a_unit_that_asks_to_end_ends_the_run_there(guest, altered, monkeypatch):
+    monkeypatch.setattr(instance.Fmi2Unit, "_is_terminated", lambda _: True)
+    system = ab.System(
+        unit=[{"name": "moody", "fmu": str(guest("moody")), "start": {"mood": "fails"}}],
+        coupling={"step": 0.1},
+        run={"duration": 0.5},
+    )
+    result = system.run()
+    assert result.time[-1] == pytest.approx(0.1)
+    assert "asks to end the simulation at t = 0.1 s: the run ends there" in result.events[0]
+
+
+def test_an_output_that_is_no_number_ends_the_run_though_nobody_listens(guest, ran):
+    unit = [{"name": "moody", "fmu": str(guest("moody")), "start": {"mood": "nan"}}]
+    assert "moody.y is no finite number at t = 0.2 s: Moody.fmu has failed" in ran(unit=unit)
+
+
+def test_a_huge_description_is_refused(good, altered, ran, monkeypatch):
+    monkeypatch.setattr(archive, "LARGEST_DESCRIPTION", 100_000)
+    huge = altered(good, lambda text: text.replace("</fmi", f"<!--{'x' * 100_000}--></fmi", 1))
+    assert "modelDescription.xml has 10" in ran(unit=[{"name": "m", "fmu": str(huge)}])

@@ -131,21 +131,76 @@ def test_an_ssp_of_ours_runs_as_its_scene(tmp_path):
     assert np.abs(found["rotor.x"] - x).max() < 1e-4 * np.abs(x).max()
 
 
-@pytest.mark.parametrize(
-    ("edit", "words"),
-    [
-        (lambda t: t.replace("resources/Spring.fmu", "../Spring.fmu"), "a path within the SSP"),
-        (lambda t: t.replace('factor="-1.0"', 'factor="-1.0" offset="2"'), "offset or a table"),
-        (lambda t: t.replace("stiff.ssv", "none.ssv"), "has no none.ssv"),
-        (lambda t: t.replace("</ssd:System>", "", 1), "is not XML"),
-        (
-            lambda t: t.replace('source="resources/Spring.fmu"', 'source="a.ssd"'),
-            "components are FMUs",
-        ),
-        (lambda t: t.replace("<?xml", "<!DOCTYPE a><?xml"), "defines entities"),
-    ],
+def put(old, new):
+    """An edit of a file that has the text."""
+    return lambda text: text.replace(old, new) if old in text else text
+
+
+ONE = (
+    '<ssd:Connection startElement="left" startConnector="x" endElement="spring" endConnector="x1"/>'
 )
-def test_an_ssp_that_cannot_be_read_is_refused_with_what_is_wrong(chain, edit, words, invoke):
+BACK = (
+    '<ssd:Connection startElement="spring" startConnector="x1" endElement="left" endConnector="x"/>'
+)
+WRONG = {
+    "outside": (put("resources/Spring.fmu", "../Spring.fmu"), "a path within the SSP"),
+    "offset": (put('factor="-1.0"', 'factor="-1.0" offset="2"'), "offset or a table"),
+    "no set": (put("stiff.ssv", "none.ssv"), "has no none.ssv"),
+    "no XML": (lambda t: t.replace("</ssd:System>", "", 1), "is not XML"),
+    "no FMU": (put('source="resources/Spring.fmu"', 'source="a.ssd"'), "components are FMUs"),
+    "entities": (put("<?xml", "<!DOCTYPE a><?xml"), "defines entities"),
+    "missing FMU": (put("Spring.fmu", "Gone.fmu"), "spring: the archive has no 'resources/Gone.fmu'"),
+    "missing component": (
+        put('<ssd:Component name="spring" source="resources/Spring.fmu"/>', ""),
+        "parameter 'spring.c': is of no component and no connector",
+    ),
+    "unknown element": (put('startElement="right"', 'startElement="rigth"'), "no element 'rigth'"),
+    "unknown connector": (put('endConnector="x1"', 'endConnector="q"'), "has no variable 'q'"),
+    "open chain": (
+        put('<ssd:Connection startElement="mass" startConnector="x" endConnector="x"/>', ""),
+        "spring.x1: is connected to a connector that nothing feeds",
+    ),
+    "one name twice": (
+        put('name="right" source', 'name="spring" source'),
+        "spring: two elements have this name",
+    ),
+    "one connection twice": (put(ONE, ONE + ONE), "spring.x1: has two connections"),
+    "no number": (put('value="1.0"', 'value="1,0"'), "parameter x0 = '1,0': must be a number"),
+    "no factor": (put('factor="-1.0"', 'factor="minus"'), "factor = 'minus': must be a number"),
+    "no stop": (put('stopTime="1.0"', 'stopTime="soon"'), "stopTime = 'soon': must be a number"),
+    "later start": (put('startTime="0.0"', 'startTime="5"'), "systems start at 0 s here"),
+    "parameter of nobody": (put('name="spring.c"', 'name="nobody.c"'), "is of no component"),
+    "unknown parameter": (put('name="x0"', 'name="x9"'), "Mass.fmu has no variable 'x9'"),
+}
+
+
+@pytest.mark.parametrize("case", WRONG)
+def test_an_ssp_that_cannot_be_read_is_refused_with_what_is_wrong(chain, case, invoke):
+    edit, words = WRONG[case]
     done = invoke("run", chain(edit=edit))
-    assert done.exit_code == 2
+    assert done.exit_code == 2, done.output
     assert words in " ".join(done.output.split())
+
+
+def test_either_end_of_a_connection_can_be_written_first(chain):
+    runs = [ab.load_system(chain(edit=edit)).connection for edit in (str, put(ONE, BACK))]
+    assert {(c.source, c.to) for c in runs[0]} == {(c.source, c.to) for c in runs[1]}
+
+
+def test_names_of_components_become_names_of_units(chain):
+    def edit(text):
+        return text.replace('"spring"', '"1 spring!"').replace("spring.c", "1 spring!.c")
+
+    assert "_1_spring_" in [unit.name for unit in ab.load_system(chain(edit=edit)).unit]
+
+
+def test_an_input_of_the_whole_system_keeps_its_start(chain):
+    top = '<ssd:Connector name="u" kind="input"/>'
+    wire = '<ssd:Connection startConnector="u" endElement="spring" endConnector="v1"/>'
+
+    def edit(text):
+        text = text.replace('<ssd:Connector name="y"', f'{top}<ssd:Connector name="y"')
+        return text.replace(ONE, ONE + wire)
+
+    system = ab.load_system(chain(edit=edit))
+    assert "spring.v1" not in [c.to for c in system.connection]
