@@ -21,7 +21,8 @@ from .compared import Compared, compared_motion
 from .cosimulation import CoSimulation
 from .facts import Facts
 from .fmu import Fmu
-from .foreign.instance import ForeignUnit, foreign_unit
+from .foreign.instance import ForeignUnit
+from .foreign.versions import foreign_unit
 from .names import components, plane
 from .network.fixed_axes import NAME as FIXED
 from .network.fixed_axes import FixedForces

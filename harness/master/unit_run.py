@@ -19,7 +19,8 @@ from ..scene.unit import fmu_path
 from .compared import NEVER_HELD, Compared
 from .expectation import Expectation
 from .facts import RunFacts
-from .foreign.instance import ForeignUnit, foreign_unit
+from .foreign.instance import ForeignUnit
+from .foreign.versions import foreign_unit
 from .network.network import Network, is_number
 from .network.wiring import Wire, wired
 from .network.words import notes

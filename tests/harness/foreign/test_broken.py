@@ -15,7 +15,7 @@ import pytest
 import tomli_w
 
 import autobalancer as ab
-from autobalancer.harness.master.foreign import archive, instance
+from autobalancer.harness.master.foreign import archive, instance, versions
 
 
 @pytest.fixture(scope="module")
@@ -266,7 +266,7 @@ def test_a_link_within_the_archive_is_followed(good, altered):
     linked(altered(good), "slavemodule.txt")
     path = good.parent / "linked.fmu"
     path.write_bytes(altered(good).read_bytes())
-    with instance.foreign_unit(linked(path, "slavemodule.txt"), "m") as unit:
+    with versions.foreign_unit(linked(path, "slavemodule.txt"), "m") as unit:
         assert (unit.folder / "resources" / "link").read_text() == "mass"
 
 
@@ -287,7 +287,7 @@ def test_a_unit_that_crashes_the_process_is_named_and_leaves_nothing(mood, guest
 
 
 def test_a_unit_that_asks_to_end_ends_the_run_there(guest, altered, monkeypatch):
-    monkeypatch.setattr(instance.Fmi2Unit, "_is_terminated", lambda _: True)
+    monkeypatch.setattr(versions.Fmi2Unit, "_is_terminated", lambda _: True)
     system = ab.System(
         unit=[{"name": "moody", "fmu": str(guest("moody")), "start": {"mood": "fails"}}],
         coupling={"step": 0.1},

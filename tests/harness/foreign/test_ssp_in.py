@@ -149,7 +149,10 @@ WRONG = {
     "no XML": (lambda t: t.replace("</ssd:System>", "", 1), "is not XML"),
     "no FMU": (put('source="resources/Spring.fmu"', 'source="a.ssd"'), "components are FMUs"),
     "entities": (put("<?xml", "<!DOCTYPE a><?xml"), "defines entities"),
-    "missing FMU": (put("Spring.fmu", "Gone.fmu"), "spring: the archive has no 'resources/Gone.fmu'"),
+    "missing FMU": (
+        put("Spring.fmu", "Gone.fmu"),
+        "spring: the archive has no 'resources/Gone.fmu'",
+    ),
     "missing component": (
         put('<ssd:Component name="spring" source="resources/Spring.fmu"/>', ""),
         "parameter 'spring.c': is of no component and no connector",
