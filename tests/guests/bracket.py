@@ -33,6 +33,10 @@ class Bracket(Fmi2Slave):
         return self.k * (z - self.x) + self.c * (w - self.v)
 
     def exit_initialization_mode(self):
+        self.enter_initialization_mode()  # some tools set parameters between both
+        self.show()
+
+    def show(self):
         self.F = self.pull(self.z, self.w) - self.mb * self.a
 
     def do_step(self, current_time, step_size):
@@ -46,5 +50,5 @@ class Bracket(Fmi2Slave):
             a4 = -self.pull(z + h * w + h * h / 2 * a2, w + h * a3) / self.m
             self.z += h * w + h * h / 6 * (a1 + a2 + a3)
             self.w += h / 6 * (a1 + 2 * a2 + 2 * a3 + a4)
-        self.exit_initialization_mode()
+        self.show()
         return True

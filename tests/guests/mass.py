@@ -23,6 +23,7 @@ class Mass(Fmi2Slave):
         self.x, self.v = self.x0, self.v0
 
     def exit_initialization_mode(self):
+        self.enter_initialization_mode()  # some tools set parameters between both
         self.a = self.acceleration(self.x, self.v)
 
     def acceleration(self, x, v):

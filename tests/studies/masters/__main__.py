@@ -25,7 +25,7 @@ from fmpy import read_model_description
 
 import autobalancer as ab
 from tests.studies.masters.problems import PROBLEMS, Problem
-from tests.studies.tools.measure import COFMUPY
+from tests.studies.tools.measure import COFMUPY, PATHSIM
 
 ROOT = Path(__file__).parents[3]
 GUESTS = ROOT / "tests" / "guests"
@@ -33,7 +33,9 @@ DRIVER = ROOT / "tests" / "studies" / "tools" / "drivers.py"
 OTHERS = {
     "fmpy_ssp": "FMPy, SSP",
     "libcosim": "libcosim, fixed step",
+    "ecco": "libcosim, ECCO",
     "ecos": "ecos",
+    "pathsim": "PathSim",
     "cofmupy_jacobi": "CoFMuPy, Jacobi",
     "cofmupy_gauss_seidel": "CoFMuPy, Gauss-Seidel",
 }
@@ -144,9 +146,10 @@ def ours(problem: Problem, fmus: dict[str, Path], **coupling: object) -> list[st
 def theirs(problem: Problem, tool: str, ssp: Path, step: float) -> list[str]:
     """Cells of another master."""
     count, names = round(problem.duration / step), list(problem.exact(np.zeros(1)))
-    python = os.environ.get(COFMUPY, "") if tool.startswith("cofmupy") else sys.executable
+    own = {"cofmupy": COFMUPY, "pathsim": PATHSIM}.get(tool.partition("_")[0])
+    python = os.environ.get(own, "") if own else sys.executable
     if not python:
-        return [f"not run: {COFMUPY} names no Python", "", ""]
+        return [f"not run: {own} names no Python", "", ""]
     words = [python, str(DRIVER), tool, str(ssp), repr(step), str(count), *names]
     beside = [f"{sys.prefix}/lib", os.environ.get("LD_LIBRARY_PATH", "")]  # of ecos
     env = {

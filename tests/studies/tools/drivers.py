@@ -121,6 +121,100 @@ def cofmupy(
     return seconds, [[float(x) for x in row] for row in zip(*columns, strict=True)]
 
 
+def ecco(path: str, step: float, count: int, signals: Sequence[str]) -> Answer:
+    """libcosim's ECCO, whose step follows what the bonds of velocity and force miss in energy."""
+    import numpy as np
+    from fmpy import extract, read_model_description
+    from fmpy.ssp.ssd import get_connections, read_ssd, read_ssv
+    from libcosimpy.CosimAlgorithm import CosimAlgorithm, EccoParams
+    from libcosimpy.CosimExecution import CosimExecution
+    from libcosimpy.CosimObserver import CosimObserver
+    from libcosimpy.CosimSlave import CosimLocalSlave
+
+    system, folder = read_ssd(path).system, extract(path)
+    steps = {"step_size": step, "min_step_size": step / 100.0, "max_step_size": step}
+    algorithm = CosimAlgorithm.create_ecco_algorithm(EccoParams(**steps))
+    execution = CosimExecution.from_algorithm(algorithm)
+    index, reference = {}, {}
+    for one in system.elements:
+        file = f"{folder}/{one.source}"
+        index[one.name] = execution.add_local_slave(
+            CosimLocalSlave(fmu_path=file, instance_name=one.name)
+        )
+        reference[one.name] = {
+            v.name: v.valueReference for v in read_model_description(file).modelVariables
+        }
+    for parameter in read_ssv(path, PARAMETERS).parameters:
+        unit, _, name = parameter.name.partition(".")
+        execution.real_initial_value(index[unit], reference[unit][name], float(parameter.value))
+    wires = [(a.parent.name, a.name, b.parent.name, b.name) for a, b in get_connections(system)]
+    for a, x, b, y in wires:
+        execution.connect_real_variables(index[a], reference[a][x], index[b], reference[b][y])
+    for a, x, b, y in wires:  # a velocity, and the force that answers it
+        back = [(p, q) for c, p, d, q in wires if (c, d) == (b, a) and q == "F"]
+        for p, q in back if x == "v" else ():
+            algorithm.add_power_bond(
+                index[a], reference[a][x], reference[a][q],
+                index[b], reference[b][p], reference[b][y],
+            )  # fmt: skip
+    observer = CosimObserver.create_last_value()
+    execution.add_observer(observer)
+    reads = [(index[u], [reference[u][n]]) for u, n in (s.split(".", 1) for s in signals)]
+    times, found = [0.0], []
+    begun = now()
+    while times[-1] < count * step * (1.0 - 1e-9) and execution.step():
+        found.append([observer.last_real_values(k, refs)[0] for k, refs in reads])
+        times.append(execution.status().current_time * 1e-9)
+    seconds = now() - begun
+    wanted = step * np.arange(1, count + 1)
+    columns = [np.interp(wanted, times[1:], column) for column in zip(*found, strict=True)]
+    return seconds, [[float(x) for x in row] for row in zip(*columns, strict=True)]
+
+
+def pathsim(path: str, step: float, count: int, signals: Sequence[str]) -> Answer:
+    """Its blocks step at equal times, each on what the others showed before.
+
+    A step begins at its communication point and shows its end there: rows are read half a step
+    later.
+    """
+    import warnings
+
+    from fmpy import extract
+    from fmpy.ssp.ssd import get_connections, read_ssd, read_ssv
+    from pathsim import Connection, Simulation
+
+    warnings.simplefilter("ignore")
+    try:
+        from pathsim_fmi import CoSimulationFMU
+    except ImportError:
+        from pathsim.blocks import CoSimulationFMU
+
+    system, folder = read_ssd(path).system, extract(path)
+    start = [(p.name.partition("."), float(p.value)) for p in read_ssv(path, PARAMETERS).parameters]
+    blocks = {
+        one.name: CoSimulationFMU(
+            f"{folder}/{one.source}",
+            one.name,
+            {name: x for (unit, _, name), x in start if unit == one.name},
+            dt=step,
+        )
+        for one in system.elements
+    }
+    wires = [
+        Connection(blocks[a.parent.name][a.name], blocks[b.parent.name][b.name])
+        for a, b in get_connections(system)
+    ]
+    simulation = Simulation(list(blocks.values()), wires, dt=0.5 * step, log=False)
+    rows: list[list[float]] = []
+    begun = now()
+    for _ in range(count):
+        simulation.run(step if rows else 0.5 * step, reset=False)
+        rows.append(
+            [float(blocks[unit].outputs[name]) for unit, name in (s.split(".", 1) for s in signals)]
+        )
+    return now() - begun, rows
+
+
 def omsimulator(path: str, step: float, count: int, signals: Sequence[str]) -> Answer:
     """It takes its step from the package."""
     options = [f"--stopTime={count * step!r}", "--suppressPath=true", "--skipCSVHeader=true"]
@@ -161,7 +255,9 @@ DRIVERS: dict[str, Callable[[str, float, int, Sequence[str]], Answer]] = {
     "ecos": ecos,
     "cofmupy_jacobi": cofmupy,
     "cofmupy_gauss_seidel": partial(cofmupy, method="gauss_seidel"),
+    "ecco": ecco,
     "omsimulator": omsimulator,
+    "pathsim": pathsim,
     "fmusim": fmusim,
 }
 

@@ -30,6 +30,7 @@ VALUES, SLOPES = "SSP, values alone", "SSP, values and slopes"
 ONE_SSP, ONE_FMU = "SSP, composite", "composite FMU"
 SEPARATE = (VALUES, SLOPES)
 PACKAGES = (*SEPARATE, ONE_SSP)
+PATHSIM = "PATHSIM_PYTHON"  # of an environment with pathsim and fmpy
 COFMUPY = "COFMUPY_PYTHON"  # it needs older versions of FMPy and pythonfmu than we do
 _TIMEOUT = 600  # s
 
