@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...models.arrays import Array
-from ...models.linear.modes import modes
+from ...models.linear.modes import lowest_natural
 from ..errors import UserError
 from ..master.names import weight
 from ..scene import Scene
@@ -93,11 +93,11 @@ def drive_to(scene: Scene, speed: float, start: str) -> tuple[Scene, float, str]
         corners = [[t * factor, s * factor] for t, s in zip(own.times, own.speeds, strict=True)]
         said = "" if factor == 1.0 else "the scene's own run-up at its own accelerations"
     else:
-        lowest = float(modes(scene.assembly().resting_rotor, 0.0).natural_frequencies.min())
-        seconds = RUN_UP_PERIODS * math.tau / lowest
-        corners = [[0.0, 0.0], [seconds, speed]]
-        said = f"run-up from 0 within {seconds:.4g} s ({RUN_UP_PERIODS:g} periods of the lowest "
-        said += "natural frequency), the scene has none of its own"
+        rotor = scene.assembly().resting_rotor
+        seconds, low = RUN_UP_PERIODS * math.tau / lowest_natural(rotor), rotor.table_speeds[0]
+        corners = [[0.0, low], [seconds, speed]]
+        said = f"run-up from {low:.4g} within {seconds:.4g} s ({RUN_UP_PERIODS:g} periods of the "
+        said += "lowest natural frequency), the scene has none of its own"
     driven = scene.replace({"operation.profile": corners, **_no_drive(), **_no_length(scene)})
     return driven, corners[-1][0], said
 

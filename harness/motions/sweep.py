@@ -10,7 +10,7 @@ import numpy as np
 
 from ...models.arrays import Array
 from ...models.harmonic_balance import NoResponse, largest_displacement, unbalance_response
-from ...models.linear.modes import modes
+from ...models.linear.modes import lowest_natural
 from ..errors import UserError
 from ..output.outcome import Outcome
 from ..output.table import Sheet
@@ -107,7 +107,7 @@ def sweep(scene: Scene, low: float, high: float, *, seed: int = 1) -> Sweep:
     if not 0.0 < low < high:
         raise UserError(f"--sweep {low:g} to {high:g} rad/s: must be positive and rising")
     scene, _ = perturbed(scene)
-    lowest = float(modes(scene.assembly().resting_rotor, 0.0).natural_frequencies.min())
+    lowest = lowest_natural(scene.assembly().resting_rotor)
     seconds = _PERIODS * math.tau / lowest
     ways = (("rising", low, high), ("falling", high, low))
     branches = tuple(_way(scene, *way, seconds, seed) for way in ways)

@@ -24,6 +24,12 @@ def colour(number: int) -> str:
     return COLOURS[number % len(COLOURS)]
 
 
+def style(number: int) -> Style:
+    """The style of the line so numbered, from 0: another one each time the colours repeat."""
+    styles: tuple[Style, ...] = ("solid", "dashed", "dotted")
+    return styles[number // len(COLOURS) % len(styles)]
+
+
 @dataclass(frozen=True)
 class PlotAxis:
     """What an axis, or a field's colour, says.

@@ -13,6 +13,7 @@ from .panels import Panels
 from .panels import PlotAxis as PlotAxis
 from .panels import Style as Style
 from .panels import colour as colour
+from .panels import style as style
 from .panels import unbroken as unbroken
 
 

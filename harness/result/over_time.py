@@ -10,7 +10,7 @@ import numpy as np
 from ...models.arrays import Array
 from ..errors import UserError
 from ..master.names import ANGLE, quantity
-from ..output.picture import GREY, Line, Panel, Picture, PlotAxis, colour, unbroken
+from ..output.picture import GREY, Line, Panel, Picture, PlotAxis, colour, style, unbroken
 from ..output.plot import metres
 from .motion import Motion, station_names
 from .sag import FROM_SAG, from_sag
@@ -85,7 +85,7 @@ def _panel(
             label += f", 0-peak {np.max(np.abs(values)):.3g} {shown}"
         elif title == ANGLE:
             values = unbroken(np.degrees(values))
-        lines.append(Line((time, values), label, colour(number), width=1.0))
+        lines.append(Line((time, values), label, colour(number), style(number), width=1.0))
     if len(signals) > _MOST_LINES:
         nothing = np.full(1, np.nan)
         label = f"and {len(signals) - _MOST_LINES} more, not drawn"
@@ -108,7 +108,7 @@ def _amplitudes(
     top = 1.5 * factor * largest or 1.0
     low = top / 10.0**_DECADES
     lines = [
-        Line((time, np.maximum(size * factor, low)), name, colour(j), width=1.0)
+        Line((time, np.maximum(size * factor, low)), name, colour(j), style(j), width=1.0)
         for j, (name, size) in enumerate(zip(names, sizes, strict=True))
     ]
     if alone:

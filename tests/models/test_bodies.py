@@ -11,6 +11,7 @@ from scipy.optimize import brentq
 from autobalancer.models.bodies import Body, Foot, with_bodies
 from autobalancer.models.forces import forces, hand_weight, largest
 from autobalancer.models.linear.modes import critical_speeds, modes
+from autobalancer.models.linear.rigid import rigid_rates
 from autobalancer.models.papers.influence import influence
 from autobalancer.models.rotor import LinearRotor
 
@@ -133,6 +134,18 @@ def test_a_tool_in_hands_moves_alike_at_every_speed_and_has_a_still_point():
         assert speed**2 * abs(z + handle * psi) == pytest.approx(acceleration, rel=1e-4)
     still = -(across - along) / (mass * d)
     assert abs(z + still * psi) < 1e-4 * abs(z)
+
+
+def test_a_free_tool_has_four_rigid_motions_and_precesses_by_its_polar_inertia():
+    spinning = LinearRotor.two_support(
+        mass=0.5, inertia=1e-3, polar_inertia=4e-4, span=0.1, com=0.05,
+        stiffness=[[1e7, 1e7]] * 2,
+    )  # fmt: skip
+    housing = Body("housing", 2.0, inertia=7e-3, centre=0.05)
+    machine = with_bodies(spinning, [0.0, 0.1], [], [housing], "housing")
+    found = np.sort_complex(rigid_rates(machine, 1000.0))
+    assert found == pytest.approx([0.0, 0.0, 0.0, 1000j * 4e-4 / 8e-3], abs=1e-6)
+    assert rigid_rates(on_a_tub(), 1000.0).size == 0
 
 
 def test_the_largest_distance_of_an_ellipse_is_found():

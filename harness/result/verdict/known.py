@@ -196,10 +196,14 @@ class Known:
 
     @cached_property
     def growth(self) -> Growth | None:
-        """Of a small deviation from the balanced motion; None where it is not known."""
+        """Of a small deviation from the balanced motion, rigid motions of a machine that nothing
+        holds apart; None where it is not known."""
+        from ....models.linear.rigid import growth_beside_rigid
         from ....models.stability import find_growth  # loads SciPy
 
         try:
+            if self.scene.rotor.is_free:
+                return growth_beside_rigid(self.balancing, self.speed)
             return find_growth(self.balancing, self.speed)
         except (ValueError, ArithmeticError):
             return None

@@ -104,6 +104,9 @@ class Run:
                 mean=float(np.hypot(*now.mean).max()),
                 other=now.largest_other if now.others else None,
             )
+        if now is not None and self.scene.rotor.is_free:  # where it is and drifts is no vibration
+            rate = None if bare.velocity is None else record.speed * now.size / math.sqrt(2.0)
+            bare = replace(bare, vibration=now.size, velocity=rate, drifts=True)
         try:
             bare = replace(bare, alone=known.alone)
         except NoResponse as error:

@@ -90,6 +90,13 @@ def _is_mostly_other(verdict: Verdict) -> bool:
 
 def _parts(verdict: Verdict) -> Iterator[str]:
     """The vibration at other frequencies and the mean, where they matter."""
+    if verdict.drifts:
+        moved = "" if verdict.mean is None else f", by {millimetres(verdict.mean)} now"
+        yield (
+            f"Nothing holds the machine: it drifts and precesses{moved}, which is no vibration and "
+            "not judged."
+        )
+        return
     if not _is_mostly_other(verdict):
         return
     assert verdict.vibration is not None

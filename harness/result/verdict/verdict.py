@@ -46,6 +46,7 @@ class Verdict:
         revolutions: length of the run after which the rotor is balanced; None: not known.
         speed: of the rotor that is judged [rad/s].
         synchronous: vibration at the rotor's frequency [m]; None: the run is too short.
+        drifts: whether nothing holds the machine: its vibration is that at the rotor's frequency.
         mean: largest distance of a station's mean from the middle, under gravity from the sag [m].
         other: frequency [rad/s] and vibration [m] of the largest part at another frequency.
         left_behind: speed of weights that turn slower than the rotor, and the nearest natural
@@ -69,6 +70,7 @@ class Verdict:
     outcome: Outcome = Outcome.NOT_RECORDED
     remedy: str = ""
     revolutions: int | None = None
+    drifts: bool = False
     speed: float | None = None
     synchronous: float | None = None
     mean: float | None = None

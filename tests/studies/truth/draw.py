@@ -201,6 +201,57 @@ def bodies(generator: random.Random) -> Document:
     return document
 
 
+def rubber(generator: random.Random) -> Document:
+    """Rubber in the supports of any rotor, under a base, or both."""
+    base = generator.random() < 0.6
+    document = bodies(generator) if base else generator.choice((planar, two_support))(generator)
+    rotor = document["rotor"]
+    speed = document["operation"].get("speed") or 1.0
+
+    def element(prefix: str) -> Document:
+        factor = [sized(generator, 0.02, 1.5) for _ in range(2)]
+        frequency = rounded(speed * sized(generator, 0.2, 5.0))
+        return {f"{prefix}loss_factor": factor, "loss_frequency": frequency}
+
+    feet = [foot for body in rotor.get("bodies", []) for foot in body["feet"]]
+    for foot in feet:
+        foot |= element("")
+    if not feet or generator.random() < 0.4:
+        rotor |= element("support_")
+    return document
+
+
+def tables(generator: random.Random) -> Document:
+    """Bearings whose terms change with the speed, at constant speed or through the rows."""
+    document = bearings(generator)
+    operation = document["operation"]
+    profile = operation.get("profile")
+    ends = [speed for _, speed in profile] if profile else []
+    run_up = operation.get("run_up")
+    if run_up:
+        ends = [run_up.get("from", 0.0), run_up["to"]]
+    ends = ends or [operation["speed"]]
+    low, high = 0.7 * min(ends), 1.3 * max(ends)
+    speeds = [rounded(low + (high - low) * k / 4) for k in range(5)]
+    for bearing in document["rotor"]["bearings"]:
+        terms = [*np.ravel(bearing.pop("stiffness")), *np.ravel(bearing.pop("damping"))]
+        bearing["table"] = [
+            [speed, *(rounded(float(term) * even(generator, 0.6, 1.5)) for term in terms)]
+            for speed in speeds
+        ]
+    return document
+
+
+def one_way(generator: random.Random) -> Document:
+    """A rotor on a base that moves along one axis alone."""
+    while True:
+        document = bodies(generator)
+        rotor = document["rotor"]
+        if rotor["bodies"][0]["feet"] and not rotor.get("internal_damping"):
+            rotor["bodies"][0]["free"] = generator.choice("xy")
+            return document
+
+
 def liquid(generator: random.Random) -> Document:
     """A disc with liquid through the added-mass port or as a force, half of them with weights."""
     sketch = Sketch(generator)
@@ -418,6 +469,9 @@ FAMILIES: dict[str, Callable[[random.Random], Document]] = {
     "tilting": tilting,
     "bearings": bearings,
     "bodies": bodies,
+    "rubber": rubber,
+    "tables": tables,
+    "one_way": one_way,
     "liquid": liquid,
     "heavy": heavy,
     "finite": finite,

@@ -284,3 +284,13 @@ def test_every_outcome_says_whether_the_rotor_is_balanced():
     assert [o for o in Outcome if o.balanced] == [Outcome.BALANCED]
     assert Outcome.CANNOT_TELL.balanced is None
     assert Outcome.NOT_SETTLED.balanced is False
+
+
+def test_a_free_tool_is_judged_at_the_frequency_of_its_rotor_and_its_drift_named_apart():
+    """It drifts and precesses, which nothing damps, and its weights balance it all the same."""
+    found = verdict(Scene.load("angle_grinder"))
+    assert found.balanced is True
+    assert found.mean > 1e-3
+    assert found.vibration == found.synchronous < 0.05 * found.alone
+    assert "drifts and precesses" in str(found)
+    assert found.growth < -1.0

@@ -1,0 +1,193 @@
+"""Study: machines as they are built, of every kind, against integrations and against each other.
+
+    python -m tests.studies.built COUNT [FAMILY ...] [--floquet N] [--proved N]
+
+Random machines of the truth study with balls on them.  A run of the default settings is compared
+with SciPy's fastest integration of the equations in one piece; runs are cut so that the fastest
+rate turns by `LONGEST` at most.  For N of them the growth about balance is compared with
+derivatives of that integration over one period, and the sign with what is proved.
+"""
+
+from __future__ import annotations
+
+import math
+import sys
+import time as clock
+import warnings
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.integrate import odeint
+
+from autobalancer.harness import Scene
+from autobalancer.harness.errors import SimulationError, UserError
+from autobalancer.harness.result.run import cosimulate
+from autobalancer.harness.scene.begin import motion_at_start
+from autobalancer.models.assembly import SpeedProfile
+from autobalancer.models.linear.balanced import CannotBalance
+from autobalancer.models.monolith import equations, simulate
+from autobalancer.models.reference.coupled import Monolith
+from autobalancer.models.stability import find_growth
+from tests.studies.truth.draw import draw
+from tests.studies.truth.judge import RESOLVED, deviations
+
+FAMILIES = ("tilting", "bearings", "bodies", "rubber", "tables", "one_way")
+SEED = 46
+LONGEST = 250.0  # rad or 1/s s: of the fastest rate over a run
+RTOL = 1e-10
+FACTOR = 3.0  # by which an error may exceed its estimate
+RIGHT = 0.01
+STEP = 1e-6  # of a state's scale: by which derivatives are taken
+AGREES = 1e-3  # of the rate of turning: growth by derivatives
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """One machine: error of the run over its size, and its estimate; or why there is none."""
+
+    name: str
+    error: float = math.nan
+    estimate: float = math.nan
+    why: str = ""
+    seconds: float = 0.0
+
+    @property
+    def word(self) -> str:
+        """What it counts as."""
+        if self.why:
+            return self.why.partition(":")[0]
+        if self.error <= FACTOR * self.estimate + RESOLVED:
+            return "within"
+        return "silent" if self.error > RIGHT else "beyond"
+
+
+def scene_of(family: str, number: int) -> Scene:
+    """A random machine, whose run is cut."""
+    scene = Scene.from_document(draw(family, SEED, number))
+    drive = scene.operation.drive()
+    fastest = equations(scene.assembly(), drive).fastest_mode
+    profile = scene.profile()
+    seconds = profile.time_of(scene.revolutions * math.tau)
+    if not fastest * seconds > LONGEST:
+        return scene
+    return scene.replace({"run.duration": LONGEST / fastest, "run.revolutions": None})
+
+
+def compare(family: str, number: int) -> Outcome:
+    """A run and the integration of its equations."""
+    name, begun = f"{family} {number}", clock.process_time()
+    try:
+        scene = scene_of(family, number)
+        run = cosimulate(scene)
+    except (SimulationError, UserError) as refusal:
+        return Outcome(name, why=f"refused: {str(refusal)[:90]}")
+    try:
+        right = simulate(
+            scene.assembly(), scene.operation.drive(), run.time, initial=motion_at_start(scene),
+            method="odeint", rtol=RTOL,
+        )  # fmt: skip
+    except ArithmeticError as error:
+        return Outcome(name, why=f"no reference: {error}")
+    names = [n for n in run.signals if not n.endswith((".angle", ".clearance"))]
+    error = max(deviations(run, {n: right.signal(n) for n in names}).values())
+    return Outcome(name, error, run.estimated_error, "", clock.process_time() - begun)
+
+
+def growth_by_derivatives(scene: Scene, speed: float) -> float:
+    """Largest growth rate [1/s] of what balance is disturbed by, from one period."""
+    from autobalancer.models.linear.linearised import linearise
+
+    assembly = scene.assembly().at_speed(speed)
+    system = linearise(assembly)
+    monolith = Monolith(assembly, SpeedProfile.constant(speed))
+    still = monolith.initial()
+    n4, count = 4 * monolith.stations, monolith.weights
+    still[:n4] = 0.0
+    still[n4 : n4 + count] = system.angles
+    period, scales = math.tau / speed, monolith.scales()
+
+    def after(state: np.ndarray) -> np.ndarray:
+        return odeint(
+            monolith.rhs, state, [0.0, period], tfirst=True, rtol=1e-12, atol=1e-14 * scales,
+            mxstep=100000,
+        )[-1]  # fmt: skip
+
+    columns = []
+    for k, scale in enumerate(scales.tolist()):
+        step = np.zeros(len(still))
+        step[k] = STEP * scale
+        columns.append((after(still + step) - after(still - step)) / (2.0 * STEP) / scales)
+    sizes = np.abs(np.linalg.eigvals(np.array(columns).T))
+    # neutral turns of weights have the multiplier 1
+    near = np.argsort(np.abs(sizes - 1.0))[: system.neutral]
+    return float(np.log(np.delete(sizes, near).max()) / period)
+
+
+def growth_word(family: str, number: int) -> str:
+    """Whether Floquet's growth is that of the derivatives."""
+    try:
+        scene = scene_of(family, number)
+        speed = scene.profile().end
+        found = find_growth(scene.assembly(), speed)
+    except (CannotBalance, ValueError, ArithmeticError) as error:
+        return f"no balance: {type(error).__name__}"
+    if equations(scene.assembly(), SpeedProfile.constant(speed)).fastest_mode > 60.0 * speed:
+        return "too fast"
+    expected = growth_by_derivatives(scene, speed)
+    alike = abs(found.rate - expected) <= AGREES * speed + found.error
+    return "alike" if alike else f"DIFFERS: {family} {number}: {found.rate:g}, {expected:g}"
+
+
+def proof_word(family: str, number: int) -> str:
+    """Whether what is proved about the speed is the sign of Floquet's growth."""
+    try:
+        scene = scene_of(family, number)
+        speed = scene.profile().end
+        growth = find_growth(scene.assembly(), speed)
+    except (CannotBalance, ValueError, ArithmeticError) as error:
+        return f"no balance: {type(error).__name__}"
+    from autobalancer import Scene as Called
+
+    found = Called.from_document(scene.document).speeds(
+        0.9999 * speed, 1.0001 * speed, "proved", narrowest=1e-4 * speed
+    )
+    if found.proof is None:
+        return "refused by name"
+    for band in found.proof.bands:
+        if band.low <= speed <= band.high and band.state != "undecided":
+            alike = growth.is_neutral or band.state == growth.state
+            return "alike" if alike else f"DIFFERS: {family} {number}: {band.state}"
+    return "undecided"
+
+
+def main(arguments: Sequence[str]) -> None:
+    """Print what came of each family."""
+    warnings.simplefilter("ignore")
+    extra = {"--floquet": 0, "--proved": 0}
+    left = list(arguments)
+    for key in extra:
+        if key in left:
+            at = left.index(key)
+            extra[key] = int(left[at + 1])
+            del left[at : at + 2]
+    count, families = int(left[0]), left[1:] or FAMILIES
+    for family in families:
+        found = [compare(family, k) for k in range(count)]
+        known = [one for one in found if not one.why]
+        words = Counter(one.word for one in found)
+        worst = max((one.error for one in known), default=math.nan)
+        seconds = sum(one.seconds for one in found)
+        print(f"{family}: {dict(words)}; largest error {worst:.2g}; {seconds:.0f} s", flush=True)
+        for one in found:
+            if one.word not in ("within",):
+                print(f"  {one.name}: {one.why or one.word} {one.error:.2g} {one.estimate:.2g}")
+        for name, judge in (("--floquet", growth_word), ("--proved", proof_word)):
+            if extra[name]:
+                said = Counter(judge(family, k) for k in range(extra[name]))
+                print(f"  {name[2:]}: {dict(said)}", flush=True)
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])
