@@ -21,6 +21,8 @@ from autobalancer.harness.output.machine import VERSION as __version__
 from autobalancer.harness.output.outcome import Outcome as Outcome
 from autobalancer.harness.result.result import Result as Result
 from autobalancer.harness.rotor.analysis import RotorAnalysis as RotorAnalysis
+from autobalancer.harness.rotor.imported import Reduced as Reduced
+from autobalancer.harness.rotor.imported import Rotor as Rotor
 from autobalancer.harness.scatter.study import Scatter as Scatter
 from autobalancer.harness.scene.balancer import Balls as Balls
 from autobalancer.harness.scene.balancer import Pendulums as Pendulums
@@ -45,6 +47,7 @@ from autobalancer.scene import load as load
 from autobalancer.system import System as System
 from autobalancer.system import load_system as load_system
 from autobalancer.tables import Flexible as Flexible
+from autobalancer.tables import Matrices as Matrices
 from autobalancer.tables import Planar as Planar
 from autobalancer.tables import Run as Run
 from autobalancer.tables import TwoSupport as TwoSupport

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 from pydantic import Field
 
 from autobalancer.harness.errors import SceneError
-from autobalancer.harness.scene import rotor, run
+from autobalancer.harness.scene import rotor, rotor_matrices, run
 
 if TYPE_CHECKING:
     from autobalancer.harness.output.workers import Progress
@@ -129,4 +129,8 @@ class Flexible(CalledRotor, rotor.Flexible):
     __doc__ = rotor.Flexible.__doc__
 
 
-Rotor = Annotated[Planar | TwoSupport | Flexible, Field(discriminator="kind")]
+class Matrices(CalledRotor, rotor_matrices.Matrices):
+    __doc__ = rotor_matrices.Matrices.__doc__
+
+
+Rotor = Annotated[Planar | TwoSupport | Flexible | Matrices, Field(discriminator="kind")]

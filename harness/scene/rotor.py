@@ -27,6 +27,7 @@ from .quantities import (
     refusal,
     refuse_other_length,
 )
+from .rotor_matrices import Matrices
 from .rotor_table import (
     Corrections,
     DampingRatio,
@@ -332,4 +333,4 @@ class Flexible(RotorTable):
         return self._with_friction(LinearRotor.flexible(**self._shaft_arguments()))
 
 
-Rotor = Annotated[Planar | TwoSupport | Flexible, Field(discriminator="kind")]
+Rotor = Annotated[Planar | TwoSupport | Flexible | Matrices, Field(discriminator="kind")]

@@ -29,7 +29,9 @@ def rigid_rates(rotor: LinearRotor, speed: float) -> NDArray[np.complex128]:
     values, vectors = np.linalg.eigh((elastic + elastic.T) / 2.0)
     rows = vectors[:, np.abs(values) <= FREE * np.abs(values).max(initial=0.0)].T
     mass, turned = (rows @ each @ rows.T for each in (rotor.mass, rotor.gyroscopic))
-    turns = np.linalg.eigvals(np.linalg.solve(mass, 1j * speed * turned)) if len(rows) else []
+    turns: NDArray = np.zeros(0)
+    if len(rows):
+        turns = np.linalg.eigvals(np.linalg.solve(mass, 1j * speed * turned))
     return np.concatenate([np.zeros(len(rows)), turns]).astype(complex)
 
 

@@ -1,0 +1,124 @@
+"""A rotor in a scene that is known by its matrices: of another program, or of a measurement."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Annotated, ClassVar, Literal
+
+import numpy as np
+from pydantic import model_validator
+
+from ...models.rotor import LinearRotor
+from .feeds import Start
+from .quantities import SI, Real, Whole, refusal
+from .rotor_table import RotorTable, Slider, Unbalances
+
+Matrix = tuple[tuple[Real, ...], ...]
+
+
+class Matrices(RotorTable):
+    """Any linear rotor by its matrices between n points, each a displacement; Genta 2005, 4.3."""
+
+    friction: ClassVar[tuple[Slider, ...]] = ()  # type: ignore[misc]
+    damping_ratio: ClassVar[None] = None  # type: ignore[misc]
+
+    kind: Literal["matrices"] = "matrices"
+    mass_matrix: Annotated[Matrix, SI("kg")]
+    """(n, n), the same along both axes, symmetric and positive definite."""
+    stiffness_matrix: Annotated[Matrix, SI("N/m")]
+    """Of shaft and supports: (n, n) for both axes, or (2n, 2n) of x of all points, then y."""
+    damping_matrix: Annotated[Matrix | None, SI("N s/m")] = None
+    """Of all that does not turn: (n, n) or (2n, 2n); default: none."""
+    internal_damping_matrix: Annotated[Matrix | None, SI("N s/m")] = None
+    """(n, n) of the turning shaft; default: none."""
+    gyroscopic_matrix: Annotated[Matrix | None, SI("kg")] = None
+    """(n, n) G of M z'' - i w G z', z = x + i y; default: none."""
+    plane_rows: Annotated[Matrix | None, SI("")] = None
+    """(p, n) displacement of the correction planes by the points'; default: the points."""
+    planes: Annotated[tuple[Real, ...], SI("m")] = ()
+    """Places of the planes along the axis; default: 0, 1, 2, ... m."""
+    stations: Annotated[tuple[Real, ...], SI("m")] = ()
+    """Places of the points along the axis; default: 0, 1, 2, ... m."""
+    supports: tuple[Whole, ...] = (1,)
+    """Numbers of one or two points at which the balance is judged."""
+    unbalances: Unbalances = ()
+    """Static moments, each at the place of a plane."""
+
+    @model_validator(mode="after")
+    def _is_a_rotor(self) -> Matrices:
+        n = len(self.mass_matrix)
+        rows = np.eye(n) if self.plane_rows is None else np.array(self.plane_rows)
+        for key, count in (("stations", n), ("planes", len(rows))):
+            given = getattr(self, key) or tuple(map(float, range(count)))
+            if len(given) != count or len(set(given)) < count:
+                raise refusal(key, f"must be {count} different places, one each")
+            self.__dict__[key] = given
+        if len(self.supports) not in (1, 2) or not all(1 <= s <= n for s in self.supports):
+            raise refusal("supports", f"must be one or two numbers of points, 1 to {n}")
+        for k, one in enumerate(self.unbalances, start=1):
+            if one.position not in self.planes:
+                places = ", ".join(f"{place:g}" for place in self.planes)
+                words = f"must be the place of a plane, one of {places} m"
+                raise refusal(f"unbalances[{k}].position", words)
+        for key in ("bearings", "bodies", "support_loss_factor"):
+            if getattr(self, key):
+                raise refusal(key, "not with matrices: they hold all supports")
+        try:
+            self.build()
+        except ValueError as error:
+            key, _, words = str(error).partition(": ")
+            raise refusal(f"{key}_matrix" if words else "mass_matrix", words or key) from None
+        return self
+
+    @property
+    def takes_matrices(self) -> bool:
+        """It is built by them."""
+        return True
+
+    @property
+    def mass(self) -> float:
+        """Of all points when they move alike [kg]."""
+        return float(np.sum(self.mass_matrix))
+
+    @property
+    def centre(self) -> float:
+        """Place of the centre of mass [m]."""
+        shares = np.sum(self.mass_matrix, axis=0)
+        return float(shares @ np.array(self.stations) / self.mass)
+
+    @property
+    def support_stiffness(self) -> tuple[tuple[float, float], ...]:
+        """Along x and y at the points of `supports` [N/m]."""
+        return self._at_supports("stiffness_x", "stiffness_y")
+
+    @property
+    def support_damping(self) -> tuple[tuple[float, float], ...]:
+        """Along x and y at the points of `supports` [N s/m]."""
+        return self._at_supports("damping_x", "damping_y")
+
+    def _at_supports(self, *names: str) -> tuple[tuple[float, float], ...]:
+        rotor, points = self.build(), [number - 1 for number in self.supports]
+        x, y = (getattr(rotor, name) for name in names)
+        return tuple((float(x[k, k]), float(y[k, k])) for k in points)
+
+    def start(self, planes: Sequence[int]) -> Start:
+        """Parameters of the unit."""
+        return self._matrix_start(planes)
+
+    def build(self) -> LinearRotor:
+        """The rotor's matrices."""
+        n = len(self.mass_matrix)
+        rows = np.eye(n) if self.plane_rows is None else np.array(self.plane_rows, float)
+        unbalance = np.zeros(n, complex)
+        for one in self.unbalances:
+            row = rows[self.planes.index(one.position)]
+            unbalance += one.amount * np.exp(1j * one.angle) * row
+        return LinearRotor.from_matrices(
+            mass=self.mass_matrix,
+            stiffness=self.stiffness_matrix,
+            damping=self.damping_matrix,
+            internal_damping=self.internal_damping_matrix,
+            gyroscopic=self.gyroscopic_matrix,
+            planes=rows,
+            unbalance=unbalance,
+        )
