@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 
 from ..scene import Scene
 from ..scene.balancer import AnyBalancer, Ring, WeightBalancer
+from ..scene.bodies import BodyTable
 from ..scene.rotor import Flexible, TwoSupport
 from ..units import shown_in
 from .svg import box, circle, drawing, line, spring, words
@@ -39,16 +40,22 @@ def machine_drawing(scene: Scene) -> str:
 
 def _side_view(scene: Scene, rotor: TwoSupport | Flexible) -> Iterator[str]:
     """Shaft with stations, supports, balancers' planes and unbalances."""
-    places = [*rotor.stations, *rotor.planes, rotor.centre]
+    feet = [foot.position for body in rotor.bodies for foot in body.feet]
+    places = [*rotor.stations, *rotor.planes, rotor.centre, *feet]
     low, span = min(places), max(max(places) - min(places), _LEAST_SPAN)
 
     def across(z: float) -> float:
         return 50.0 + (z - low) / span * (_SHAFT_WIDTH - 100.0)
 
+    carrier = next((body for body in rotor.bodies if body.name == rotor.on), None)
+    foot = _MIDDLE + (50.0 if carrier else 85.0)
     for number, station in enumerate(rotor.supports, start=1):
         x = across(rotor.stations[station - 1])
-        yield spring((x, _MIDDLE), (x, _MIDDLE + 85.0))
-        yield words(x, _MIDDLE + 112.0, f"support {number}")
+        yield spring((x, _MIDDLE), (x, foot))
+        if not carrier:
+            yield words(x, _MIDDLE + 112.0, f"support {number}")
+    if carrier:
+        yield from _carrier(carrier, [across(z) for z in rotor.support_positions], across)
     yield line([(across(low) - 25.0, _MIDDLE), (across(low + span) + 25.0, _MIDDLE)], "shaft")
     yield from _bodies(rotor, across(rotor.centre), across)
     unit, factor = shown_in("kg m")
@@ -62,6 +69,19 @@ def _side_view(scene: Scene, rotor: TwoSupport | Flexible) -> Iterator[str]:
             yield box(x, _MIDDLE + side * 42.0, 12.0, 12.0, "ring")
         yield words(x, _MIDDLE + 132.0, balancer.label)
     yield words(_SHAFT_WIDTH / 2.0, _HEIGHT - 4.0, f"rotor of {rotor.mass:.4g} kg")
+
+
+def _carrier(
+    body: BodyTable, supports: Sequence[float], across: Callable[[float], float]
+) -> Iterator[str]:
+    """The body that carries the rotor: a bar under its supports, on its own feet."""
+    ends = [*supports, *(across(foot.position) for foot in body.feet), across(body.center)]
+    low, high, top = min(ends) - 12.0, max(ends) + 12.0, _MIDDLE + 56.0
+    yield box((low + high) / 2.0, top, high - low, 12.0)
+    for foot in body.feet:
+        yield spring((across(foot.position), top + 6.0), (across(foot.position), top + 40.0))
+    held = "" if body.feet else ", free"
+    yield words((low + high) / 2.0, _MIDDLE + 112.0, f"{body.name} of {body.mass:.4g} kg{held}")
 
 
 def _bodies(

@@ -113,7 +113,8 @@ def _implausible(scene: Scene) -> Iterator[str]:
     yield from _rings_called_liquid(scene)
     yield from _short_of_capacity(scene)
     yield from _discs_without_size(scene)
-    if (ratio := scene.rotor.largest_damping_ratio()) > 1.0:
+    films = bool(scene.rotor.bearings)  # which damp as they do
+    if not films and (ratio := scene.rotor.largest_damping_ratio()) > 1.0:
         yield (
             f"rotor: the supports' damping is {ratio:.3g} times the critical one; usual are 0.01 "
             'to 0.2: give damping_ratio = "5 %" instead if damping is not known'

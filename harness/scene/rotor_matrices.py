@@ -17,7 +17,7 @@ Matrix = tuple[tuple[Real, ...], ...]
 
 
 class Matrices(RotorTable):
-    """Any linear rotor by its matrices between n points, each a displacement; Genta 2005, 4.3."""
+    """Any linear rotor by its matrices between n points, each a displacement."""
 
     friction: ClassVar[tuple[Slider, ...]] = ()  # type: ignore[misc]
     damping_ratio: ClassVar[None] = None  # type: ignore[misc]

@@ -248,10 +248,12 @@ def _critical_of_free(elastic: NDArray, inertial: NDArray) -> NDArray[np.float64
 
 
 def speeds_of_interest(rotor: LinearRotor, speed: float) -> tuple[float, float]:
-    """From near standstill to beyond a speed and the critical ones near it [rad/s]."""
+    """From near standstill to beyond a speed and the critical ones near it [rad/s], as far as
+    tables of bearings go."""
     critical = critical_speeds(rotor)
     high = _ABOVE * max([speed, *critical[critical < _FAR * speed].tolist()])
-    return _LOWEST * high, high
+    least, most = rotor.table_speeds
+    return max(_LOWEST * high, least), min(high, most)
 
 
 def _eigenpairs(rotor: LinearRotor, speed: float) -> tuple[NDArray, NDArray]:

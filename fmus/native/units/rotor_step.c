@@ -67,16 +67,12 @@ double *rotor_slider_states(const Unit *unit)
     return unit->memory + MOTION + 4 * ((const Rotor *)unit->own)->stations + 2;
 }
 
-int rotor_make_taylor(Unit *unit)
+/* Of a line of the bearings' table. */
+static int make_taylor_of(Unit *unit, int line)
 {
     Rotor *own = unit->own;
-    const double speed = rotor_inputs(unit)[0];
-    const int line = own->rotor.bearings.count ? linear_rotor_line(&own->rotor, speed, -1) : 0;
     LinearRotor loaded;
     Failure failure;
-    if (!linear_rotor_holds(&own->rotor, speed)) {
-        return rotor_outside(unit, speed);
-    }
     if (rotor_is_of(unit, &own->taylor_of, line)) {
         return 0;
     }
@@ -90,17 +86,14 @@ int rotor_make_taylor(Unit *unit)
     return 0;
 }
 
-/* Fail where the speed leaves a line of the bearings' table within a step. */
-static int refuse_other_line(Unit *unit, const Excitation *excitation, double step)
+int rotor_make_taylor(Unit *unit)
 {
     const LinearRotor *rotor = &((const Rotor *)unit->own)->rotor;
-    const double end = spin_after(&excitation->spin, step).speed;
-    const int line = rotor->bearings.count ? linear_rotor_line(rotor, excitation->spin.speed, -1) : 0;
-    if (!rotor->bearings.count || linear_rotor_line(rotor, end, line) == line) {
-        return 0;
+    const double speed = rotor_inputs(unit)[0];
+    if (!linear_rotor_holds(rotor, speed)) {
+        return rotor_outside(unit, speed);
     }
-    return unit_fail(unit, "the speed passes a row of the bearings' table within a step, from %6 to %6 rad/s: this "
-                           "unit needs a constant speed there; the machine in one file does not", excitation->spin.speed, end);
+    return make_taylor_of(unit, rotor->bearings.count ? linear_rotor_line(rotor, speed, -1) : 0);
 }
 
 /* What moves the rotor from where the inputs were set, `ago` [s]. */
@@ -126,6 +119,87 @@ static bool stops(const Unit *unit, double length)
     return unit->may_end_early && shortest > 0.0 && length >= shortest;
 }
 
+/* What moves the rotor a time later [s]; its forces in `forces`. */
+static Excitation excitation_later(const Excitation *now, double time, double *forces)
+{
+    const int count = 2 * now->planes;
+    Excitation later = *now;
+    int order, higher, k;
+    for (k = 0; k < count; k++) {
+        for (order = 0; order < SIGNAL_ORDERS; order++) {
+            double power = 1.0, sum = 0.0;
+            for (higher = order; higher < SIGNAL_ORDERS; higher++) {
+                sum += now->forces[higher * count + k] * power;
+                power *= time / (higher - order + 1);
+            }
+            forces[order * count + k] = sum;
+        }
+    }
+    later.forces = forces;
+    later.spin = spin_after(&now->spin, time);
+    return later;
+}
+
+/* Time up to which the speed stays on its line of the bearings' table, at most `step` [s]. */
+static double time_on_line(const LinearRotor *rotor, int line, const Spin *spin, double step)
+{
+    enum { ROW_LOOKS = 16, ROW_HALVINGS = 60 };
+    const Bearings *b = &rotor->bearings;
+    const double low = line > 0 ? b->speeds[line] : -infinity();
+    const double high = line < b->speed_count - 2 ? b->speeds[line + 1] : infinity();
+    int look, k;
+    for (look = 1; look <= ROW_LOOKS; look++) {
+        double inside = step * (look - 1) / ROW_LOOKS, outside = step * look / ROW_LOOKS, speed = spin_after(spin, outside).speed;
+        if (low <= speed && speed <= high) {
+            continue;
+        }
+        for (k = 0; k < ROW_HALVINGS; k++) {
+            const double middle = 0.5 * (inside + outside);
+            speed = spin_after(spin, middle).speed;
+            if (low <= speed && speed <= high) {
+                inside = middle;
+            } else {
+                outside = middle;
+            }
+        }
+        return outside;
+    }
+    return step;
+}
+
+/* From row to row of the bearings' table. */
+static int advance_over_rows(Unit *unit, double *state, double *slider_states, double step)
+{
+    enum { MOST_ROWS = 1000 };
+    Rotor *own = unit->own;
+    const LinearRotor *rotor = &own->rotor;
+    const Excitation first = excitation_since(unit, 0.0);
+    Failure failure;
+    double done = 0.0;
+    int rows;
+    for (rows = 0; rows < MOST_ROWS; rows++) {
+        const Excitation now = excitation_later(&first, done, own->later_forces);
+        const double ahead = spin_after(&now.spin, 1e-6 * (step - done)).speed;
+        const int line = linear_rotor_line(rotor, ahead, -1);
+        const double part = time_on_line(rotor, line, &now.spin, step - done);
+        if (!linear_rotor_holds(rotor, now.spin.speed)) {
+            return rotor_outside(unit, now.spin.speed);
+        }
+        if (make_taylor_of(unit, line)) {
+            return 1;
+        }
+        if (taylor_advance(&own->taylor, state, slider_states, &now, part, stops(unit, step), &own->reached, &failure)) {
+            return unit_failed(unit, &failure);
+        }
+        done += own->reached;
+        if (own->reached < part || done >= step) {
+            own->reached = done < step ? done : step;
+            return 0;
+        }
+    }
+    return unit_fail(unit, "the speed passes more than %u rows of the bearings' table in a step", (unsigned long)MOST_ROWS);
+}
+
 /* `rotor_propagate` by Taylor series, sliders in own->slider_states. */
 static int propagate_series(Unit *unit, double step)
 {
@@ -135,16 +209,22 @@ static int propagate_series(Unit *unit, double step)
     double *state = own->result, *slider_states = own->slider_states;
     Failure failure;
     int code = FINE;
-    if (rotor_make_taylor(unit) || refuse_other_line(unit, &excitation, step)) {
+    if (rotor_make_taylor(unit)) {
         return 1;
     }
     copy_doubles(motion, unit->memory + MOTION, state);
     if (!unit->frozen) {
         copy_doubles(2 * (size_t)own->slider_count, rotor_slider_states(unit), slider_states);
-        code = step != 0.0
-                   ? taylor_advance(&own->taylor, state, slider_states, &excitation, step,
-                                    stops(unit, step), &own->reached, &failure)
-                   : taylor_resolve(&own->taylor, state, slider_states, &excitation, 0.0, &failure);
+        if (step != 0.0 && own->rotor.bearings.count) {
+            if (advance_over_rows(unit, state, slider_states, step)) {
+                return 1;
+            }
+        } else {
+            code = step != 0.0
+                       ? taylor_advance(&own->taylor, state, slider_states, &excitation, step,
+                                        stops(unit, step), &own->reached, &failure)
+                       : taylor_resolve(&own->taylor, state, slider_states, &excitation, 0.0, &failure);
+        }
     }
     if (code || taylor_plane_motion(&own->taylor, state, slider_states, &excitation, own->reached,
                                     state + motion, &failure)) {

@@ -57,6 +57,7 @@ static int rotor_allocate(Unit *unit)
     own->slider_states = doubles(unit, 2 * (size_t)own->slider_count, &missing);
     own->taylor_memory = doubles(unit, taylor_step_size(n, p, own->slider_count), &missing);
     own->taylor_of.added_mass = doubles(unit, planes, &missing);
+    own->later_forces = doubles(unit, 2 * SIGNAL_ORDERS * planes, &missing);
     own->motion = doubles(unit, 6 * stations, &missing);
     own->rotor_memory = doubles(unit, linear_rotor_size(n, p), &missing);
     own->loaded_mass = doubles(unit, stations * stations, &missing);

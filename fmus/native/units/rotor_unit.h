@@ -51,6 +51,7 @@ typedef struct {
     TaylorStep taylor;
     MadeFor taylor_of; /* of a line of the bearings' table, whatever the speed on it */
     double *taylor_memory;
+    double *later_forces; /* (4, 2p) on the planes, some time into a step */
     double *motion; /* (3, 2n) derivatives of the stations' displacements */
     double *sag; /* (2n,) of the stations under gravity */
     MadeFor sag_of;
