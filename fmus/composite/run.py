@@ -17,7 +17,10 @@ _D, _U = POINTER(c_double), POINTER(c_uint)
 
 
 class _Steps(Structure):
-    _fields_ = (("share", c_double), ("points", _D), ("count", c_size_t), ("residual", c_double))
+    _fields_ = (
+        *(("share", c_double), ("points", _D), ("count", c_size_t)),
+        *(("residual", c_double), ("grain", c_double)),
+    )
 
 
 class Stretch(Structure):
@@ -104,13 +107,18 @@ class Run:
             raise MemoryError
 
     def start(
-        self, points: tuple[Sequence[float], float] | None = None, step_share: float = 0.0
+        self,
+        points: tuple[Sequence[float], float] | None = None,
+        step_share: float = 0.0,
+        grain: float = 0.0,
     ) -> None:
         """From the start values; with a tolerance its steps lead to `points` if they are given.
 
         Args:
             points: ascending [s], and the residual, of the largest force, that may stay then.
             step_share: of the tolerance, what a step may err; 0: the usual one.
+            grain: gaps and bounces of impacts that are too small to be followed, over the usual
+                ones, of a machine in one piece; 0: these.
 
         Raises:
             RunFailed: a parameter is wrong, or there is no consistent start.
@@ -118,7 +126,7 @@ class Run:
         grid, residual = points or ([], 0.0)
         self._points = np.array(grid, float)
         data = self._points.ctypes.data_as(_D) if points else None
-        steps = _Steps(step_share, data, len(self._points), residual)
+        steps = _Steps(step_share, data, len(self._points), residual, grain)
         if self._library.autobalancer_run_start(self._run, byref(steps)):
             raise RunFailed(self.reason)
 

@@ -1,8 +1,9 @@
 """Rows of three and more weights that collide at once, whose last impacts no run resolves.
 
-A row that comes together bounces in ever smaller and faster impacts.  Impacts that are less than
-about 1e-9 rad apart are taken as one, and that decides which gap of the row opens first.  Other
-tolerances and neighbouring starts repeat the decision, so that no comparison of runs shows it.
+A row that comes together bounces in ever smaller and faster impacts.  Impacts whose gaps are below
+1e-11 rad are taken as one, bounces below 1e-9 rad are not followed, and that decides which gap of
+the row opens first.  Other tolerances and neighbouring starts repeat the decision.  Runs in one
+piece that follow more of it, and less, show it (`two_tolerances`).
 """
 
 from __future__ import annotations
@@ -20,6 +21,14 @@ from .recorder import Signal
 # 1e-5 (validity.md), but for one of restitution 0.02
 UNRESOLVED = 1e-5
 _CLOSED = 1e-7  # rad: gaps that are smaller take part in one row of impacts
+
+
+def can_cascade(scene: Scene) -> bool:
+    """Whether three weights of a track can bounce off each other."""
+    return any(
+        m.half_angle > 0.0 and len(m.angles) >= 3 and m.restitution > 0.0
+        for m in scene.assembly().weights
+    )
 
 
 def has_cascade(scene: Scene, signals: Mapping[str, Signal]) -> bool:

@@ -101,13 +101,15 @@ class OneFileRun(Closing):
         self.start()
         return bool(self._run.facts.one_piece)
 
-    def start_in_one_piece(self, share: float, points: Signal | None = None) -> None:
+    def start_in_one_piece(
+        self, share: float, points: Signal | None = None, grain: float = 0.0
+    ) -> None:
         """From the start, with this share of a step's tolerance, recorded at points [s].
 
         Without points the record has equal parts of the machine's own steps.
         """
         self.start()
-        self._run.start(None if points is None else (points.tolist(), 0.0), share)
+        self._run.start(None if points is None else (points.tolist(), 0.0), share, grain)
 
     def record(self, recorder: Recorder, progress: Progress | None) -> None:
         """As `CoSimulation.record`."""

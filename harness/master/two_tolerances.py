@@ -8,6 +8,9 @@ until steps err as little as rounding.
 Impacts can amplify a difference that nobody can measure.  Where weights can collide, two more runs
 therefore start a little to one side and to the other (`neighbours`).  What the result differs from
 these by is part of its error.  If they also differ from each other, the error is not known.
+
+Where three weights can bounce off each other, two more runs take more and less for one impact
+(`cascades`).  If what they differ by exceeds the tolerance, the error is not known.
 """
 
 from __future__ import annotations
@@ -20,7 +23,7 @@ import numpy as np
 
 from ...models.constants import SERIES_SHARE
 from ..errors import SimulationError
-from .cascades import UNRESOLVED, has_cascade
+from .cascades import UNRESOLVED, can_cascade, has_cascade
 from .compared import motion_signals
 from .expectation import expectation
 from .global_error import AGREE, ASYMPTOTIC, REFINED, largest_difference
@@ -37,6 +40,12 @@ PARTS = 4  # of the way between two points of the first run, for a smooth record
 FINER = 0.01  # what a step of a run may err, over that of the run before
 ROUNDING = 1e-16  # what a step errs by at least
 EVERY = 8  # points of the first run are those of runs to compare with
+# of gaps and bounces that are followed: what a row of weights makes of them
+GRAINS = 30.0, 0.03
+RESOLVED_OTHERWISE = (
+    "a row of weights bounces in ever faster impacts, and runs that take others of them for one "
+    "end {:.1g} away"
+)
 ELSEWHERE = "runs with weights that start 1e-8 rad elsewhere end {:.1g} away"
 
 
@@ -85,6 +94,8 @@ class TwoTolerances:
                 self._compare_with_neighbours(share, grid[::EVERY], own, scale)
                 if self._can_collide and has_cascade(self._run.scene, compared):
                     self.error = max(self.error, UNRESOLVED)
+                if self._can_collide and can_cascade(self._run.scene):
+                    self._compare_with_grains(share, grid[::EVERY], own, scale)
                 return recorder
             before = compared
 
@@ -114,6 +125,27 @@ class TwoTolerances:
                 self.unknown = ELSEWHERE.format(self.error)
             elif self.error >= ASYMPTOTIC:
                 self.unknown = REFINED.format(self.error)
+
+    def _compare_with_grains(
+        self, share: float, points: Signal, own: Mapping[str, Signal], scale: Mapping[str, float]
+    ) -> None:
+        """Add what runs differ by that take more, or less, for one impact of a row of weights."""
+        apart = 0.0
+        for grain in GRAINS:
+            recorder = Recorder(self._run.units, list(own))
+            try:
+                self._run.start_in_one_piece(share, points, grain)
+                self._run.record(recorder, None)
+            except SimulationError as error:
+                self.unknown = f"impacts cannot be resolved otherwise: {error}"
+                return
+            times, found = recorder.columns()
+            at = np.searchsorted(times, points * (1.0 - SLIVER))
+            other = {name: each[at] for name, each in found.items()}
+            apart = max(apart, largest_difference(own, other, scale))
+        self.error = max(self.error, apart)
+        if apart > self.tolerance and not self.unknown:
+            self.unknown = RESOLVED_OTHERWISE.format(apart)
 
     def _recorded(
         self, share: float, grid: Signal | None, done: int, progress: Progress | None

@@ -27,10 +27,12 @@ from fmpy import fmi2, fmi3, platform_tuple
 from numpy.typing import NDArray
 
 from autobalancer.harness import Scene, bundled_scenes, load_scene
+from autobalancer.models.monolith import equations
 from tests.native.packaging import Host
 
 STARTS = (-30.0, -5.0, -0.001, 0.2, 100.0, 1e6)
 POINTS = 60  # of a co-simulation
+FOLLOWED = 4.0  # times its speed, that the fastest mode has at most in steps of 1/24 revolution
 REVOLUTIONS = 25  # of a run with model exchange, unless something happens later
 MOVES = 8.0  # ranges of a signal that it moves at most while the rotor turns by a radian
 STEP_ROUNDING = 2e-10  # a motion within a step is found by a matrix or a series, which agree so far
@@ -43,6 +45,7 @@ class Machine:
     Attributes:
         end: of the run [s].
         top: largest speed [rad/s].
+        fastest: mode of the rotor, or drag of its weights [1/s].
         jumps: times since the start at which a profile has corners, or the unbalance changes [s].
     """
 
@@ -50,6 +53,7 @@ class Machine:
     path: Path
     end: float
     top: float
+    fastest: float
     jumps: tuple[float, ...]
 
     @classmethod
@@ -64,7 +68,8 @@ class Machine:
         times = profile.times[1:] if profile.changes else ()
         changes = [change.time for change in scene.operation.unbalance_changes]
         top = max(map(abs, profile.speeds))
-        return cls(scene.name, built.files[0], end_time(scene), top, (*times, *changes))
+        fastest = equations(scene.assembly(), scene.operation.drive()).fastest_mode
+        return cls(scene.name, built.files[0], end_time(scene), top, fastest, (*times, *changes))
 
 
 def begun(machine: Machine, start: float, exchange: bool) -> Host:
@@ -165,7 +170,8 @@ def exchanged(machine: Machine, start: float) -> NDArray:
     solver = Solver(machine, start)
     references = solver.host.references(*outputs_of(solver.host))
     end = max(REVOLUTIONS * 2.0 * math.pi / machine.top, *(1.1 * t for t in machine.jumps), 0.0)
-    count = 8 * max(1, round(end * machine.top / (2.0 * math.pi) * 24 / 8))
+    finer = max(1.0, machine.fastest / (FOLLOWED * machine.top))
+    count = 8 * max(1, round(end * machine.top / (2.0 * math.pi) * finer * 24 / 8))
     h = end / count
     rows = [solver.host._get(references)]
     for k in range(count):

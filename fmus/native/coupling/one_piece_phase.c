@@ -62,6 +62,7 @@ void one_piece_make_phase(const Composite *c, Machine *m)
         }
         track += balls != NULL;
     }
+    phase->grain = c->pieces.grain > 0.0 ? c->pieces.grain : 1.0;
     phase->slider_count = 0;
     for (k = 0; k < rotor->slider_count; k++) {
         const Slider *slider = rotor->sliders + k;

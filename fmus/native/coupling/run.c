@@ -92,6 +92,10 @@ int autobalancer_run_start(Run *shown, const Steps *steps)
     memset(&c->pacing, 0, sizeof c->pacing);
     c->loop_failed = false;
     c->pieces.share = steps->share;
+    if (c->pieces.grain != steps->grain) {
+        c->pieces.grain = steps->grain;
+        c->pieces.is_made = false;
+    }
     unit_reset(unit);
     if (unit_setup(unit, 0.0, infinity()) ||
         unit_exit_initialisation(unit)) {

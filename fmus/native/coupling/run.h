@@ -16,6 +16,7 @@ typedef struct {
     const double *points; /* that they lead to, ascending [s]; NULL: to none.  Kept by the caller */
     size_t count;         /* of the points */
     double residual;      /* of the largest force that may stay in the loop then */
+    double grain;         /* of impacts in one piece, over the usual one; 0: that */
 } Steps;
 
 /* Communication steps up to a time. */

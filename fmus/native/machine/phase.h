@@ -61,6 +61,7 @@ struct Phase {
     PhaseGroup *groups;
     PhaseSlider *sliders;
     int group_count, slider_count;
+    double grain;   /* of impacts: which gaps and bounces are too small to be followed, over the usual ones */
     double *series; /* (K + 3,) scratch */
 };
 

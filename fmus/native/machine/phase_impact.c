@@ -22,7 +22,7 @@ static double closing_of(const Machine *m, int w)
 static int touches(const Machine *m, int w)
 {
     const PhaseWeight *own = m->phase->weights + w;
-    return own->ahead >= 0 && !own->joined && phase_gap(m, w) <= TOUCHING_ANGLE;
+    return own->ahead >= 0 && !own->joined && phase_gap(m, w) <= m->phase->grain * TOUCHING_ANGLE;
 }
 
 int phase_approaches(const Machine *m)
@@ -202,7 +202,7 @@ static int end_bounces(Machine *m, Impact *impact)
         const double opening = impact_opening(impact, j);
         const double closing = phase_acceleration(m, pair->behind) - phase_acceleration(m, pair->ahead);
         if (!pair->lasting && !m->phase->weights[pair->behind].joined && opening > 0.0 &&
-            opening * opening <= 2.0 * closing * LOWEST_BOUNCE_OF_PAIR) {
+            opening * opening <= 2.0 * closing * m->phase->grain * LOWEST_BOUNCE_OF_PAIR) {
             pair->lasting = 1;
             low++;
         }
