@@ -229,7 +229,9 @@ def study(scenes: Iterable[Scene], fmis: Sequence[int] = (2, 3)) -> Iterator[Row
 
 def _starts(machine: Machine, fmi: int) -> Iterator[Row]:
     motion = motion_of(machine)
-    has_exchange = Host(machine.path).description.modelExchange is not None
+    description = Host(machine.path).description
+    # the solver has no state events
+    has_exchange = description.modelExchange and not description.numberOfEventIndicators
 
     def runs(start: float) -> tuple[NDArray, NDArray, NDArray | None]:
         found = exchanged(machine, start)[:, motion] if has_exchange else None

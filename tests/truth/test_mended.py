@@ -296,3 +296,13 @@ def test_a_row_that_no_resolution_of_impacts_changes_keeps_its_small_error():
     result = cosimulate(scene)
     assert result.error_known
     assert result.estimated_error < 1e-4
+
+
+@pytest.mark.parametrize(("number", "steps"), [(1007, 20), (73, 12)])
+def test_a_weight_that_is_struck_may_meet_the_next_at_once(number, steps):
+    """With given steps: a brief step was refused for the impact that followed the one before it."""
+    document = draw("impacts", 9, number)
+    scene = Scene.from_document(document).replace({"coupling.steps_per_rev": steps})
+    result = cosimulate(scene)
+    right, _ = referred(scene, result, 1e-12)
+    assert max(deviations(result, right).values()) < 1e-3

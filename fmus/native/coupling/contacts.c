@@ -14,6 +14,7 @@ static const double SOON = 1e-3; /* of a brief step: weights that meet so soon c
 static const double JUMP = 1e-6, BRIEF_GROWTH = 10.0, SLOPE_JUMP = 1e-10, AGREED = 1e-6;
 /* brief steps without a jump that end an event, those in which one is awaited, and the most of one */
 enum { QUIET_STEPS = 3, AWAITED_STEPS = 20, MOST_BRIEF_STEPS = 1000, BRIEF_TRIES = 3 };
+enum { MOST_BLOWS = 100 }; /* between two brief steps */
 static const double SHORTER[BRIEF_TRIES] = {1.0, 0.6, 0.36};
 
 int contacts_ahead(Unit *unit, double *step)
@@ -115,13 +116,26 @@ static void find_jumps(const Signal *signals, const Knot *ends, int count, doubl
     *turned |= turn > SLOPE_JUMP * largest;
 }
 
+/* All impacts within `soon` [s], those that follow from others too: a weight that is struck meets the next. */
+static int strike_all(Unit *unit, double soon, int *jumped)
+{
+    int blow, struck = 1;
+    for (blow = 0; struck && blow < MOST_BLOWS; blow++) {
+        if (impacts_strike(unit, soon, &struck)) {
+            return 1;
+        }
+        *jumped |= struck;
+    }
+    return 0;
+}
+
 int contacts_step(Unit *unit)
 {
     Composite *c = unit->own;
     Course *course = c->course;
     double step, residual, motion = 0.0;
     int k, jumped = 0, turned = 0;
-    if (impacts_strike(unit, SOON * brief_length(unit), &jumped)) {
+    if (strike_all(unit, SOON * brief_length(unit), &jumped)) {
         return 1;
     }
     residual = brief(unit, &step);
