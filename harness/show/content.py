@@ -11,6 +11,7 @@ from typing import Any
 
 from ...fmus.composite.composition import Composition
 from ...fmus.native.build.compile import page_library, stamp
+from ...models.assembly import weights_of
 from ..capture.captured import captured_or_none
 from ..errors import SceneError
 from ..master.one_file import composition
@@ -27,6 +28,7 @@ MOST_VARIANTS = 64  # numbers of weights on the tracks that a page knows: it is 
 SHOWN_IN = 20.0  # s that a run of the scene's length takes on the page, if it has as many turns
 CHANGED_IN = 30.0  # revolutions that a change of speed by the scene's own takes
 KICK = 3.0  # of the unbalance: the kick's impulse over it times the speed
+LIGHT = 0.1  # kg: masses from here on are shown in kg
 BARE = 1e-4  # m: eccentricity that a rotor without unbalance and weights is kicked by
 
 # label, unit, variables, largest factor, whether it is spread by its logarithm
@@ -58,6 +60,7 @@ def content(scene: Scene) -> dict[str, Any]:
         "units": {
             **{symbol: shown_in(symbol) for symbol in ("rad/s", "m")},
             "kg m": unbalance_unit(_moment(scene, made)),
+            "kg": _mass_unit(scene),
         },
         "tracks": _tracks(scene),
         "tokens": [
@@ -88,6 +91,12 @@ def content(scene: Scene) -> dict[str, Any]:
         "heavy": _heavy(made),
         "changes": _changes(scene),
     }
+
+
+def _mass_unit(scene: Scene) -> tuple[str, float]:
+    """Unit in which the weights' masses read well, and how many of it are one kg."""
+    masses = [one.mass for m in scene.assembly().weights for one in weights_of(m).each]
+    return ("g", 1e3) if min(masses, default=1.0) < LIGHT else ("kg", 1.0)
 
 
 def _tracks(scene: Scene) -> list[list[str]]:

@@ -137,15 +137,23 @@ def check_reach(assembly: Assembly, table: WeightTable) -> dict[int, complex]:
         most, size = sum(high for _, high in ranges), abs(moment)
         least = max(0.0, *(low + high - most for low, high in ranges))
         if size > most * (1.0 + _BALANCED) or size < least * (1.0 - _BALANCED):
-            span = f"at most {most:g}" if size > most else f"no less than {least:g}"
+            count = sum(len(rows) for rows, _ in tracks)
+            span = f"at most {_in_gram(most)}" if size > most else f"no less than {_in_gram(least)}"
             raise CannotBalance(
-                f"the unbalance needs a moment of {size:g} kg m in plane {plane + 1}; "
-                f"its {sum(len(rows) for rows, _ in tracks)} weights can make {span} kg m",
+                f"the unbalance needs a moment of {_in_gram(size)} in plane {plane + 1}; "
+                f"its {count} weights can make {span}",
                 size,
                 most,
             )
         moments[plane] = complex(moment)
     return moments
+
+
+def _in_gram(moment: float) -> str:
+    """A static moment [kg m] as people write it."""
+    if moment < 1e-2:
+        return f"{1e6 * moment:.4g} g mm"
+    return f"{1e3 * moment:.4g} g m" if moment < 1.0 else f"{moment:.4g} kg m"
 
 
 def _range_of(

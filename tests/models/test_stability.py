@@ -266,7 +266,8 @@ def test_weights_of_finite_size_balance_apart_from_zero_unbalance_to_their_packe
     between = np.diff(np.sort(angles % math.tau), append=np.min(angles % math.tau) + math.tau)
     assert between.min() > 2.0 * alpha - 1e-6
     beyond = replace(assembly, rotor=balls(count=count, unbalance=1.0001 * packed).rotor)
-    with pytest.raises(CannotBalance, match=f"{count} weights can make at most {packed:g} kg m"):
+    said = f"{1e3 * packed:.4g} g m" if packed >= 0.01 else f"{1e6 * packed:.4g} g mm"
+    with pytest.raises(CannotBalance, match=f"{count} weights can make at most {said}"):
         balanced_angles(beyond)
 
 
