@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from autobalancer.harness.checks.runner import SceneReport
     from autobalancer.harness.design.choices import Design
     from autobalancer.harness.design.fitting import Fitting
+    from autobalancer.harness.design.lobes import OutOfRound
     from autobalancer.harness.export.build import Built
     from autobalancer.harness.fit.study import Fit
     from autobalancer.harness.motions.map import MotionsMap
@@ -111,6 +112,37 @@ class Methods:
         if wanted is not None and not wanted > 0.0:
             raise UserError(f"speed {speed}: must be positive")
         return captured(self._scene, wanted)
+
+    def race(self, lobes: str, speed: float | str | None = None) -> OutOfRound:
+        """What a race that is not round leaves of the vibration, at rest in the rotor.
+
+        Args:
+            lobes: ORDER=AMPLITUDE@ANGLE, several with commas; an order is 2 for an oval, the
+                amplitude half of its peak-to-valley, the angle that of a lobe in the rotor.
+            speed: of the rotor [rad/s]; default: the scene's operating speed.
+
+        Returns:
+            Vibration left by each lobe and by all, at their angles and at the worst one;
+            `sentence()`.
+
+        Raises:
+            UserError: lobes are not written like that, or the scene is not a planar rotor, alike
+                in x and y, with one balancer of equal weights.
+
+        >>> wheel = ab.Scene(
+        ...     rotor=ab.Planar(mass=10.0, stiffness=1e4, damping=60.0, unbalance=0.02),
+        ...     balancer=[ab.Pendulums(count=2, mass=0.15, track_radius=0.1, drag=0.6)],
+        ...     speed=100.0,
+        ... )
+        >>> found = wheel.race("2=0.2 mm")
+        >>> [f"{1e3 * here:.3f} of {1e3 * found.alone:.2f} mm" for here, _ in found.left]
+        ['0.702 of 2.22 mm']
+        """
+        from autobalancer.harness.design.lobes import out_of_round
+        from autobalancer.harness.units import si_number
+
+        wanted = None if speed is None else si_number(speed, "rad/s", "speed")
+        return out_of_round(self._scene, lobes, wanted)
 
     def motions(
         self,

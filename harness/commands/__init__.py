@@ -4,6 +4,7 @@ NAMES = (
     *("check", "build", "run", "speeds", "map", "balance", "rotor", "design", "scatter"),
     *(
         "capture",
+        "race",
         "motions",
         "fit",
         "drag",

@@ -1,0 +1,220 @@
+"""Races that are not round: where weights come to rest, and what vibration they leave.
+
+The centre of a weight at the angle th in the rotor is at rho e^{i th} from the middle of its race,
+
+    rho(th) = R + sum eps_n cos n(th - th_n):
+
+n = 1 a race off centre (to first order), 2 an oval, 3 and more lobes.  With zeta the displacement
+of the middle in axes that turn with the rotor at constant w, and q = (rho' + i rho) e^{i th},
+
+    m Re(q* a) + (kappa - 1) m |q|^2 th'' + b |q|^2 th' = 0,
+    a = zeta'' + q th'' + q' th'^2 + 2 i w (zeta' + q th') - w^2 (zeta + rho e^{i th})
+
+for each weight, and the rotor receives -sum m a.  At rest in the rotor
+
+    (K - M w^2 + i c w) zeta - w^2 sum m (zeta + rho e^{i th}) = U w^2,
+    rho' Re(zeta e^{-i th}) + rho Im(zeta e^{-i th}) + rho rho' = 0.
+
+The inertia of rolling is that of leading order in eps.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.integrate import solve_ivp
+from scipy.optimize import root
+
+from .arrays import Array
+from .assembly import Assembly
+from .weights import Weights
+
+_STARTS = 60
+_MANY, _CREEPS = 3, 8  # weights from which on starts creep, and how many do
+_CREEP_TIMES, _LEAST_SLOPE = 60.0, 1e-7  # time constants, of the largest lobe over the radius
+_SOLVED = 1e-9  # of the largest terms
+_NEAR = 1e-6  # rad: the same motion
+_MOVED = 1e-6  # rad, and of the radius: for derivatives
+
+
+@dataclass(frozen=True)
+class Lobes:
+    """A harmonic of a race.
+
+    Attributes:
+        order: n, number of lobes.
+        amplitude: eps, half of the peak-to-valley of that order [m].
+        angle: of a lobe in the rotor [rad].
+    """
+
+    order: int
+    amplitude: float
+    angle: float = 0.0
+
+
+@dataclass(frozen=True)
+class Rest:
+    """A motion in which weights rest in the rotor.
+
+    Attributes:
+        displacement: of the rotor in its own axes, whose modulus is the vibration left [m].
+        angles: (N,) of the weights [rad].
+        growth: largest growth rate of a small deviation [1/s].
+    """
+
+    displacement: complex
+    angles: tuple[float, ...]
+    growth: float
+
+
+class Race:
+    """One balancer with weights on a race with lobes, on a planar rotor alike in x and y.
+
+    Raises:
+        ValueError: the assembly is another one; the message says in what.
+    """
+
+    def __init__(self, assembly: Assembly, speed: float, lobes: Sequence[Lobes]) -> None:
+        rotor = assembly.rotor
+        if rotor.stations != 1 or not rotor.isotropic or rotor.gravity:
+            raise ValueError("a race with lobes: only on a planar rotor, alike in x and y")
+        if len(assembly.balancers) != 1 or not assembly.weights:
+            raise ValueError("a race with lobes: only with exactly one balancer, of weights")
+        device = assembly.weights[0].device
+        assert isinstance(device, Weights)
+        device.refuse_unequal("a race with lobes")
+        self.weights, self.speed, self.lobes = device, speed, tuple(lobes)
+        self.half_angle = assembly.weights[0].half_angle
+        self.mass, self.stiffness = float(rotor.mass[0, 0]), float(rotor.stiffness_x[0, 0])
+        self.damping = float(rotor.damping_x[0, 0])
+        self.internal = float(rotor.internal_damping[0, 0])
+        self.unbalance = complex(rotor.unbalance[0])
+
+    def path(self, angles: Array) -> tuple[Array, Array, Array]:
+        """rho and its first two derivatives (N,) [m]."""
+        found = [np.full_like(angles, self.weights.track_radius), 0.0 * angles, 0.0 * angles]
+        for one in self.lobes:
+            at, n = one.order * (angles - one.angle), one.order
+            found[0] = found[0] + one.amplitude * np.cos(at)
+            found[1] = found[1] - n * one.amplitude * np.sin(at)
+            found[2] = found[2] - n * n * one.amplitude * np.cos(at)
+        return found[0], found[1], found[2]
+
+    @property
+    def alone(self) -> float:
+        """Vibration without the weights [m]."""
+        w = self.speed
+        rotor = complex(self.stiffness - self.mass * w * w, self.damping * w)
+        return abs(self.unbalance * w * w / rotor)
+
+    def rates(self, state: Array) -> Array:
+        """Derivative of (zeta, zeta', th, th') in the rotor, (4 + 2 N,)."""
+        w, one, n = self.speed, self.weights, self.weights.count
+        zeta, rate = complex(*state[:2]), complex(*state[2:4])
+        angles, turning = state[4 : 4 + n], state[4 + n :]
+        rho, slope, bend = self.path(angles)
+        turn = np.exp(1j * angles)
+        q, curved = (slope + 1j * rho) * turn, (bend + 2j * slope - rho) * turn
+        rest = curved * turning**2 + 2j * w * (rate + q * turning) - w * w * (zeta + rho * turn)
+        matrix, right = np.zeros((2 + n, 2 + n)), np.zeros(2 + n)
+        matrix[0, 0] = matrix[1, 1] = self.mass + n * one.mass
+        push = (
+            self.unbalance * w * w - self.stiffness * zeta - self.damping * (rate + 1j * w * zeta)
+        )
+        push -= self.internal * rate + self.mass * (2j * w * rate - w * w * zeta)
+        push -= one.mass * complex(rest.sum())
+        right[0], right[1] = push.real, push.imag
+        at = np.arange(2, 2 + n)
+        matrix[0, at] = matrix[at, 0] = one.mass * q.real
+        matrix[1, at] = matrix[at, 1] = one.mass * q.imag
+        matrix[at, at] = one.kappa * one.mass * np.abs(q) ** 2
+        right[at] = -one.mass * (rest * q.conj()).real - one.drag * np.abs(q) ** 2 * turning
+        found = np.linalg.solve(matrix, right)
+        return np.concatenate([state[2:4], found[:2], turning, found[2:]])
+
+    def rests(self, seed: int = 0) -> list[Rest]:
+        """Motions at rest in the rotor that leave less vibration than there is without weights,
+        the least vibration first.
+
+        They are those to which weights creep under a heavy drag from random angles, and, of one or
+        two weights, those that Newton's method finds too, among them unstable ones.  Weights of a
+        size do not overlap in them, and their contacts are not counted.
+        """
+        rng, found = np.random.default_rng(seed), dict[tuple[int, ...], Rest]()
+        n = self.weights.count
+        drawn = rng.uniform(0.0, math.tau, (_STARTS, n))
+        starts = [*drawn] if n < _MANY else [self._crept(angles) for angles in drawn[:_CREEPS]]
+        for angles in starts:
+            solved = root(self._missing, np.concatenate([[0.0, 0.0], angles]), tol=1e-14)
+            zeta = complex(*solved.x[:2]) * self._length
+            small = np.abs(self._missing(solved.x)).max() < _SOLVED
+            if not small or abs(zeta) > self.alone:
+                continue
+            angles = np.sort(solved.x[2:] % math.tau)
+            if self._overlap(angles):
+                continue
+            key = tuple((angles / _NEAR / 10.0).round().astype(int).tolist())
+            if key not in found:
+                found[key] = Rest(zeta, tuple(angles.tolist()), self._growth(zeta, angles))
+        return sorted(found.values(), key=lambda rest: abs(rest.displacement))
+
+    def _overlap(self, angles: Array) -> bool:
+        """Whether weights of a size would be in one another's place."""
+        apart = np.diff(np.append(angles, angles[0] + math.tau))
+        return len(angles) > 1 and bool(apart.min() < 2.0 * self.half_angle * (1.0 - 1e-9))
+
+    def _crept(self, angles: Array) -> Array:
+        """Where weights come to rest that creep along the race, the rotor following at once."""
+        w, one = self.speed, self.weights
+        total = self.mass + one.count * one.mass
+        rotor = complex(self.stiffness / w**2 - total, self.damping / w)
+
+        def along(_t: float, th: Array) -> Array:
+            rho, slope, _ = self.path(th)
+            turn = np.exp(1j * th)
+            zeta = (one.mass * complex((rho * turn).sum()) + self.unbalance) / rotor
+            q = (slope + 1j * rho) * turn
+            pulled: Array = (q.conj() * (zeta + rho * turn)).real / one.track_radius**2
+            return pulled
+
+        steep = [each.order**2 * each.amplitude / one.track_radius for each in self.lobes]
+        length = _CREEP_TIMES / max([_LEAST_SLOPE, *(s for s in steep if s > 0.0)])
+        solved = solve_ivp(along, (0.0, length), angles, "LSODA", rtol=1e-7, atol=1e-10)
+        found: Array = solved.y[:, -1]
+        return found
+
+    @property
+    def _length(self) -> float:
+        return self.weights.track_radius
+
+    def _missing(self, unknown: Array) -> Array:
+        """What is left of the equations at rest, (2 + N,), over their largest terms."""
+        w, one = self.speed, self.weights
+        zeta, angles = complex(*unknown[:2]) * self._length, unknown[2:]
+        rho, slope, _ = self.path(angles)
+        turn = np.exp(1j * angles)
+        rotor = complex(self.stiffness - self.mass * w * w, self.damping * w) * zeta
+        left = rotor / w**2 - one.mass * complex((zeta + rho * turn).sum()) - self.unbalance
+        left /= one.count * one.mass * one.track_radius
+        seen = zeta * np.exp(-1j * angles)
+        pulls = (slope * seen.real + rho * seen.imag + rho * slope) / one.track_radius**2
+        return np.concatenate([[left.real, left.imag], pulls])
+
+    def _growth(self, zeta: complex, angles: Array) -> float:
+        state = np.concatenate([[zeta.real, zeta.imag, 0.0, 0.0], angles, 0.0 * angles])
+        steps = np.full(len(state), _MOVED)
+        steps[:4] *= self._length
+        moves = np.diag(steps)
+        columns = [(self.rates(state + m) - self.rates(state - m)) for m in moves]
+        matrix: NDArray = np.array(columns).T / (2.0 * steps)
+        return float(np.linalg.eigvals(matrix).real.max())
+
+
+def swing(speed: float, lobes: Lobes, radius: float, kappa: float) -> float:
+    """Angular frequency at which a weight swings about a lobe of a balanced heavy rotor [rad/s], to
+    first order in the amplitude over the radius."""
+    return speed * math.sqrt(lobes.order**2 * lobes.amplitude / (kappa * radius))
