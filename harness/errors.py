@@ -1,5 +1,6 @@
 """What can go wrong, by whose hand: wrong input by the user, or a run that cannot be right."""
 
+from numbers import Integral
 from pathlib import Path
 
 _PACKAGES = [Path(__file__).resolve().parents[1] / name for name in ("models", "fmus", "harness")]
@@ -35,3 +36,9 @@ class SimulationError(Exception):
 
 class LoopError(SimulationError):
     """Corrector passes, or steps however short, do not bring forces and motion into agreement."""
+
+
+def refuse_seed(seed: object) -> None:
+    """Raise UserError for what no random numbers can be drawn from."""
+    if isinstance(seed, bool) or not isinstance(seed, Integral) or seed < 0:
+        raise UserError(f"seed {seed!r}: must be a whole number, 0 or more")

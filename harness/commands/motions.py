@@ -30,7 +30,7 @@ def command(
         str, typer.Option(help="rest, turning, run-up; several with commas.")
     ] = "rest,turning,run-up",
     n: Annotated[int, typer.Option("-n", min=1, help="Random starts of each kind.")] = 100,
-    seed: Annotated[int, typer.Option(help="The same seed draws the same starts.")] = 1,
+    seed: Annotated[int, typer.Option(min=0, help="The same seed draws the same starts.")] = 1,
     sweep: Annotated[
         bool, typer.Option("--sweep", help="Raise and lower the speed slowly instead.")
     ] = False,

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from ...models.arrays import Array
 from ...models.linear.modes import lowest_natural
-from ..errors import UserError
+from ..errors import UserError, refuse_seed
 from ..master.names import weight
 from ..scene import Scene
 from ..scene.balancer import WeightBalancer
@@ -121,6 +121,7 @@ def job(
 ) -> tuple[Job, str]:
     """Runs `first` to `first + count` of a start at a speed, and what was assumed."""
     driven, reached, said = drive_to(scene, speed, start)
+    refuse_seed(seed)
     columns, values = [], []
     backwards = -speed if start == "rest" else 0.0
     drawn = [_angles(scene, np.random.default_rng([seed, n])) for n in range(first, first + count)]

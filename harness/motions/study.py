@@ -13,7 +13,7 @@ import tomli_w
 from ...models.harmonic_balance import NoResponse, largest_displacement, unbalance_response
 from ...models.stability import growth_rates
 from ..capture.captured import captured
-from ..errors import SceneError, UserError
+from ..errors import SceneError, UserError, refuse_seed
 from ..output.store import open_store
 from ..output.workers import Progress, Workers, in_order
 from ..scene import Scene
@@ -44,6 +44,7 @@ def find_motions(
     store: Path | None = None,
 ) -> Motions:
     """As `Scene.motions`, which says what is raised."""
+    refuse_seed(seed)
     _refuse(scene, speeds, starts, n)
     scene, said = perturbed(scene)
     closed = [captured(scene, speed).found for speed in speeds]

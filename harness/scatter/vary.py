@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import SceneError, UserError
+from ..errors import SceneError, UserError, refuse_seed
 from ..result.alike import refuse_unvaried
 from ..scene import Scene
 from ..scene.balancer import WeightBalancer
@@ -121,6 +121,7 @@ def variations(vary: Mapping[str, Any] | Iterable[str], scene: Scene) -> list[Va
 
 def drawn(variations: Sequence[Variation], count: int, seed: int) -> NDArray[np.float64]:
     """(count, variations) values; each variation has a stream of its own."""
+    refuse_seed(seed)
     streams = np.random.default_rng(seed).spawn(len(variations))
     values = [
         one.distribution.rvs(size=count, random_state=stream)

@@ -138,6 +138,19 @@ def test_liquid_alone_and_no_start_are_refused():
         green().motions(starts="", n=2)
 
 
+@pytest.mark.parametrize("seed", [-1, 1.5, True, "a"])
+def test_what_no_random_numbers_can_be_drawn_from_is_refused(invoke, tmp_path, seed):
+    for study in (
+        lambda: green().motions(n=2, seed=seed),
+        lambda: green().sweep(1.0, 2.0, seed=seed),
+        lambda: green().scatter({"balls.drag": "normal(0.001,1%)"}, n=2, seed=seed),
+    ):
+        with pytest.raises(UserError, match="must be a whole number, 0 or more"):
+            study()
+    outcome = invoke("motions", green().save(tmp_path / "green.toml"), "--seed=-1")
+    assert outcome.exit_code == 2
+
+
 def test_a_map_has_the_share_of_run_ups_that_balances():
     quick = green(run_up={"from": 0.0, "to": 3.0, "seconds": 20.0})
     found = quick.map("balls.drag=0.02:0.06:2", "rotor.damping=0.1:0.2:2", "motions")
