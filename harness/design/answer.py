@@ -45,10 +45,16 @@ def _recommendation(data: Fitting) -> list[str]:
     best = good[0]
     lines = [_take(data, best)]
     if best.peak_ratio > WORSE_PEAK:
+        rises = data.start == "run-up"
+        when, remedy = (
+            ("In the run-up", "run up faster, or use none")
+            if rises
+            else ("Until it balances", "use none")
+        )
         lines.append(
-            f"In the run-up the machine vibrates more than without: {brief(1e3 * best.peak)} mm "
-            f"(median of the worst corner), without at most {brief(1e3 * best.peak_alone)} mm. If "
-            "that matters, run up faster, or use none."
+            f"{when} the machine vibrates more than without: {brief(1e3 * best.peak)} mm (median "
+            f"of the worst corner), without at most {brief(1e3 * best.peak_alone)} mm. If that "
+            f"matters, {remedy}."
         )
     for one in [t for t in good[1:] if t.total > best.total][:1]:
         lines.append(f"Also good: {_named(one, data)}.")
