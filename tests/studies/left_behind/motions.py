@@ -110,8 +110,8 @@ def study(machines: int, first: int = 0) -> list[Row]:
 def main() -> None:
     found = study(int(sys.argv[1]) if len(sys.argv) > 1 else 200)
     undecided = [row for row in found if row[1][0] is Kind.UNDECIDED]
-    sensitive = [row for row in found if row[3] and row not in undecided]
-    decided = [row for row in found if row not in undecided and row not in sensitive]
+    rest = [row for row in found if row[1][0] is not Kind.UNDECIDED]
+    sensitive, decided = ([row for row in rest if row[3] is moves] for moves in (True, False))
     agree = [row for row in decided if row[1] == row[2]]
     share = f"{len(agree)} of {len(decided)} named alike ({100 * len(agree) / len(decided):.1f} %)"
     print(f"{len(found)} machines: {len(undecided)} undecided, {len(sensitive)} sensitive, {share}")
