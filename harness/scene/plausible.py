@@ -11,7 +11,7 @@ import numpy as np
 
 from ...models.papers.capacity import weight_mass
 from ..units import engineers, in_both, readable_unbalance, rounded
-from .balancer import Liquid, WeightBalancer
+from .balancer import Liquid, Ring, WeightBalancer
 from .quantities import each_of
 from .rotor import Flexible
 
@@ -27,6 +27,7 @@ STIFF = 1e-6  # of the highest frequency: lower ones are those of a free body
 MODES_OF_INTEREST = 1.5  # times the speed: slower ones are passed or near
 MOST_CHANGE_BY_SIZE = 0.05  # of a natural frequency, by the inertia that a disc must have
 _warnings_given: set[str] = set()  # warnings that this process has given
+HELD = 3.0  # times gravity: centrifugal acceleration that surely keeps a liquid at its wall
 RING_RADIUS, RING_GAP = 0.15, 0.005  # m: chambers with a float are smaller or their gap is
 WIDEST = 4.0 * math.pi  # rad: an angle beyond two turns is in degrees
 
@@ -111,6 +112,7 @@ def _implausible(scene: Scene) -> Iterator[str]:
                 'turns; are they in degrees? then write "120 deg"'
             )
     yield from _rings_called_liquid(scene)
+    yield from _collapsing_rings(scene)
     yield from _short_of_capacity(scene)
     yield from _discs_without_size(scene)
     films = bool(scene.rotor.bearings)  # which damp as they do
@@ -131,6 +133,20 @@ def _rings_called_liquid(scene: Scene) -> Iterator[str]:
                     f"{one.label}.chamber_radius = {one.chamber_radius:g} m: as large as a ring "
                     'part filled with liquid, and kind = "liquid" is a full chamber with a float, '
                     'without waves; write kind = "ring" for a ring with a free surface'
+                )
+
+
+def _collapsing_rings(scene: Scene) -> Iterator[str]:
+    """Rings of liquid about a horizontal axis at speeds at which gravity breaks them."""
+    slowest = min(scene.profile().speeds)
+    for one in scene.balancer if scene.operation.gravity else ():
+        if isinstance(one, Ring):
+            least = math.sqrt(HELD * abs(scene.operation.field) / one.device.inner_radius)
+            if slowest < least:
+                yield (
+                    f"operation.gravity: below {in_both(least, 'rad/s')} the liquid of {one.label} "
+                    f"does not stay at its wall, and the run begins or ends at "
+                    f"{in_both(slowest, 'rad/s')}: the model has a ring of liquid at every speed"
                 )
 
 

@@ -11,7 +11,9 @@ import pytest
 import autobalancer as ab
 from autobalancer.harness import cosimulate
 from autobalancer.harness.errors import SceneError
+from autobalancer.harness.scene.plausible import implausible
 from autobalancer.models.monolith import simulate
+from tests.studies import rings
 
 SIGNALS = [
     *("rotor.x", "rotor.y", "ring.wave_xi", "ring.wave_eta", "ring.wave_speed_xi"),
@@ -137,3 +139,34 @@ def test_wave_of_a_steady_drum_is_that_of_the_closed_form():
     z *= cmath.rect(1.0, -30.0 * result.time[-1])
     wave = complex(result["ring.wave_xi"][-1], result["ring.wave_eta"][-1])
     assert wave == pytest.approx(z / (1.0 - 0.64), rel=1e-3)
+
+
+def test_random_machines_run_as_their_equations_written_anew_say():
+    """A sample of `python -m tests.studies.rings`."""
+    rng = np.random.default_rng(7)
+    for _ in range(3):
+        worst, stated = rings.errors(rings.machine(rng))
+        assert worst < rings.TOLERANCE
+        assert worst < 3.0 * stated
+
+
+def test_a_ring_that_gravity_breaks_and_a_chamber_like_a_ring_get_a_warning():
+    slow = machine(**{**RUN_UP, "operation.gravity": 9.81})
+    assert ["does not stay at its wall" in line for line in implausible(slow)] == [True]
+    assert not implausible(machine(**{"operation.gravity": 9.81}))
+    chamber = {"kind": "liquid", "chamber_radius": 0.25, "float_radius": 0.2, "height": 0.05,
+               "density": 1e3}  # fmt: skip
+    lines = implausible(machine(balancer=[chamber], run={"revolutions": 5}))
+    assert ['write kind = "ring"' in line for line in lines] == [True]
+
+
+@pytest.mark.parametrize(
+    ("seconds", "said"),
+    [(1.0, ""), (2.0, "some 10 %"), (4.0, "more than 30 %"), (16.0, "was dry")],
+)
+def test_a_run_says_how_far_its_waves_are_to_be_believed(seconds, said):
+    changes = {"operation.run_up.seconds": seconds, "run.revolutions": None}
+    scene = ab.load("washing_machine_ring").replace({**changes, "run.duration": seconds})
+    summary = str(scene.run().summary())
+    assert said in summary
+    assert bool(said) == ("layer of liquid" in summary or "wall of the ring" in summary)
