@@ -6,6 +6,7 @@ import math
 import random
 from collections.abc import Callable
 
+from tests.studies.truth import draw
 from tests.studies.truth.sketch import Document, even, rounded, sized
 
 MOST_REVOLUTIONS = 120.0
@@ -212,11 +213,25 @@ def off_centre(g: random.Random, m: Machine) -> Document:
     return document
 
 
+def _as_built(maker: Callable[[random.Random], Document]) -> Callable[..., Document]:
+    """A machine of the truth study at a constant speed, with weights, for some revolutions."""
+
+    def made(g: random.Random, _m: Machine) -> Document:
+        document: Document = {}
+        while not document.get("balancer") or "speed" not in document["operation"]:
+            document = maker(g)
+        return {**document, "run": {"revolutions": sized(g, 10.0, MOST_REVOLUTIONS)}}
+
+    return made
+
+
 FAMILIES: dict[str, Callable[[random.Random, Machine], Document]] = {
     "planar": planar, "short": short, "over capacity": over_capacity,
     "below critical": below_critical, "resonance": resonance, "settling": settling,
     "gravity": gravity, "liquid": liquid, "motor": motor, "profile": profile, "run-up": run_up,
     "changing": changing, "two planes": two_planes, "off centre": off_centre,
+    "tilting": _as_built(draw.tilting), "bearings": _as_built(draw.bearings),
+    "bodies": _as_built(draw.bodies),
 }  # fmt: skip
 
 

@@ -180,16 +180,18 @@ def motion(scene: Scene, times: Floats, by: str) -> tuple[Floats, Floats, Floats
     """x and y of all stations (T, n) from the sag [m], and the rotor's angle (T,) [rad]."""
     order = np.argsort(times, kind="stable")
     at, back = times[order], np.argsort(order, kind="stable")
-    rest = scene.assembly().loaded_rotor.rest_position(scene.operation.start_speed)
+    shown = len(scene.rotor.stations)  # bodies and axes of discs are behind
+    rest = scene.assembly().loaded_rotor.rest_position(scene.operation.start_speed)[:, :shown]
     if by == "reference":
         run = simulate(
             scene.assembly(), scene.operation.drive(), at,
             initial=scene.run.initial.motion(), rtol=RTOL,
         )  # fmt: skip
-        return run.x[back] - rest[0], run.y[back] - rest[1], run.angle[back]
+        x, y = run.x[back][:, :shown], run.y[back][:, :shown]
+        return x - rest[0], y - rest[1], run.angle[back]
     from autobalancer.harness.master.names import stations
 
-    prefixes = stations(len(scene.rotor.stations))
+    prefixes = stations(len(scene.rotor.points))[:shown]
     names = [f"rotor.{p}{axis}" for axis in "xy" for p in prefixes] + ["rotor.angle"]
     names += [f"rotor.{p}v{axis}" for axis in "xy" for p in prefixes]
     result = cosimulate(scene, record=names)
@@ -214,7 +216,7 @@ def vibration_alone(scene: Scene, speed: float, time: float) -> float:
     mass, damping, stiffness = rotor.real_coefficients(speed)
     pull = speed**2 * np.concatenate([rotor.unbalance, -1j * rotor.unbalance])
     found = np.linalg.solve(stiffness - speed**2 * mass + 1j * speed * damping, pull)
-    return float(half_axis(*found.reshape(2, -1)).max())
+    return float(half_axis(*found.reshape(2, -1)[:, : len(scene.rotor.stations)]).max())
 
 
 def half_axis(x: NDArray, y: NDArray) -> Floats:
