@@ -65,5 +65,6 @@ NOMINAL_ANGULAR_VELOCITY = 1e2  # rad/s
 
 # The machine in one piece
 STIFF_RATE = 40.0  # over the rotor's speed: fastest rate of a machine whose steps may be collocated
+DEFAULT_TOLERANCE = 1e-4  # of the motion: no picture shows it
 SERIES_SHARE = 1e-3  # of a run's tolerance: what a step by series may err
 FEWEST_LOOKS = 32  # per revolution: the vibration misses 0.5 % of a peak between them

@@ -10,12 +10,10 @@ from typing import Any
 
 from ..catalogue import sized_unit
 from ..native.build.layout import bits, start_entries, token
-from ..unit import SizedUnit, Unit, alternatives
+from ..unit import SizedUnit, Unit
 from ..variables import Layout, Variable, started
 from .variables import CompositeSizes, variables
 
-SCHEMES = ("auto", "iterated")
-MOST_CORRECTIONS = 100
 SET_BY_COUPLING = ("track_mobility", "shortest_stopped_step")  # parameters that no scene has
 
 
@@ -88,10 +86,7 @@ class Composition:
 
     Attributes:
         parts: the rotor first; a motor of limited power last.
-        scheme: auto | iterated.
-        corrections: corrector passes of a step; None: until the loop has converged, or, with auto,
-            as few as its gain asks for.
-        start: of the coupling's own parameters and inputs: `coupling.steps_per_rev`, `speed` ...
+        start: of the coupling's own parameters and inputs: `coupling.tolerance`, `speed` ...
         stop, step: of the run that a tool proposes [s].
         corners: of a speed profile behind `rise_time`.
         changes: of the rotor's unbalance.
@@ -101,8 +96,6 @@ class Composition:
     """
 
     parts: tuple[Part, ...]
-    scheme: str = "auto"
-    corrections: int | None = None
     start: Mapping[str, float] = field(default_factory=dict)
     stop: float = Unit.stop
     step: float = Unit.step
@@ -114,13 +107,6 @@ class Composition:
     flat: bool = False
 
     def __post_init__(self) -> None:
-        if self.scheme not in SCHEMES:
-            allowed = alternatives(SCHEMES)
-            raise ValueError(
-                f"coupling.scheme = {self.scheme!r}: of one file must be one of {allowed}"
-            )
-        if self.corrections is not None and not 0 <= self.corrections <= MOST_CORRECTIONS:
-            raise ValueError(f"corrections = {self.corrections}: must be 0 to {MOST_CORRECTIONS}")
         rotors = [part.model == "RotorOnSupports" for part in self.parts]
         if not rotors or rotors != [True] + [False] * (len(rotors) - 1):
             raise ValueError("parts: the rotor must be the first of them, and the only one")
@@ -204,9 +190,7 @@ class Composition:
         return {}
 
     def _token(self, stamp: str) -> str:
-        passes = "-" if self.corrections is None else str(self.corrections)
-        entries = [f"scheme={self.scheme}", f"corrections={passes}"]
-        entries += [f"corners={self.corners}"] * bool(self.corners)
+        entries = [f"corners={self.corners}"] * bool(self.corners)
         entries += [f"changes={self.changes}"] * bool(self.changes)
         for part in self.parts:
             connected = "s" * part.exchanges_force + "v" * part.follows or "-"

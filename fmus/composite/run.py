@@ -17,10 +17,7 @@ _D, _U = POINTER(c_double), POINTER(c_uint)
 
 
 class _Steps(Structure):
-    _fields_ = (
-        *(("share", c_double), ("points", _D), ("count", c_size_t)),
-        *(("residual", c_double), ("grain", c_double)),
-    )
+    _fields_ = (("share", c_double), ("points", _D), ("count", c_size_t), ("grain", c_double))
 
 
 class Stretch(Structure):
@@ -54,14 +51,8 @@ class RunFacts(Structure):
         ("time", c_double),
         ("steps", c_double),
         ("passes", c_double),
-        ("unconverged", c_double),
-        ("worst_residual", c_double),
-        ("estimated_error", c_double),
-        ("unresolved", c_double),
-        ("one_piece", c_double),
         ("order", c_double),
         ("collocated", c_double),
-        ("loop_failed", c_double),
         ("reason", c_char_p),
         ("warnings", c_char_p),
     )
@@ -107,26 +98,22 @@ class Run:
             raise MemoryError
 
     def start(
-        self,
-        points: tuple[Sequence[float], float] | None = None,
-        step_share: float = 0.0,
-        grain: float = 0.0,
+        self, points: Sequence[float] = (), step_share: float = 0.0, grain: float = 0.0
     ) -> None:
-        """From the start values; with a tolerance its steps lead to `points` if they are given.
+        """From the start values, with rows at `points` if they are given.
 
         Args:
-            points: ascending [s], and the residual, of the largest force, that may stay then.
-            step_share: of the tolerance, what a step may err; 0: the usual one.
+            points: ascending [s].
+            step_share: of what a step may err; 0: all of it.
             grain: gaps and bounces of impacts that are too small to be followed, over the usual
-                ones, of a machine in one piece; 0: these.
+                ones; 0: these.
 
         Raises:
-            RunFailed: a parameter is wrong, or there is no consistent start.
+            RunFailed: a parameter is wrong, or there is no start.
         """
-        grid, residual = points or ([], 0.0)
-        self._points = np.array(grid, float)
-        data = self._points.ctypes.data_as(_D) if points else None
-        steps = _Steps(step_share, data, len(self._points), residual, grain)
+        self._points = np.array(points, float)
+        data = self._points.ctypes.data_as(_D) if len(points) else None
+        steps = _Steps(step_share, data, len(self._points), grain)
         if self._library.autobalancer_run_start(self._run, byref(steps)):
             raise RunFailed(self.reason)
 

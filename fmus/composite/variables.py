@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from functools import cache
 
+from ...models.constants import DEFAULT_TOLERANCE
 from ..unit import SizedUnit, Sizes, Unit, count, one_of
 from ..variables import Variable, output, parameter, plain_input, signal_inputs
 
@@ -41,18 +42,11 @@ def own_variables(sizes: CompositeSizes) -> list[Variable]:
     return [
         parameter(
             "coupling.tolerance",
-            0.0,
+            DEFAULT_TOLERANCE,
             "1",
-            "Relative error that a step of the coupling may make; 0: not used",
+            "Relative error that the motion may have; above 0",
             minimum=0.0,
             maximum=0.1,
-        ),
-        parameter(
-            "coupling.steps_per_rev",
-            0.0,
-            "1",
-            "Steps of the coupling in the fastest revolution, at least 4; 0: not used",
-            minimum=0.0,
         ),
         parameter(
             "coupling.top_speed",
@@ -72,20 +66,8 @@ def own_variables(sizes: CompositeSizes) -> list[Variable]:
         *(_drive(sizes) if sizes.kind == "prescribed" else []),
         *_outer_forces(sizes),
         output("rotor.speed", "rad/s", "Speed of the rotor", observed=True),
-        output(
-            "coupling.loop_gain",
-            "1",
-            "Gain of the loop between force and acceleration",
-            observed=True,
-        ),
-        output("coupling.steps", "1", "Steps taken by the coupling", observed=True),
-        output("coupling.error", "1", "Estimated error of the motion", observed=True),
-        output(
-            "coupling.unconverged",
-            "1",
-            "Steps of the coupling that left a residual above 1e-3 of the force",
-            observed=True,
-        ),
+        output("coupling.steps", "1", "Steps taken by the machine", observed=True),
+        output("coupling.error", "1", "Error of a step of the machine, estimated", observed=True),
         output("vibration", "m", VIBRATION, observed=True, quantity="Displacement"),
         output("residual_unbalance", "kg.m", RESIDUAL, observed=True),
         output("capacity_used", "1", CAPACITY, observed=True),

@@ -7,29 +7,30 @@ from dataclasses import replace
 
 import numpy as np
 
+from ...models.constants import DEFAULT_TOLERANCE
 from ...models.papers.capacity import fastest_count
 from ..design.choices import Design, design
 from ..design.recommendation import by_measure, by_median, contradicted, order, rivals
 from ..design.scenes import batches
-from ..master.schedule import steps_per_rev
 from ..scene import Scene
 from .goncharov import settled_runs, weights_with_slow_root
 from .row import Row, Rows
 from .slow_root import MOST, WIDTH, decay_rows
 
-HALVED = 0.02  # of the settling time: the coupling's error, and readings 1/8 of a revolution apart
+FINER = 0.01  # of a tolerance: of runs to compare with
+HALVED = 0.02  # of the settling time: errors of steps, and readings 1/8 of a revolution apart
 SOURCE = "Goncharov 2017, 5.4.3, Fig. 7"
 
 
 def check_ranking(
     scene: Scene, most: int = MOST, starts: int = 200, halved: int = 4
 ) -> Iterator[Row]:
-    """The fastest number, the order, decay rates, and what the communication step leaves.
+    """The fastest number, the order, decay rates, and what the tolerance leaves.
 
     Args:
         most: weights, from 2 on.
         starts: random ones for every number of weights.
-        halved: starts of every number that are repeated with steps of half the length.
+        halved: starts of every number that are repeated with a finer tolerance.
     """
     rows = Rows(scene.name, "goncharov_ranking")
     data = design(
@@ -70,11 +71,11 @@ def _order(data: Design, rows: Rows) -> Iterator[Row]:
 
 
 def _halved(count: int, data: Design, rows: Rows) -> Row:
-    """Settling times of the first starts with half the step against those of the study."""
+    """Settling times of the first starts with a finer tolerance against those of the study."""
     coarse, work = [], []
     for choice in data.with_capacity:
-        steps = 2 * steps_per_rev(choice.scene)
-        fine = choice.scene.replace({"coupling.steps_per_rev": steps})
+        tolerance = FINER * (choice.scene.coupling.tolerance or DEFAULT_TOLERANCE)
+        fine = choice.scene.replace({"coupling.tolerance": tolerance})
         for batch in batches(fine, data.unbalance, count):
             work += [replace(batch, starts=(start,)) for start in batch.starts]
         coarse += [run.seconds for run in choice.runs[:count]]
@@ -83,9 +84,10 @@ def _halved(count: int, data: Design, rows: Rows) -> Row:
     settled = np.isfinite(times)
     both, lost = settled.all(axis=0), int((settled[0] != settled[1]).sum())
     if lost or not both.any():
-        words = f"{lost} starts settle with one of the steps alone, {both.sum()} with both"
-        quantity = "settling with half the step"
+        words = f"{lost} starts settle with one of the tolerances alone, {both.sum()} with both"
+        quantity = "settling with a hundredth of the tolerance"
         return rows.statement(quantity, "alike", words, False, "the same starts")
     measured, expected = times[:, both]
-    quantity = f"settling time and that with half the step, worst of {both.sum()} starts [s]"
+    finer = "settling time and that with a hundredth of the tolerance"
+    quantity = f"{finer}, worst of {both.sum()} starts [s]"
     return rows.number(quantity, expected, measured, HALVED, "the same starts, co-simulated")

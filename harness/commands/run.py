@@ -104,13 +104,19 @@ def command(
         if not loaded.guests and (said := left_behind(loaded)):
             say(said)
     if verbose:
-        ran_as = "FMUs loaded" if result.calls else "Coupled in C, as one file"
+        ran_as = "FMUs loaded"
         if result.series_order:
             how = f"power series of order {result.series_order}"
             if result.collocated_steps:
                 how += f" and {result.collocated_steps} steps by collocation"
             ran_as = f"In one piece, by {how}, as one file"
         say_facts(result.units, result.left_out, ran_as)
+        if result.series_order and (given := loaded.coupling.of_separate):
+            rows = ", rows are at the given ones" * (loaded.coupling.steps_per_rev is not None)
+            say(
+                f"{', '.join(given)}: of separate FMUs (--separate); in one piece steps are the "
+                f"machine's own{rows}"
+            )
         calls = sum(result.calls.values())
         say(
             f"{result.steps} steps, {result.passes} passes, {calls} FMI calls in "

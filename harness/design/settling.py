@@ -13,7 +13,7 @@ from ...models.papers.settling import settling_time
 from ...models.weights import alignment
 from ..errors import SimulationError
 from ..master.one_file import composition_in_c
-from ..master.schedule import at_fixed_steps, schedule, steps_per_rev
+from ..master.schedule import schedule, steps_per_rev
 from ..scene import Scene
 from ..scene.balancer import WeightBalancer
 from .decay import WINDOW, Decay, below, decay
@@ -84,7 +84,7 @@ def run_batch(batch: Batch) -> list[SettlingRun]:
     """
     from ...fmus.composite.batch import BatchRuns  # compiles where it has to
 
-    balls, scene = weights_in(batch.scene), at_fixed_steps(batch.scene)
+    balls, scene = weights_in(batch.scene), batch.scene
     weights = [f"{balls.label}.weight[{k}]" for k in range(1, balls.count + 1)]
     read = [*(f"{balls.label}.moment_{axis}" for axis in ("xi", "eta")), *_named(weights, "angle")]
     ((length, count),) = schedule(scene)

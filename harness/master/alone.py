@@ -12,12 +12,12 @@ from .compared import compared_motion
 from .global_error import largest_difference
 from .recorder import Recorder
 from .schedule import SLIVER
-from .simulation import Repeated, Simulation
+from .simulation import CoupledRun, Repeated
 
 PARTS = 2  # of each step, in the second run
 
 
-def friction_error(simulation: Simulation, recorder: Recorder) -> float:
+def friction_error(simulation: CoupledRun, recorder: Recorder) -> float:
     """Largest error of a run's motion as `largest_difference` has it; 0 without dry friction.
 
     Args:

@@ -38,7 +38,7 @@ from .names import kin
 from .neighbours import RESOLVED, turned
 from .recorder import Recorder, Signal
 from .schedule import SLIVER
-from .simulation import Repeated, Simulation
+from .simulation import CoupledRun, Repeated
 
 if TYPE_CHECKING:
     from ..output.workers import Progress
@@ -108,7 +108,7 @@ class Controlled:
     """
 
     def __init__(
-        self, cosim: Simulation, names: Sequence[str], uncompared: Sequence[str] = ()
+        self, cosim: CoupledRun, names: Sequence[str], uncompared: Sequence[str] = ()
     ) -> None:
         assert cosim.scene.coupling.tolerance is not None
         self.cosim, self.names, self.uncompared = cosim, names, uncompared
@@ -249,7 +249,7 @@ class Controlled:
 
     def _otherwise(
         self,
-        cosim: Simulation,
+        cosim: CoupledRun,
         times: Signal,
         own: Mapping[str, Signal],
         scale: Mapping[str, float],
@@ -287,7 +287,7 @@ class Controlled:
         parts: int,
         grid: Signal | None,
         progress: Progress | None,
-        cosim: Simulation | None = None,
+        cosim: CoupledRun | None = None,
     ) -> Recorder:
         """One run, of all that is asked for and all that is compared."""
         cosim = cosim or self.cosim

@@ -5,22 +5,26 @@ from __future__ import annotations
 import re
 
 from ...fmus.composite.composition import Composition, Part
+from ...fmus.unit import alternatives
 from ..errors import SceneError
 from ..scene import Scene
+from ..scene.run import UNCORRECTED
 from .plan import ROTOR, plan
 from .runtime import runtime
-from .schedule import as_run, end_time, step_size
+from .schedule import end_time, in_one_piece, step_size
+
+COVERED = ("auto", "iterated")  # schemes of scenes that one file runs
 
 
 def composition(scene: Scene) -> Composition:
-    """What a scene's composite FMU is made from, with the steps or the tolerance that a run takes.
+    """What a scene's composite FMU is made from, with the tolerance that a run takes.
 
-    A tolerance is of a step here: nothing is run again for that of the whole run.
+    Nothing is run again for the error of the whole run.
 
     Raises:
         SceneError: the scene is coupled in a way that a composite does not have.
     """
-    return as_run(scene).once(_composition)
+    return scene.once(_composition)
 
 
 def _composition(scene: Scene) -> Composition:
@@ -28,12 +32,16 @@ def _composition(scene: Scene) -> Composition:
     coupling = scene.coupling
     if coupling.order < 3:
         raise SceneError(f"{scene.name}: coupling.order = {coupling.order}: of one file must be 3")
+    if coupling.scheme in UNCORRECTED:
+        raise SceneError(
+            f'{scene.name}: coupling.scheme = "{coupling.scheme}": of one file must be one of '
+            f"{alternatives(COVERED)}"
+        )
     found = plan(scene)
     exchanging = {c.source.unit for c in found.of_kind("signal")}
     following = {c.target.unit for c in found.of_kind("value")}
     start = {
-        "coupling.tolerance": coupling.tolerance or 0.0,
-        "coupling.steps_per_rev": float(coupling.steps_per_rev or 0),
+        "coupling.tolerance": in_one_piece(scene).coupling.tolerance or 0.0,
         **drive(scene),
     }
     parts = [
@@ -51,8 +59,6 @@ def _composition(scene: Scene) -> Composition:
     try:
         return Composition(
             tuple(parts),
-            coupling.scheme,
-            coupling.corrections,
             start,
             end_time(scene),
             step_size(scene),

@@ -1,7 +1,6 @@
-"""A scene's units coupled in C, by its one file: stepped, recorded, restarted as `CoSimulation` is.
+"""A scene's machine in C, by its one file: run, recorded, restarted as `CoSimulation` is.
 
-The same steps at the same points as with separate units, so that the results agree to rounding; the
-library is called for some rows at once, and releases the interpreter's lock meanwhile.
+The library is called for some rows at once, and releases the interpreter's lock meanwhile.
 """
 
 from __future__ import annotations
@@ -14,43 +13,35 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...fmus.composite.run import Run, RunFailed, Stretch
-from ...models.constants import FEWEST_CHOSEN, RESIDUAL_SHARE
-from ..errors import LoopError, SimulationError
+from ...models.constants import FEWEST_CHOSEN
+from ..errors import SimulationError
 from ..scene import Scene
 from .closing import Closing
-from .compared import Compared, compared_motion
-from .facts import Facts, advice, exchanging
+from .facts import Facts, exchanging
 from .names import readable
 from .one_file import composition_in_c, model_name
-from .recorder import Recorder, Signal, divided
-from .schedule import (
-    as_run,
-    end_time,
-    meets_events,
-    milestones,
-    schedule,
-    step_size,
-)
-from .simulation import Repeated, refuse_loose_tolerance
+from .recorder import Recorder, Signal
+from .schedule import end_time, in_one_piece, milestones, schedule, step_size
+from .simulation import refuse_loose_tolerance
 
 if TYPE_CHECKING:
     from ..output.workers import Progress
 
-# of the tolerance, what a step of a first run may err, by attempt; halved, it errs 1/16 or 1/64
-SHARES = (10.0, 1.0, 0.1)
 ROWS = 256  # of a call: interrupts and progress wait for its end
 Group = tuple[NDArray[np.uintc], NDArray[np.float64]]
 
 
 class OneFileRun(Closing):
-    """The coupling in C of a scene; restarted and stepped any number of times.
+    """The machine of a scene in one piece; restarted and run any number of times.
 
     Args:
         scene: what to simulate.
-        order: of the coupling signals; by default the scene's.
 
     Attributes:
+        scene: as it is run: with its tolerance, or the default in place of given steps.
         units: what is recorded of them, by name.
+        coupled: whether the run keeps a tolerance; a rotor alone is right to rounding.
+        rows: times of the record where the scene gives steps [s], else None.
         time: reached so far [s].
 
     Raises:
@@ -58,58 +49,42 @@ class OneFileRun(Closing):
             asked of a scheme or an order that cannot keep it.
     """
 
-    estimates_errors = True
-
     def __init__(self, scene: Scene) -> None:
-        self.scene = scene = as_run(scene)
         refuse_loose_tolerance(scene)
+        self._steps_per_rev = scene.coupling.steps_per_rev
+        self.scene = in_one_piece(scene)
         made = composition_in_c(scene)
         self._run = Run(made)
         inside = scene.once(_variables_inside)
         self.units = {name: UnitInside(self._run, name, *of) for name, of in inside.items()}
-        self.coupled = exchanging(scene)
-        self._chooses_steps = scene.coupling.tolerance is not None and self.coupled
-        self.meets_events = meets_events(scene)
-        self.time, self._passes, self._parts = 0.0, 0.0, 1
+        self.coupled = exchanging(scene) or bool(scene.rotor.friction)
+        self.rows = self._given_rows() if self._steps_per_rev else None
+        self.time = 0.0
 
     def like(self, scene: Scene) -> OneFileRun:
         """As `CoSimulation.like`."""
         return OneFileRun(scene)
 
-    def start(self, *, attempt: int | None = None, again: Repeated | None = None) -> None:
-        """As `CoSimulation.start`; without an attempt steps may err by less, for one run alone."""
-        if self.time:
-            self._passes += self._run.facts.passes
+    def start(self, share: float = 0.0, points: Signal | None = None, grain: float = 0.0) -> None:
+        """From the start, with this share of a step's tolerance, recorded at points [s].
+
+        Without points the record has equal parts of the machine's own steps; of a rotor alone, the
+        scene's steps.  `grain` is that of `Run`.
+
+        Raises:
+            SimulationError: the machine cannot be started.
+        """
         self.time = 0.0
         try:
-            share, points = 0.0 if attempt is None else SHARES[attempt], None
-            self._parts = again.parts if again else 1
-            if again and self._chooses_steps:
-                allowed = RESIDUAL_SHARE * share * (self.scene.coupling.tolerance or 0.0)
-                points = divided(again.times, again.parts), again.residual * allowed
-            self._run.start(points, share)
+            self._run.start(() if points is None else points.tolist(), share, grain)
         except RunFailed as failure:
             raise SimulationError(f"{self.scene.name}: {failure}") from None
 
-    @property
-    def in_one_piece(self) -> bool:
-        """Whether the machine goes on in one piece: C decides at the start.
-
-        Raises:
-            SimulationError: as `start`.
-        """
-        self.start()
-        return bool(self._run.facts.one_piece)
-
-    def start_in_one_piece(
-        self, share: float, points: Signal | None = None, grain: float = 0.0
-    ) -> None:
-        """From the start, with this share of a step's tolerance, recorded at points [s].
-
-        Without points the record has equal parts of the machine's own steps.
-        """
-        self.start()
-        self._run.start(None if points is None else (points.tolist(), 0.0), share, grain)
+    def _given_rows(self) -> Signal:
+        """Ends of the steps that the scene gives [s]."""
+        begins = [0.0, *milestones(self.scene)]
+        parts = zip(begins, schedule(self.scene, self._steps_per_rev), strict=False)
+        return np.concatenate([b + step * np.arange(1, n + 1) for b, (step, n) in parts])
 
     def record(self, recorder: Recorder, progress: Progress | None) -> None:
         """As `CoSimulation.record`."""
@@ -131,9 +106,9 @@ class OneFileRun(Closing):
 
     def _stretches(self) -> Iterator[Stretch]:
         longest = step_size(self.scene, FEWEST_CHOSEN)
-        for (step, count), bound in zip(schedule(self.scene), milestones(self.scene), strict=True):
-            part = step / self._parts
-            given = (0.0, longest, 0) if self._chooses_steps else (part, part, count * self._parts)
+        rows = schedule(self.scene, self._steps_per_rev)
+        for (step, count), bound in zip(rows, milestones(self.scene), strict=True):
+            given = (0.0, longest, 0) if self.coupled else (step, step, count)
             yield Stretch(self.time, bound, *given)
 
     def _on(
@@ -141,14 +116,8 @@ class OneFileRun(Closing):
     ) -> NDArray[np.float64]:
         filled = self._run.on(stretch, outputs, rows)
         if self._run.reason:
-            kind = LoopError if self._run.facts.loop_failed else SimulationError
-            hint = advice(kind(), self.scene, self.meets_events)
-            raise SimulationError(f"{self._run.reason}{hint}")
+            raise SimulationError(self._run.reason)
         return filled
-
-    def compared(self) -> Compared:
-        """What the runs of this motion are compared by."""
-        return compared_motion(self.scene, self.meets_events)
 
     def facts(self) -> Facts:
         """What the run since the last start did."""
@@ -159,12 +128,10 @@ class OneFileRun(Closing):
             note="",
             messages=tuple(self._run.warnings),
             calls={},
-            passes=round(self._passes + found.passes),
+            passes=round(found.passes),
             steps=round(found.steps),
-            unconverged=round(found.unconverged),
-            worst_residual=found.worst_residual,
-            estimated_error=found.estimated_error,
-            unresolved=round(found.unresolved),
+            unconverged=0,
+            worst_residual=0.0,
             series_order=round(found.order),
             collocated_steps=round(found.collocated),
         )

@@ -7,6 +7,7 @@ import math
 from ...models.constants import (
     BRIEF_STEP,
     DEFAULT_STEPS,
+    DEFAULT_TOLERANCE,
     FULL_BRIEF_TOLERANCE,
     SMALLEST_BRIEF_SHARE,
 )
@@ -17,13 +18,14 @@ from .runtime import runtime
 SLIVER = 1e-12  # of a time: rounding, not a step
 
 
-def as_run(scene: Scene) -> Scene:
-    """The scene, its coupling chosen where it asks for nothing: a tolerance, which is the default.
+def in_one_piece(scene: Scene) -> Scene:
+    """The scene as one file runs it: with its tolerance, or the default in place of given steps."""
+    return scene.once(_in_one_piece)
 
-    Where the force jumps within a step no step is short enough for a tolerance: it is given steps.
-    """
-    jumps = any(b.can_meet or b.can_stick for b in scene.balancer) and not meets_events(scene)
-    return at_fixed_steps(scene) if jumps and not scene.asks_for_coupling else scene
+
+def _in_one_piece(scene: Scene) -> Scene:
+    given = scene.coupling.tolerance
+    return scene if given else scene.replace({"coupling.tolerance": DEFAULT_TOLERANCE})
 
 
 def meets_events(scene: Scene) -> bool:

@@ -33,19 +33,15 @@ class Repeated(NamedTuple):
 
 
 class Simulation(Protocol):
-    """The coupled units of a scene, restarted and run any number of times.
+    """A scene, restarted and run any number of times.
 
     Attributes:
         units: what is recorded of them, by name.
-        coupled: whether there is a loop.
-        meets_events: whether steps end where weights collide or stick, or supports stick.
-        estimates_errors: whether each step estimates its error.
+        coupled: whether its tolerance needs runs to compare.
     """
 
     scene: Scene
     coupled: bool
-    meets_events: bool
-    estimates_errors: bool
 
     @property
     def units(self) -> Mapping[str, Any]: ...
@@ -54,20 +50,35 @@ class Simulation(Protocol):
 
     def __exit__(self, *_exception: object) -> None: ...
 
+    def start(self) -> None:
+        """Restart from the scene's start values."""
+
+    def record(self, recorder: Recorder, progress: Progress | None) -> None:
+        """Run to the end; a row at the start and after every step."""
+
+    def facts(self) -> Facts:
+        """What the run since the last start did."""
+
+
+class CoupledRun(Simulation, Protocol):
+    """Coupled units, whose steps can be chosen and repeated.
+
+    Attributes:
+        meets_events: whether steps end where weights collide or stick, or supports stick.
+        estimates_errors: whether each step estimates its error.
+    """
+
+    meets_events: bool
+    estimates_errors: bool
+
     def like(self, scene: Scene) -> Self:
         """A simulation of another scene with the same units, which differs in start values."""
 
     def start(self, *, attempt: int | None = None, again: Repeated | None = None) -> None:
         """Restart from the scene's start values; arguments as of `CoSimulation.start`."""
 
-    def record(self, recorder: Recorder, progress: Progress | None) -> None:
-        """Run to the end; a row at the start and after every step."""
-
     def compared(self) -> Compared:
         """What the runs of this motion are compared by."""
-
-    def facts(self) -> Facts:
-        """What the run since the last start did."""
 
 
 def refuse_loose_tolerance(scene: Scene) -> None:

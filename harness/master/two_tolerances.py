@@ -36,7 +36,7 @@ if TYPE_CHECKING:
     from ..output.workers import Progress
     from .one_file_run import OneFileRun
 
-PARTS = 4  # of the way between two points of the first run, for a smooth record
+PARTS = 4  # of the way between two points of the first run, where they are chosen: a smooth record
 FINER = 0.01  # what a step of a run may err, over that of the run before
 ROUNDING = 1e-16  # what a step errs by at least
 EVERY = 8  # points of the first run are those of runs to compare with
@@ -77,16 +77,17 @@ class TwoTolerances:
             SimulationError: as `OneFileRun.record`.
         """
         share, done = 1.0, 0
-        recorder = self._recorded(share, None, done, progress)
+        recorder = self._recorded(share, self._run.rows, done, progress)
         grid, before = recorder.columns()
-        points = np.array(divided(grid, PARTS))
+        parts = PARTS if self._run.rows is None else 1
+        points = np.array(divided(grid, parts))
         least = least_motion(self._run.scene)
         scale = {name: least.get(unit, 0.0) for name, unit in recorder.signal_units.items()}
         while True:
             share, done = share * FINER, done + 1
             recorder = self._recorded(share, points, done, progress)
             _, signals = recorder.columns()
-            compared = {n: s[::PARTS] for n, s in signals.items() if n not in self._uncompared}
+            compared = {n: s[::parts] for n, s in signals.items() if n not in self._uncompared}
             self.error = largest_difference(before, compared, scale)
             finest = SERIES_SHARE * self.tolerance * share * FINER < ROUNDING
             if self.error <= self.tolerance or finest:
@@ -110,7 +111,7 @@ class TwoTolerances:
             with self._run.like(turned(scene, sign * RESOLVED) or scene) as near:
                 recorder = Recorder(near.units, list(own))
                 try:
-                    near.start_in_one_piece(share, points)
+                    near.start(share, points)
                     near.record(recorder, None)
                 except SimulationError as error:
                     self.unknown = f"a neighbouring motion cannot be computed: {error}"
@@ -134,7 +135,7 @@ class TwoTolerances:
         for grain in GRAINS:
             recorder = Recorder(self._run.units, list(own))
             try:
-                self._run.start_in_one_piece(share, points, grain)
+                self._run.start(share, points, grain)
                 self._run.record(recorder, None)
             except SimulationError as error:
                 self.unknown = f"impacts cannot be resolved otherwise: {error}"
@@ -153,6 +154,6 @@ class TwoTolerances:
         """One run, of all that is asked for and all that is compared."""
         run, runs = self._run, max(2, done + 1)
         recorder = Recorder(run.units, self._names, [*motion_signals(run.scene), *self._uncompared])
-        run.start_in_one_piece(share, grid)
+        run.start(share, grid)
         run.record(recorder, progress and (lambda part: progress((done + part) / runs)))
         return recorder

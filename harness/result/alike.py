@@ -1,4 +1,4 @@
-"""Scenes that differ in numbers alone, which the coupling in C can run together."""
+"""Scenes that differ in numbers alone, which run together in C."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""One scene run many times with other values, by the coupling in C, on all cores."""
+"""One scene run many times with other values, in C, on all cores."""
 
 from __future__ import annotations
 
@@ -35,8 +35,7 @@ RESULTS = {
     "largest": "largest amplitude of the run [m]",
     "settling_time": "after which the amplitude stays near the last [s]; NaN: not settled",
     "settled": "1 where the last two revolutions are alike",
-    "error": "of the motion, estimated by the coupling",
-    "loop_gain": "of the loop force - acceleration",
+    "error": "what a step may err, of the motion",
     "merged": "1 where identical point weights end at one angle, equal to the last bit: the run "
     "cannot part them again, even where that state is unstable (see `run`)",
 }
@@ -99,7 +98,7 @@ def cosimulate_many(
     states = names_of_states(scene) if "merged" in results else []
     others = {*RESULTS, *residuals, *parts_of, *means}
     wanted = [name for name in results if name not in others]
-    ending = list(dict.fromkeys(["coupling.error", "coupling.loop_gain", *wanted, *states]))
+    ending = list(dict.fromkeys(["coupling.error", *wanted, *states]))
     ends = np.full(len(values), end_time(scene))
     paced = "coupling.top_speed" if scene.operation.motor else "speed"
     if paced in columns and not profile.changes and scene.run.duration is None:
@@ -124,7 +123,7 @@ def cosimulate_many(
         signals, at_end, reasons = runs.with_last(values[part], ends[part])
         motion = signals[:, :, : 2 * len(scene.rotor.points)]
         reduced = _reduced(motion, turns, ends[part], residuals, heavy)
-        reduced |= dict(zip(["error", "loop_gain", *ending[2:]], at_end.T, strict=True))
+        reduced |= dict(zip(["error", *ending[1:]], at_end.T, strict=True))
         late = signals[:, -((signals.shape[1] - 1) // turns) :]
         for name in set(angles).intersection(results):
             reduced[name] = late[:, :, asked.index(means[name])].mean(axis=1)

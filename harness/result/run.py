@@ -7,7 +7,7 @@ import warnings
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, cast
 
 from ..errors import UserError
 from ..master.alone import friction_error
@@ -18,7 +18,6 @@ from ..master.left_out import left_out
 from ..master.merged import merged_now
 from ..master.one_file import why_separate
 from ..master.recorder import Recorder, recorded
-from ..master.simulation import Simulation
 from ..master.two_tolerances import TwoTolerances
 from ..scene import Scene, load_scene
 from ..scene.plausible import warn
@@ -26,9 +25,11 @@ from .result import Result
 from .velocity import recorded_for, velocities, with_velocities
 
 if TYPE_CHECKING:
+    from ..master.one_file_run import OneFileRun
+    from ..master.simulation import CoupledRun
     from ..output.workers import Progress
 
-NO_CALLS = "calls of FMI (the one file's units are coupled in C, from memory to memory)"
+NO_CALLS = "calls of FMI (the machine is integrated in one piece, from memory to memory)"
 
 
 def cosimulate(
@@ -42,8 +43,8 @@ def cosimulate(
 ) -> Result:
     """Run a scene and return what it recorded.
 
-    The units are coupled in C, as the scene's one file couples them.  Separate FMUs, coupled in
-    Python, run instead if `separate` or `fmus` is given, and for what one file does not have:
+    The machine is integrated in one piece, as the scene's one file does it.  Separate FMUs, coupled
+    in Python, run instead if `separate` or `fmus` is given, and for what one file does not have:
     scheme "jacobi", "gauss-seidel" or "compensated", order 0 or 1, units in Python; then
     `Result.events` says so, and why.
 
@@ -91,7 +92,7 @@ def refuse_separate(scene: Scene, fmus: Path | None) -> None:
         raise UserError(why)
 
 
-def load(scene: Scene, fmus: Path | None = None, separate: bool = False) -> Simulation:
+def load(scene: Scene, fmus: Path | None = None, separate: bool = False) -> OneFileRun | CoupledRun:
     """What steps a scene: its one file, or its separate units, see `cosimulate`."""
     if separate or why_separate(scene):
         from ..master.cosimulation import CoSimulation  # loads fmpy
@@ -108,36 +109,23 @@ def load(scene: Scene, fmus: Path | None = None, separate: bool = False) -> Simu
 
 
 def is_in_one_piece(scene: Scene) -> bool:
-    """Whether a run of the scene integrates the machine without a coupling inside.
-
-    Raises:
-        SimulationError: the scene cannot be started.
-    """
-    if scene.coupling.tolerance is None or why_separate(scene):
-        return False
-    from ..master.one_file_run import OneFileRun  # compiles where it has to
-
-    with OneFileRun(scene) as simulation:
-        return simulation.in_one_piece
+    """Whether a run of the scene integrates the machine without a coupling inside."""
+    return not why_separate(scene)
 
 
 def controlled_runs(
-    simulation: Simulation, names: Sequence[str], uncompared: Sequence[str] = ()
+    simulation: OneFileRun | CoupledRun, names: Sequence[str], uncompared: Sequence[str] = ()
 ) -> Controlled | TwoTolerances:
-    """What keeps the tolerance of a scene's run: of the machine in one piece, or of coupled parts.
-
-    Raises:
-        SimulationError: the scene cannot be started.
-    """
+    """What keeps the tolerance of a run: of the machine in one piece, or of coupled parts."""
     from ..master.one_file_run import OneFileRun  # compiles where it has to
 
-    if isinstance(simulation, OneFileRun) and simulation.in_one_piece:
+    if isinstance(simulation, OneFileRun):
         return TwoTolerances(simulation, names, uncompared)
     return Controlled(simulation, names, uncompared)
 
 
 def _run(
-    simulation: Simulation, scene: Scene, names: list[str], progress: Progress | None
+    simulation: OneFileRun | CoupledRun, scene: Scene, names: list[str], progress: Progress | None
 ) -> Result:
     """A scene run as its coupling asks, recording `names`, see `cosimulate`."""
     known = not getattr(simulation, "wiring", None)  # parts of others need not tell velocities
@@ -160,7 +148,7 @@ def _run(
     if controlled:
         facts = replace(facts, estimated_error=controlled.error, unknown_error=controlled.unknown)
     if watched:  # runs once more
-        own_error = friction_error(simulation, recorder)
+        own_error = friction_error(cast("CoupledRun", simulation), recorder)
         facts = replace(facts, estimated_error=max(facts.estimated_error, own_error))
     merged = merged_now(simulation.scene, simulation.units) if known else []
     facts = replace(facts, messages=(*facts.messages, *merged))

@@ -16,7 +16,7 @@ from ..scene.unit import split_port
 from .result import Result
 
 if TYPE_CHECKING:
-    from ..master.simulation import Simulation
+    from ..master.simulation import CoupledRun
     from ..output.workers import Progress
 
 
@@ -59,7 +59,7 @@ def run_system(
         names = run.recorded() if record is None else list(record)
         begin = clock.perf_counter()
         if system.coupling.tolerance is not None and run.coupled:
-            controlled = Controlled(cast("Simulation", run), names)
+            controlled = Controlled(cast("CoupledRun", run), names)
             recorder, error = controlled.run(progress), controlled.error
         else:
             recorder, error = Recorder(run.units, names), 0.0

@@ -1,4 +1,4 @@
-"""Many machines drawn from a scene's tolerances, each run by the coupling in C."""
+"""Many machines drawn from a scene's tolerances, each run in one piece."""
 
 from __future__ import annotations
 

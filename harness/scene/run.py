@@ -9,11 +9,10 @@ from typing import Annotated, Any, Literal
 from pydantic import BeforeValidator, Field, model_validator
 
 from ...models.assembly import SpeedProfile, Start
-from ...models.constants import DEFAULT_STEPS, FEWEST_STEPS
+from ...models.constants import DEFAULT_STEPS, DEFAULT_TOLERANCE, FEWEST_STEPS
 from ...models.motor import Drive, MotorDriven
 from .quantities import SI, Angle, NotNegative, Positive, Real, Table, Text, Whole, refusal
 
-DEFAULT_TOLERANCE = 1e-4  # of the motion: no picture shows it
 UNCORRECTED = ("jacobi", "gauss-seidel", "compensated")  # schemes that take one pass
 STEPS = ("steps_per_rev", "tolerance")  # one or the other
 DRIVES = ("speed", "run_up", "profile", "motor")  # one of them
@@ -179,20 +178,32 @@ class Coupling(Table):
     """How the units exchange signals."""
 
     scheme: Literal["auto", "jacobi", "gauss-seidel", "compensated", "iterated"] = "auto"
-    """How forces are guessed and corrected; `auto` looks at the loop gain."""
+    """How separate FMUs guess and correct forces; `auto` looks at the loop gain."""
     tolerance: Annotated[Positive | None, Field(le=LOOSEST_TOLERANCE), SI("")] = None
     """Error the motion may have, of itself; chooses the steps.  This or `steps_per_rev`; default:
     1e-4, unless another scheme, an order or corrections are given."""
     steps_per_rev: Annotated[Whole | None, Field(ge=FEWEST_STEPS, le=1_000_000)] = None
-    """Communication steps in the fastest revolution; default: 40 where no tolerance is kept."""
+    """Steps of separate FMUs in the fastest revolution; default: 40 where no tolerance is kept.  In
+    one piece the machine has its own steps, and rows are at these."""
     order: Annotated[Literal[0, 1, 3], BeforeValidator(whole_choice)] = 3
-    """Of the signals over a step: 0 held, 1 linear, 3 cubic Hermite; one file takes 3 alone."""
+    """Of the signals of separate FMUs over a step: 0 held, 1 linear, 3 cubic Hermite; with 0 or 1
+    separate FMUs run."""
     corrections: Annotated[Whole | None, Field(ge=0, le=100)] = None
-    """Corrector passes of `iterated` with given steps; default: until the loop has converged, with
-    `auto` as few as the loop gain asks for."""
+    """Corrector passes of `iterated` of separate FMUs with given steps; default: until the loop has
+    converged, with `auto` as few as the loop gain asks for."""
     units: Literal["native", "python"] = "native"
     """Compiled units, or those that run Python: point weights on a track in the centre, supports
     without dry friction, a prescribed speed; several times slower."""
+
+    @property
+    def of_separate(self) -> list[str]:
+        """Keys that are given and have a meaning for separate FMUs alone."""
+        given = {
+            "scheme": self.scheme != "auto",
+            "steps_per_rev": self.steps_per_rev is not None,
+            "corrections": self.corrections is not None,
+        }
+        return [f"coupling.{key}" for key, is_given in given.items() if is_given]
 
     @model_validator(mode="before")
     @classmethod

@@ -202,8 +202,7 @@ class Machine {
     this.units = units;
     const weights = units.names.filter((name) => /\.weight\[\d+\]\.angle$/.test(name));
     this.places = [...this.stations, ...this.planes.map((k) => `rotor.plane[${k}]`)];
-    const facts = ["rotor.angle", "rotor.speed", "coupling.loop_gain", "coupling.error",
-      "coupling.steps"];
+    const facts = ["rotor.angle", "rotor.speed", "coupling.error", "coupling.steps"];
     this.clearances = units.names.filter((name) => name.endsWith(".clearance"));
     this.waves = units.names.filter((name) => name.endsWith(".wave_xi"))
       .map((name) => name.slice(0, -".wave_xi".length));
@@ -227,14 +226,14 @@ class Machine {
   }
 
   read() {
-    const [angle, speed, gain, error, steps, ...rest] = this.readAll();
+    const [angle, speed, error, steps, ...rest] = this.readAll();
     const pairs = this.places.map((_, k) => ({ x: rest[2 * k], y: rest[2 * k + 1] }));
     const first = 2 * this.places.length, last = first + 2 * this.waves.length;
     const waves = Object.fromEntries(this.waves.map((w, k) =>
       [w, rest.slice(first + 2 * k, first + 2 * k + 2)]));
     const angles = rest.slice(last, rest.length - this.clearances.length);
     const clearance = Math.min(...rest.slice(rest.length - this.clearances.length));
-    this.now = { angle, speed, gain, error, steps, pairs, waves, angles, clearance };
+    this.now = { angle, speed, error, steps, pairs, waves, angles, clearance };
   }
 
   remember() {

@@ -208,8 +208,7 @@ class Page {
     });
     this.write("details", {
       "Error, estimated": shown(now.error),
-      "Loop gain": shown(now.gain),
-      "Coupling steps": shown(now.steps),
+      "Steps": shown(now.steps),
       "Frames a second": shown(Math.round(1000 / this.cost.frame)),
       "Can run at": speedup ? `${shown(speedup)} × real time` : "not measured yet",
     });

@@ -164,7 +164,7 @@ class MainMotion(Closing):
         return turned / scale
 
     def _resolved(self, measure: Callable[[], Outcome]) -> Outcome:
-        """What `measure` gives; steps are halved as often as the coupling refuses them as too long.
+        """What `measure` gives; separate FMUs halve steps that they refuse as too long.
 
         Far below the natural frequencies, or under heavy drag, a given number of steps per
         revolution does not resolve what the units do.
@@ -175,7 +175,7 @@ class MainMotion(Closing):
                 try:
                     return measure()
                 except SimulationError:
-                    if self.units.steps >= MOST_REFINED * given:
+                    if not self.units.is_separate or self.units.steps >= MOST_REFINED * given:
                         raise
                     self.units.steps *= 2
         finally:

@@ -33,6 +33,7 @@ PERTURBATION = 1e-4  # of each state's scale: central differences err by 1e-8, r
 RANK = 1e-6  # smaller singular values of a derivative are zero: central differences err by 1e-8
 FIXED_POINT_TOLERANCE = 1e-9  # of each state's scale; iterated coupling is converged to 1e-10
 FIXED_POINT_ITERATIONS = 20
+TIGHT = 1e-12  # of a machine in one piece: what differences of its starts bear
 
 
 @dataclass(frozen=True)
@@ -104,7 +105,7 @@ class Revolution(Closing):
 
     Args:
         scene: whose units.
-        steps: communication steps per revolution; by default the scene's.
+        steps: of separate FMUs a revolution; by default the scene's.
         separate: couple separate FMUs in Python even where the scene can run as one file.
 
     Attributes:
@@ -144,7 +145,7 @@ class Revolution(Closing):
         """States (k, n) one revolution after each of (k, n), rotor at the same angle."""
         if self._one_file is None:
             return np.array([self._turned(state, speed) for state in states])
-        changed = {"coupling.steps_per_rev": float(self.steps), "speed": speed}
+        changed = {"coupling.tolerance": TIGHT, "speed": speed}
         changed |= {f"rotor.{name}": value for name, value in self.rotor.items()}
         starts, outputs = (
             [f"{s.unit}.{name}" for s, name in zip(self.states, names, strict=True)]

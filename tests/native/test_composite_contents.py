@@ -89,8 +89,9 @@ def test_the_file_says_what_is_left_of_vibration_and_unbalance(hosted, name, wei
     assert host.slave.getBoolean(flag) == [False]
     for _ in range(8):
         rows = [host.step(turn / many) or host.get(*axes) for _ in range(many)]
+    host.step(turn / 16)  # looks at the motion are 1/32 of a turn apart
     vibration, left, used = host.get("vibration", "residual_unbalance", "capacity_used")
-    assert vibration == pytest.approx(0.5 * np.ptp(np.array(rows), axis=0).max(), rel=0.02)
+    assert vibration == pytest.approx(0.5 * np.ptp(np.array(rows), axis=0).max(), rel=0.05)
     assert host.slave.getBoolean(flag) == [vibration <= limit]
     moments = [
         complex(*host.get(f"{one.label}.moment_xi", f"{one.label}.moment_eta"))

@@ -25,12 +25,11 @@ def test_a_drive_that_jumps_moves_as_the_harness_moves_it(hosted, told):
             "operation.run_up.to": top,
             "operation.run_up.seconds": rise,
             "coupling.scheme": "iterated",
-            "coupling.steps_per_rev": steps,
+            "coupling.tolerance": 1e-8,
             "run.revolutions": turned / (2.0 * math.pi),
         }
     )
     expected, profile = cosimulate(scene), scene.profile()
-    assert expected.steps == pytest.approx(RISE + STAY, abs=20)
     host = hosted(scene, {"rise_time": 0.0, "coupling.top_speed": top} if told else {})
     names = list(expected.signals)
     rows = [host.get(*names)]
@@ -40,11 +39,10 @@ def test_a_drive_that_jumps_moves_as_the_harness_moves_it(hosted, told):
         host.time = begin
         host.step(end - begin)
         rows.append(host.get(*names))
-    assert host.get("coupling.steps") == [expected.steps]
     assert host.get("rotor.speed") == [pytest.approx(top, rel=1e-12)]
     for k, signal in enumerate(names):
         error = np.abs(np.array(rows)[:, k] - expected[signal]).max()
-        assert error <= 1e-10 * np.ptp(expected[signal]), signal
+        assert error <= 1e-6 * np.ptp(expected[signal]), signal
 
 
 def sprung(**coupling) -> Scene:
@@ -69,7 +67,7 @@ def sprung(**coupling) -> Scene:
                 }
             ],
             "operation": {"speed": 250.0},
-            "coupling": {"scheme": "iterated", "steps_per_rev": 80, **coupling},
+            "coupling": {"tolerance": 1e-8, **coupling},
         }
     )
 

@@ -1,4 +1,4 @@
-"""One scene run many times by the coupling in C: as single runs, in threads, and failures kept."""
+"""One scene run many times in C: as single runs, in threads, and failures kept."""
 
 from __future__ import annotations
 
@@ -9,12 +9,14 @@ import time
 
 import numpy as np
 import pytest
+from scipy.interpolate import CubicSpline
 
 from autobalancer.fmus.composite.batch import BatchRuns
 from autobalancer.harness import Scene, UserError, cosimulate, cosimulate_many, load_scene
 from autobalancer.harness.master.one_file import composition
 from autobalancer.harness.master.schedule import end_time
 
+CLOSE = 1e-4  # what the tolerance of both allows
 DRAGS = [0.008, 0.0125, 0.02, 0.05]
 UNBALANCES = [0.01, 0.025, 0.03, 0.07]
 TABLE = {"weights.drag": np.array(DRAGS), "rotor.unbalance": np.array(UNBALANCES)}
@@ -25,19 +27,28 @@ def scene() -> Scene:
     return load_scene("two_balls").replace({"run.revolutions": 12})
 
 
+def read_evenly(run, place, count):
+    """Amplitude of a place at points that divide the run."""
+    times = np.linspace(0.0, run.time[-1], count + 1)
+    x, y = (CubicSpline(run.time, run[f"{place}{axis}"])(times) for axis in "xy")
+    return np.hypot(x, y)
+
+
 def test_every_row_is_the_run_of_a_scene_with_these_values(scene):
     found = cosimulate_many(
-        scene, TABLE, results=["largest", "residual", "error", "loop_gain", "weights.spread"]
+        scene, TABLE, results=["largest", "residual", "error", "weights.spread"]
     )
     assert list(found["failure"]) == [""] * 4
     for k, (drag, unbalance) in enumerate(zip(DRAGS, UNBALANCES, strict=True)):
         changed = scene.replace({"weights.drag": drag, "rotor.unbalance": unbalance})
         one = cosimulate(changed, record=["rotor.x", "rotor.y", "weights.spread"])
-        amplitude = np.hypot(one["rotor.x"], one["rotor.y"])
-        assert found["largest"][k] == pytest.approx(amplitude.max(), rel=1e-11)
-        assert found["residual"][k] == pytest.approx(amplitude[-20:].max(), rel=1e-9)
-        assert found["weights.spread"][k] == pytest.approx(one["weights.spread"][-1], rel=1e-9)
-        assert found["error"][k] == pytest.approx(one.estimated_error, rel=1e-6)
+        amplitude = read_evenly(one, "rotor.", 12 * 20)
+        assert found["largest"][k] == pytest.approx(amplitude.max(), rel=CLOSE)
+        assert found["residual"][k] == pytest.approx(
+            amplitude[-20:].max(), abs=CLOSE * amplitude.max()
+        )
+        assert found["weights.spread"][k] == pytest.approx(one["weights.spread"][-1], rel=CLOSE)
+        assert 0.0 < found["error"][k] <= 1e-4
 
 
 def test_each_station_has_its_own_residual():
@@ -46,8 +57,8 @@ def test_each_station_has_its_own_residual():
     found = cosimulate_many(scene, {"speed": [4.0]}, results=names)
     one = cosimulate(scene, record=[f"rotor.station[{k}].{axis}" for k in (1, 2) for axis in "xy"])
     for k in (1, 2):
-        size = np.hypot(one[f"rotor.station[{k}].x"], one[f"rotor.station[{k}].y"])
-        assert found[names[k - 1]][0] == pytest.approx(size[-40:].max(), rel=1e-9)
+        size = read_evenly(one, f"rotor.station[{k}].", 12 * 40)
+        assert found[names[k - 1]][0] == pytest.approx(size[-40:].max(), rel=CLOSE)
     assert found["residual"][0] == max(found[name][0] for name in names[:2])
 
 
@@ -110,7 +121,7 @@ def test_a_start_of_minus_zero_is_one_like_another(scene):
 def test_speed_is_of_each_run_and_so_is_its_length(scene):
     found = cosimulate_many(scene, {"speed": [3.0, 4.0]}, results=["rotor.angle", "coupling.steps"])
     assert found["rotor.angle"] == pytest.approx([12 * math.tau] * 2, rel=1e-12)
-    assert list(found["coupling.steps"]) == [240.0, 240.0]
+    assert (found["coupling.steps"] > 12).all()
 
 
 def test_threads_change_no_bit_and_leave_the_interpreter_free(scene):
@@ -168,7 +179,7 @@ def test_memory_does_not_grow_with_runs(scene):
     assert grown < 20e6
 
 
-@pytest.mark.parametrize("coupling", [{"tolerance": 1e-3}, {"steps_per_rev": 20}])
+@pytest.mark.parametrize("coupling", [{"tolerance": 1e-3}, {"tolerance": 1e-8}])
 def test_a_run_is_read_where_its_own_steps_end(coupling):
     """As often as it steps, and as an evenly read run of the same scene that meets these times."""
     scene = load_scene("balls_and_liquid").replace(
@@ -189,13 +200,13 @@ def test_a_run_is_read_where_its_own_steps_end(coupling):
 
 def test_a_run_up_is_read_where_its_own_steps_end():
     """Its top is one of them; runs that end there are the other side."""
-    scene = load_scene("run_up").replace({"coupling.steps_per_rev": 40})
+    scene = load_scene("run_up").replace({"coupling.tolerance": 1e-9})
     made, asked, none = composition(scene), ["rotor.x", "rotor.y"], np.empty((1, 0))
     ends = np.array([end_time(scene)])
     signals, _ = BatchRuns(made, [], asked, 9000, own_steps=True)(none, ends)
     own = signals[0, ~np.isnan(signals[0, :, 0])]
     assert scene.operation.run_up.seconds in own[:, 0]
-    some = own[[100, 1000, 1911, 2500, 5000, -1]]
+    some = own[[10, 100, 200, 300, -20, -1]]
     there, _ = BatchRuns(made, [], asked, 1)(np.empty((len(some), 0)), some[:, 0].copy())
     difference = np.abs(there[:, -1] - some[:, 1:]).max(axis=0)
     assert (difference < 1e-9 * np.ptp(own[:, 1:], axis=0)).all()

@@ -9,7 +9,6 @@ import pytest
 
 from autobalancer.harness import Scene, cosimulate, load_scene
 from autobalancer.harness.master.one_file import composition
-from autobalancer.harness.master.schedule import as_run
 
 
 def loose(name: str, tolerance: float, revolutions: float) -> Scene:
@@ -34,38 +33,14 @@ def test_the_tool_may_ask_as_often_as_it_likes(instance, parts, tolerance):
     assert np.abs(runs[0] - runs[1]).max() <= tolerance * np.abs(runs[1]).max()
 
 
-def test_the_file_takes_steps_or_a_tolerance_whatever_it_was_built_with(instance):
-    """Setting one of them is enough; a number of steps need not be whole."""
-    one = 2.0 * math.pi / 3.0
-    for built, given in ((1e-4, 20.0), (1e-4, 20.5)):
-        host = instance(loose("two_balls", built, 1)).begin({"coupling.steps_per_rev": given})
-        host.step(one)
-        assert host.get("coupling.steps", "coupling.tolerance") == [math.ceil(given), 0.0]
-    seen = []
-    fixed = load_scene("two_balls").replace({"coupling.steps_per_rev": 40})
-    for scene, given in (
-        (fixed, {"coupling.tolerance": 1e-4}),
-        (fixed, {"coupling.tolerance": 1e-4, "coupling.steps_per_rev": 0.0}),
-    ):
-        host = instance(scene).begin(given)
-        host.step(one)
-        assert host.get("coupling.steps")[0] != 40.0
-        seen.append(host.outputs())
-    assert seen[0] == seen[1]
-
-
-@pytest.mark.parametrize("resistance", [0.0, 1e-3])
+@pytest.mark.parametrize("coupling", [{}, {"steps_per_rev": 20}, {"scheme": "iterated"}])
 @pytest.mark.parametrize("name", ["two_balls", "finite_weights"])
-def test_a_scene_that_asks_for_nothing_gets_what_a_run_of_it_gets(name, resistance):
-    """A tolerance, also where weights collide and stick."""
-    document = load_scene(name).document
-    document.pop("coupling", None)
-    document["balancer"][0]["rolling_resistance"] = resistance
-    scene = Scene.from_document(document)
-    start = composition(scene).start
-    chosen = as_run(scene).coupling
-    assert start["coupling.steps_per_rev"] == (chosen.steps_per_rev or 0.0) == 0.0
-    assert start["coupling.tolerance"] == chosen.tolerance == 1e-4
+def test_a_file_has_the_tolerance_that_a_run_keeps(name, coupling):
+    """The default where the scene gives none: steps are of separate FMUs."""
+    document = {**load_scene(name).document, "coupling": coupling}
+    start = composition(Scene.from_document(document)).start
+    assert start["coupling.tolerance"] == 1e-4
+    assert "coupling.steps_per_rev" not in start
 
 
 FLUNG = {
@@ -80,7 +55,7 @@ FLUNG = {
 
 
 def test_steps_are_taken_again_that_a_unit_cannot_follow(instance):
-    """A pendulum of twenty times the rotor's mass flings it about: the loop's Jacobian turns."""
+    """A pendulum of twenty times the rotor's mass flings it about: masses turn round."""
     names = ("rotor.x", "rotor.y", "pendulums.moment_xi", "pendulums.moment_eta")
     runs = []
     for tolerance in (1e-2, 1e-6):

@@ -64,7 +64,7 @@ def test_a_restore_that_fails_leaves_the_instance_as_it_was(hosted):
         struct.pack_into("<d", data, VALUES + 8 * int(reference), 0.0)
     data[-8:] = fnv(bytes(data[:-8]))
     forged = host.slave.deserializeFMUState(bytes(data))
-    assert "one must be above 0" in host.refused(lambda: host.slave.setFMUState(forged))
+    assert "must be above 0 and at most 0.1" in host.refused(lambda: host.slave.setFMUState(forged))
     after = ctypes.c_void_p()
     host.slave.fmi2GetFMUstate(host.slave.component, ctypes.byref(after))
     assert host.slave.serializeFMUState(after) == before

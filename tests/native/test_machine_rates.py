@@ -32,12 +32,9 @@ def smooth_scenes(family):
 
 
 def states_and_rates(scene):
-    """By the library, some way after the start: time, states and derivatives by name.
-
-    None where the scene does not go on in one piece: it is stiff.
-    """
+    """By the library, some way after the start: time, states and derivatives by name."""
     made = composition(scene)
-    start = {**made.start, "coupling.tolerance": 1e-6, "coupling.steps_per_rev": 0.0}
+    start = {**made.start, "coupling.tolerance": 1e-6}
     made = replace(made, start=start)
     names = [f"{part.name}.{state}" for part in made.parts for state in part.states]
     read = np.array([made.layout.index[name] for name in names], np.uintc)
@@ -45,15 +42,11 @@ def states_and_rates(scene):
     values, rates = np.empty(len(read)), np.empty(len(read))
     run = Run(made)
     run.start()
-    if run.facts.one_piece:
-        run.on(Stretch(0.0, end, end, end, 1), read, np.empty((2, 1 + len(read))))
-        assert run.reason == ""
-        run.read(read, values)
-        run.read(np.arange(len(read), dtype=np.uintc) + FIRST_DERIVATIVE, rates)
-    one_piece = run.facts.one_piece
+    run.on(Stretch(0.0, end, end, end, 1), read, np.empty((2, 1 + len(read))))
+    assert run.reason == ""
+    run.read(read, values)
+    run.read(np.arange(len(read), dtype=np.uintc) + FIRST_DERIVATIVE, rates)
     run.close()
-    if not one_piece:
-        return None
     return end, dict(zip(names, values, strict=True)), dict(zip(names, rates, strict=True))
 
 
@@ -95,10 +88,7 @@ def referred(scene, time, values):
 def test_rates_are_those_of_the_reference(family):
     compared = 0
     for scene in smooth_scenes(family):
-        given = states_and_rates(scene)
-        if given is None:
-            continue
-        time, values, rates = given
+        time, values, rates = states_and_rates(scene)
         stations, weights, change = referred(scene, time, values)
         _, lateral, turned = of_parts(scene, rates)
         size = abs(stations).max() + abs(scene.assembly().rotor.gravity)

@@ -42,7 +42,7 @@ def test_a_scene_is_one_file_on_request(tmp_path, fmi):
     assert float(starts["rotor.mass"]) == 0.95
     said = {v.name: v.description for v in description.modelVariables}
     assert said["weights.mass"] == "Mass m of each weight (weights) (above 0 kg)"
-    assert float(starts["coupling.steps_per_rev"]) == 20.0
+    assert float(starts["coupling.tolerance"]) == 1e-4
 
 
 def test_one_file_needs_a_scene_that_it_can_couple(tmp_path):
@@ -56,8 +56,7 @@ def test_one_file_needs_a_scene_that_it_can_couple(tmp_path):
         scene.write_text(text.replace(f"{key} = {mine}", f"{key} = {other}"))
         outcome = invoke(scene, "--one-file", "-o", tmp_path)
         assert outcome.exit_code == 2
-        said = f"coupling.{key} = {other}: of one file {allowed}".replace('"', "'")
-        assert said in outcome.output
+        assert f"coupling.{key} = {other}: of one file {allowed}" in outcome.output
     assert not list(tmp_path.glob("*.fmu"))
 
 

@@ -30,7 +30,7 @@ CHOICES: dict[str, tuple[dict[str, object], dict[str, bool]]] = {
 
 
 def one_piece() -> Sheet:
-    """Cheapest way to an error: coupled in C, coupled in Python, SciPy on one system."""
+    """Cheapest way to an error: one file, separate FMUs, SciPy on one system."""
     tables = [cheapest(ab.load(name).precision(SECONDS)) for name in (*SCENES, "liquid_disc")]
     return replace(tables[0], rows=[row for each in tables for row in each.rows])
 

@@ -67,11 +67,11 @@ class Compared:
 
 
 def compared(scene: Scene) -> Compared | None:
-    """A scene's run and its true error; None where it does not run in one piece."""
+    """A scene's run and its true error; None where it keeps no tolerance."""
     tolerance = scene.coupling.tolerance
     assert tolerance is not None
     with OneFileRun(scene) as run:
-        if not (run.coupled and run.in_one_piece):
+        if not run.coupled:
             return None
         names = motion_signals(scene)
         controlled = TwoTolerances(run, names)
@@ -87,7 +87,7 @@ def compared(scene: Scene) -> Compared | None:
 
 def _at(run: OneFileRun, names: Sequence[str], times: Signal, share: float) -> Mapping[str, Signal]:
     recorder = Recorder(run.units, names)
-    run.start_in_one_piece(share, times)
+    run.start(share, times)
     run.record(recorder, None)
     return recorder.columns()[1]
 
@@ -120,8 +120,8 @@ def line(family: str, count: int) -> str:
     worst = max((one.true / max(one.estimate, RESOLVED) for one in known), default=0.0)
     unknown = sum(bool(one.unknown) for one in known)
     return (
-        f"{family:12} {len(known):5} compared, {len(found) - len(known)} chaotic, {others} coupled "
-        f"by signals, {refused} refused; {unknown} not known, "
+        f"{family:12} {len(known):5} compared, {len(found) - len(known)} chaotic, {others} without "
+        f"a tolerance, {refused} refused; {unknown} not known, "
         f"understated {sum(o.is_understated for o in known)}, "
         f"tolerance missed {sum(o.is_missed for o in known)}; worst error over estimate {worst:.2g}"
     )

@@ -133,8 +133,7 @@ static void run_alone(BatchRun *run, const BatchCall *all)
 /* Whether a run that has begun can go on side by side with others. */
 static bool is_for_lanes(const Unit *unit, const Batch *batch)
 {
-    const Composite *c = unit->own;
-    return unit->equations == &COMPOSITE_EQUATIONS && c->course->one_piece.active > 0.0 && !batch->own_steps;
+    return unit->equations == &COMPOSITE_EQUATIONS && !batch->own_steps;
 }
 
 /* Whether outputs at the end need that the motion is looked at up to then. */
@@ -179,7 +178,7 @@ void batch_run_fail(BatchRun *run, BatchCall *all)
     char words[64];
     Text what = text_in(words, sizeof words);
     text_format(&what, "step of %v s failed", run->end / (double)all->batch->points);
-    composite_put_gain(run->unit);
+    composite_give_reason(run->unit);
     unit_report(run->unit, STATUS_ERROR, words);
     close_run(run, all);
 }

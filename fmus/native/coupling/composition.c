@@ -17,9 +17,7 @@ enum { NAME_SIZE = 128, MOST_UNITS = 250 };
 
 /* What a composition counts. */
 static const Count CORNERS = {"corners", 0, 10000}, CHANGES = {"changes", 0, 10000},
-                   CORRECTIONS = {"corrections", 0, 100}, PLANE = {"plane", 0, 1000};
-
-static const char STOP[] = "stop_at_contact"; /* flag of a unit */
+                   PLANE = {"plane", 0, 1000};
 
 bool composite_named(const char *token)
 {
@@ -67,7 +65,6 @@ static const char *make_part(Unit *unit, Part *part, const char *name, const cha
     part->unit = made;
     made->log = forward;
     made->host = unit;
-    made->may_end_early = true;
     made->allocated = unit->allocated;
     wrong = unit_build(made, name, text, &text);
     unit->allocated = made->allocated; /* what it needs goes with the composite */
@@ -111,25 +108,11 @@ static const char *read_part(Unit *unit, Part *part, const char *at)
     c->parts_without_motor += !is_motor;
     part->plane = plane - 1;
     part->speed_input = is_motor ? -1 : reference(part->unit, "speed");
-    part->brief = reference(part->unit, "shortest_stopped_step");
     part->place = is_mounted && has_letter(connections, 'v') ? reference(part->unit, "x") : -1;
     part->torque = is_motor ? -1 : reference(part->unit, "torque");
     part->force_number = is_mounted && has_letter(connections, 's') ? c->force_count++ : -1;
     c->state_count += part->unit->memory_count;
     return at;
-}
-
-static int read_scheme(Composite *c, const char *at)
-{
-    static const char *const names[] = {"auto;", "iterated;"};
-    int k;
-    for (k = 0; k < 2; k++) {
-        if (text_after(at, names[k])) {
-            c->scheme = (Scheme)k;
-            return 0;
-        }
-    }
-    return 1;
 }
 
 static int read_count(const Count *count, const char *at, size_t *number, Text *why)
@@ -152,12 +135,7 @@ static const char *read_entry(Unit *unit, const char *at, const char **starts)
     if ((value = text_after(at, "part="))) {
         return read_part(unit, c->parts + c->part_count++, value);
     }
-    if ((value = text_after(at, "scheme="))) {
-        wrong = read_scheme(c, value);
-    } else if ((value = text_after(at, "corrections="))) {
-        c->corrections = UNTIL_CONVERGED;
-        wrong = *value != '-' && !token_count(&CORRECTIONS, value, 0, &c->corrections, &why);
-    } else if ((value = text_after(at, "corners="))) {
+    if ((value = text_after(at, "corners="))) {
         wrong = read_count(&CORNERS, value, &c->corner_count, &why);
     } else if ((value = text_after(at, "changes="))) {
         wrong = read_count(&CHANGES, value, &c->change_count, &why);
@@ -169,27 +147,6 @@ static const char *read_entry(Unit *unit, const char *at, const char **starts)
         refuse_composition(unit, why.length ? words : "it has an entry this library does not know");
     }
     return wrong ? NULL : token_next(at);
-}
-
-/* Have steps end at events, where there are any to be taken back and no motor drives: weights get
-   the mean of its acceleration over a step, not what it is at a time in it. */
-static void stop_at_contacts(Composite *c)
-{
-    const int stops = c->force_count && !c->motor;
-    int part, k;
-    for (part = 0; part < c->part_count; part++) {
-        Unit *unit = c->parts[part].unit;
-        unit->leaves_impacts = stops;
-        if (!stops) {
-            c->parts[part].brief = -1;
-            continue;
-        }
-        for (k = 0; k < unit->layout.table->flag_count; k++) {
-            if (!strncmp(unit->layout.table->flags[k].name, STOP, sizeof STOP)) {
-                unit->boolean[k] = 1;
-            }
-        }
-    }
 }
 
 /* -- layout ---------------------------------------------------------------------------------- */
@@ -220,11 +177,10 @@ static void lay_out_variables(Unit *unit, const Layout *coupling, const double *
         at = copy_variables(unit, at, part, &part->layout, part->starts, 0, part->layout.parameters.count);
     }
     c->tolerance = at;
-    c->steps_per_rev = at + 1;
-    c->top_speed = at + 2;
-    c->limit = at + 3;
-    c->rise = c->motor ? 0 : at + 4;
-    c->changes = at + 5 + 2 * c->corner_count;
+    c->top_speed = at + 1;
+    c->limit = at + 2;
+    c->rise = c->motor ? 0 : at + 3;
+    c->changes = at + 4 + 2 * c->corner_count;
     at = copy_variables(unit, at, NULL, coupling, starts, 0, coupling->parameters.count);
     layout->parameters.count = layout->inputs.first = c->speed_input = at;
     c->outer = at + (c->motor ? 0 : 2);
@@ -248,31 +204,18 @@ static void lay_out_variables(Unit *unit, const Layout *coupling, const double *
     layout->sizes = coupling->sizes;
 }
 
-/* Which parts and planes exchange force. */
+/* Which parts exchange force. */
 static int connect(Unit *unit)
 {
     Composite *c = unit->own;
-    const int planes = c->parts->unit->layout.sizes.planes;
-    int plane, k;
-    c->unknowns = c->force_count + (c->motor != NULL);
+    int k;
     c->members = unit_allocate(unit, (size_t)c->force_count, sizeof(int));
-    c->member_planes = unit_allocate(unit, (size_t)c->force_count, sizeof(int));
-    c->rotor_planes = unit_allocate(unit, (size_t)planes, sizeof(int));
-    if (!c->members || !c->member_planes || !c->rotor_planes) {
+    if (!c->members) {
         return refuse_composition(unit, "there is not enough memory");
     }
-    for (plane = 0; plane < planes; plane++) {
-        int found = 0;
-        for (k = 1; k < c->parts_without_motor; k++) {
-            const Part *part = c->parts + k;
-            if (part->force_number >= 0 && part->plane == plane) {
-                c->members[part->force_number] = k;
-                c->member_planes[part->force_number] = c->planes;
-                found = 1;
-            }
-        }
-        if (found) {
-            c->rotor_planes[c->planes++] = plane;
+    for (k = 1; k < c->parts_without_motor; k++) {
+        if (c->parts[k].force_number >= 0) {
+            c->members[c->parts[k].force_number] = k;
         }
     }
     return 0;
@@ -342,7 +285,6 @@ int composite_build(Unit *unit, const char *token)
     if (c->motor && (c->corner_count || c->change_count)) {
         return refuse_composition(unit, "with a motor it has neither corners nor changes");
     }
-    stop_at_contacts(c);
     if (connect(unit) || describe(unit, coupling_starts)) {
         return 1;
     }

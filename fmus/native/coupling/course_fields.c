@@ -5,7 +5,6 @@
 #include "constants.h"
 #include "coupling/composite.h"
 
-#define MOST_RUNGS 8192.0 /* of steps from 2^-2048 to 2^2048 */
 enum { MOST_STEPS_OF_EVENT = 2000, MOST_CORRECTIONS = 127 };
 
 static void declare_clock(Fields *fields)
@@ -16,7 +15,6 @@ static void declare_clock(Fields *fields)
     fields_within(fields, "clock.length", &clock->length, 1, 0.0, DBL_MAX);
     fields_flag(fields, "clock.within", &clock->within);
     fields_number(fields, "clock.shown", &clock->shown, 1);
-    fields_flag(fields, "clock.jumped", &clock->jumped);
 }
 
 static void declare_drive(Fields *fields, const Composite *c)
@@ -27,53 +25,9 @@ static void declare_drive(Fields *fields, const Composite *c)
     fields_number(fields, "drive.first_speed, .first_acceleration", &drive->first_speed, 2);
     fields_number(fields, "drive.pushed_at, .next_corner", &drive->pushed_at, 2);
     fields_whole(fields, "drive.passed", &drive->passed, 1, 0.0, (double)c->corner_count + 1.0);
-    fields_number(fields, "drive.steepest, .next_change", &drive->steepest, 2);
+    fields_number(fields, "drive.next_change", &drive->next_change, 1);
     fields_whole(fields, "drive.changes_behind", &drive->changes_behind, 1, 0.0,
                  (double)c->change_count);
-}
-
-static void declare_shaft(Fields *fields)
-{
-    const ShaftDrive *shaft = fields_here(fields);
-    fields_number(fields, "shaft", &shaft->spin_scale, sizeof *shaft / sizeof(double));
-}
-
-static void declare_division(Fields *fields)
-{
-    const Division *division = fields_here(fields);
-    fields_flag(fields, "division.crossing", &division->crossing);
-    fields_within(fields, "division.negligible, .length", &division->negligible, 2, 0.0, DBL_MAX);
-    fields_whole(fields, "division.halvings, .piece", &division->halvings, 2, 0.0, MOST_HALVINGS + 1.0);
-    fields_number(fields, "division.ends", &division->ends, 1);
-    fields_flag(fields, "division.first_step", &division->first_step);
-    fields_flag(fields, "division.no_past", &division->no_past);
-}
-
-static void declare_loop(Fields *fields)
-{
-    const Loop *loop = fields_here(fields);
-    fields_within(fields, "loop.gain", &loop->gain, 1, 0.0, DBL_MAX);
-    fields_whole(fields, "loop.corrections", &loop->corrections, 1, UNTIL_CONVERGED, MOST_CORRECTIONS);
-    fields_within(fields, "loop.rounding, .tolerance", &loop->rounding, 2, 0.0, DBL_MAX);
-    fields_within(fields, "loop.largest, .reached", &loop->largest, 2, 0.0, DBL_MAX);
-    fields_number(fields, "loop.residual, .solved_step, .ahead", &loop->residual, 3);
-}
-
-static void declare_event(Fields *fields)
-{
-    const Event *event = fields_here(fields);
-    fields_whole(fields, "event.steps_left, .brief_steps", &event->steps_left, 2, 0.0, MOST_STEPS_OF_EVENT);
-    fields_number(fields, "event.begun_at, .worst, .ended, .learned_step", &event->begun_at, 4);
-}
-
-static void declare_adaptation(Fields *fields)
-{
-    const Adaptation *adaptive = fields_here(fields);
-    fields_within(fields, "adaptive.allowed", &adaptive->allowed, 1, 0.0, 1.0);
-    fields_whole(fields, "adaptive.rung", &adaptive->rung, 1, -MOST_RUNGS, MOST_RUNGS);
-    fields_within(fields, "adaptive.largest_motion", &adaptive->largest_motion, 1, 0.0, DBL_MAX);
-    fields_whole(fields, "adaptive.rested", &adaptive->rested, 1, 0.0, MOST_COUNTED);
-    fields_flag(fields, "adaptive.constant_signals", &adaptive->constant_signals);
 }
 
 static void declare_one_piece(Fields *fields, const Composite *c)
@@ -82,7 +36,6 @@ static void declare_one_piece(Fields *fields, const Composite *c)
     const double last_line = c->motor ? c->motor->unit->layout.sizes.points - 2.0 : 0.0;
     const Sizes *rotor = &c->parts->unit->layout.sizes;
     const double last_of_table = rotor->tables ? rotor->speeds - 2.0 : 0.0;
-    fields_flag(fields, "one_piece.active", &one_piece->active);
     fields_whole(fields, "one_piece.order", &one_piece->order, 1, 0.0, MOST_ORDER);
     fields_flag(fields, "one_piece.stands", &one_piece->stands);
     fields_within(fields, "one_piece.largest", &one_piece->largest, 1, 0.0, DBL_MAX);
@@ -108,14 +61,8 @@ static void declare_course(Fields *fields, const Composite *c)
     const Course *course = fields_here(fields);
     declare_clock(fields);
     declare_drive(fields, c);
-    declare_shaft(fields);
-    declare_division(fields);
-    declare_loop(fields);
-    declare_event(fields);
-    declare_adaptation(fields);
-    fields_number(fields, "resolution", &course->resolution.slowest, sizeof course->resolution / sizeof(double));
-    fields_whole(fields, "total.steps, .passes, .unconverged", &course->total.steps, 3, 0.0, MOST_COUNTED);
-    fields_within(fields, "total.worst_left, .error", &course->total.worst_left, 2, 0.0, DBL_MAX);
+    fields_whole(fields, "total.steps, .passes", &course->total.steps, 2, 0.0, MOST_COUNTED);
+    fields_within(fields, "total.error", &course->total.error, 1, 0.0, DBL_MAX);
     fields_within(fields, "vibration", &course->vibration.last, 2, 0.0, DBL_MAX);
     declare_one_piece(fields, c);
 }
@@ -134,24 +81,16 @@ static void declare_states(Fields *fields, const Composite *c)
     fields->owner = NULL;
 }
 
-/* Variables of a part: its parameters are those of the composite, but what the coupling sets itself: the
-   rotor's unbalance, and how long the steps are that end at events. */
+/* Variables of a part: its parameters are those of the composite, but for the unbalance, which changes set. */
 static void declare_values(Fields *fields, const Part *part)
 {
     const Layout *layout = &part->unit->layout;
-    const double *real = fields_here(fields), *given = fields->real + part->first;
-    const size_t set = part->brief < 0 ? layout->parameters.count : (size_t)part->brief;
-    const bool is_rotor = part->unit->equations == &ROTOR_EQUATIONS;
+    const double *real = fields_here(fields);
     fields->owner = part->unit->name;
-    if (is_rotor) {
+    if (part->unit->equations == &ROTOR_EQUATIONS) {
         fields_number(fields, "parameter", real, layout->parameters.count);
     } else {
-        const size_t behind = layout->parameters.count - set;
-        fields_same(fields, "parameter", real, set, given);
-        if (behind) {
-            fields_within(fields, "shortest step", real + set, 1, 0.0, DBL_MAX);
-            fields_same(fields, "parameter", real + set + 1, behind - 1, given + set + 1);
-        }
+        fields_same(fields, "parameter", real, layout->parameters.count, fields->real + part->first);
     }
     fields_number(fields, "input", real + layout->inputs.first, layout->inputs.count);
     fields_any(fields, fields_here(fields), layout->real_count - layout->computed.first);
@@ -161,14 +100,9 @@ static void declare_values(Fields *fields, const Part *part)
 void composite_fields(const Unit *unit, Fields *fields)
 {
     const Composite *c = unit->own;
-    const size_t e = (size_t)c->unknowns, p = (size_t)c->planes, n = UNKNOWN_REALS * e;
     int k;
     declare_course(fields, c);
     fields_number(fields, "force from outside", fields_here(fields), outside_count(c));
-    fields_number(fields, "signal", fields_here(fields), (e + p) * sizeof(Signal) / sizeof(double));
-    fields_number(fields, "inverse of the loop", fields_here(fields), 2 * n * n);
-    fields_number(fields, "swing", fields_here(fields), p * sizeof(Swung) / sizeof(double));
-    declare_states(fields, c);
     declare_states(fields, c);
     fields_number(fields, "extent", fields_here(fields), verdict_doubles(c));
     fields_number(fields, "force at the start of a step", fields_here(fields), outside_count(c));

@@ -18,9 +18,8 @@ Status exchange_begin(Unit *unit)
     return STATUS_OK;
 }
 
-/* Get or set the states of a part, or get nominal values or derivatives; their number, without values
-   that alone.  1 in `wrong` with the reason. */
-static size_t part_states(Unit *unit, const Part *of, ExchangeCall call, double *values, int *wrong)
+/* Get or set the states of a part, or get nominal values; their number, without values that alone. */
+static size_t part_states(const Part *of, ExchangeCall call, double *values)
 {
     Unit *part = of->unit;
     const Equations *equations = part->equations;
@@ -31,9 +30,7 @@ static size_t part_states(Unit *unit, const Part *of, ExchangeCall call, double 
     if (!values || !plain) {
         return turns + plain;
     }
-    if (call == GET_DERIVATIVES) {
-        *wrong = equations->derivatives(part, values) && composite_part_failed(unit, of);
-    } else if (call == SET_STATES) {
+    if (call == SET_STATES) {
         if (turns) {
             angle_start(part->memory, *values);
         }
@@ -49,21 +46,20 @@ static size_t part_states(Unit *unit, const Part *of, ExchangeCall call, double 
 }
 
 /* The same of all parts. */
-static size_t states(Unit *unit, ExchangeCall call, double *values, int *wrong)
+static size_t states(const Unit *unit, ExchangeCall call, double *values)
 {
     const Composite *c = unit->own;
     size_t count = 0;
     int k;
-    for (k = 0; k < c->part_count && !*wrong; k++) {
-        count += part_states(unit, c->parts + k, call, values ? values + count : NULL, wrong);
+    for (k = 0; k < c->part_count; k++) {
+        count += part_states(c->parts + k, call, values ? values + count : NULL);
     }
     return count;
 }
 
 size_t exchange_count(Unit *unit)
 {
-    int wrong = 0;
-    return unit->equations == &COMPOSITE_EQUATIONS ? states(unit, GET_STATES, NULL, &wrong) : 0;
+    return unit->equations == &COMPOSITE_EQUATIONS ? states(unit, GET_STATES, NULL) : 0;
 }
 
 /* 1 with the reason where a rate is not finite. */
@@ -82,17 +78,11 @@ static int refuse_infinite(Unit *unit, const double *rates, size_t count)
 static int find_derivatives(Unit *unit, double *rates)
 {
     int wrong = unit_refresh(unit, COMPUTED);
-    size_t count;
     if (!wrong && !(((const Composite *)unit->own)->course->clock.started > 0.0)) {
         wrong = unit_refresh(unit, OBSERVED);
     }
-    if (!wrong && ((const Composite *)unit->own)->course->one_piece.active > 0.0) {
-        wrong = unit->for_model_exchange ? composite_meet_host(unit) : one_piece_place(unit);
-        return wrong || one_piece_rates(unit, rates) || refuse_infinite(unit, rates, exchange_count(unit));
-    }
-    wrong = wrong || unit_refresh(unit, OBSERVED) || composite_refuse_events(unit);
-    count = wrong ? 0 : states(unit, GET_DERIVATIVES, rates, &wrong);
-    return wrong || refuse_infinite(unit, rates, count);
+    wrong = wrong || (unit->for_model_exchange ? composite_meet_host(unit) : one_piece_place(unit));
+    return wrong || one_piece_rates(unit, rates) || refuse_infinite(unit, rates, exchange_count(unit));
 }
 
 Status exchange_derivative(Unit *unit, size_t state, double *value)
@@ -166,7 +156,7 @@ static int complete_step(Unit *unit)
     if (unit_refresh(unit, OBSERVED)) {
         return 1;
     }
-    verdict_follow(c, c->motor ? shaft_speed(c) : composite_speed(c, unit->time), unit->time - clock->begin);
+    verdict_follow(c, composite_speed_now(unit), unit->time - clock->begin);
     memcpy(c->at_begin, c->states, c->state_count * sizeof(double));
     clock->begin = unit->time;
     return 0;
@@ -192,7 +182,7 @@ static int call_on(Unit *unit, ExchangeCall call, double *values)
     default:
         wrong = unit_refresh(unit, call == SET_STATES ? COMPUTED : OBSERVED); /* begun, at least */
         if (!wrong) {
-            states(unit, call, values, &wrong);
+            states(unit, call, values);
         }
     }
     if (call >= SET_STATES && unit->stale < COMPUTED) {

@@ -3,6 +3,7 @@
 
 #include "base/elementary.h"
 #include "base/matrix.h"
+#include "base/spectral_radius.h"
 #include "constants.h"
 #include "coupling/composite.h"
 
@@ -71,7 +72,7 @@ static double rate_of(const Composite *c, const double *matrix, int number, int 
     const LinearRotor *rotor = &composite_rotor(c)->rotor;
     const int n = rotor->stations;
     const size_t square = (size_t)n * (size_t)n;
-    double *mass = c->decay, *found = mass + square, *work = found + square, radius;
+    double *mass = c->square, *found = mass + square, *work = found + square, radius;
     copy_doubles(square, rotor->mass, mass);
     copy_doubles(square, matrix, found);
     add_of_table(rotor, number, table_row, found);
@@ -160,58 +161,21 @@ int one_piece_make(Unit *unit)
     return 0;
 }
 
-bool one_piece_covers(Unit *unit)
-{
-    const Composite *c = unit->own;
-    return unit->for_model_exchange ||
-           (c->unknowns && unit->real[c->tolerance] > 0.0);
-}
-
 /* -- the start ------------------------------------------------------------------------------- */
 
-/* Gain of the loop that separate units would have: of what the weights take of the mass that they lend. */
-static double gain_of(const Composite *c)
-{
-    const Rotor *rotor = composite_rotor(c);
-    const int n = rotor->stations, size = 2 * n;
-    const size_t square = (size_t)size * (size_t)size;
-    double *mass = c->decay, *taken = mass + square, *work = taken + square;
-    int part, w, i, j;
-    matrix_per_axis(1, 2, n, n, rotor->rotor.mass, mass);
-    fill_doubles(square, 0.0, taken);
-    for (part = 1; part < c->parts_without_motor; part++) {
-        const Unit *inner = c->parts[part].unit;
-        const double *row = rotor->rotor.planes + c->parts[part].plane * n;
-        const double carried = inner->real[layout_index(&inner->layout, "added_mass", 1)];
-        const Balls *balls = part_balls(c->parts + part);
-        const double sent = part_added_mass(c->parts + part) - carried;
-        for (i = 0; i < size; i++) {
-            for (j = 0; j < size; j++) {
-                const double both = row[i / 2] * row[j / 2], same = i % 2 == j % 2;
-                mass[i * size + j] += both * same * carried;
-                taken[i * size + j] -= both * same * sent;
-                for (w = 0; balls && w < balls->count; w++) {
-                    const Weights one = weights_single(&balls->track.weights, w);
-                    const Complex unit = rect(1.0, inner->memory[w] + c->parts->unit->memory[REST]);
-                    const double a = i % 2 ? unit.re : -unit.im, b = j % 2 ? unit.re : -unit.im;
-                    taken[i * size + j] += both * (one.mass / one.kappa) * a * b;
-                }
-            }
-        }
-    }
-    return matrix_solve(1, size, size, mass, taken) ? 0.0 : spectral_radius(size, taken, work);
-}
-
-/* A displacement to judge errors by before there is any [m]: what unbalances would leave of a free rotor, the
-   start's, and the sag. */
+/* A displacement to judge errors by before there is any [m]: what unbalances would leave of a free rotor, or of
+   one that supports hold, the start's, and the sag. */
 static double first_displacement(const Composite *c)
 {
     const Machine *m = &c->pieces.step;
     const int all = m->stations, n = all - m->waves; /* of the rotor */
     const double mass = sum_of(m->mass, all * all);
-    double moment = 0.0, largest = 0.0;
+    const double speed = c->course->drive.fastest * m->per_rate;
+    double moment = 0.0, largest = 0.0, softest = infinity();
     int k;
     for (k = 0; k < n; k++) {
+        const Pair own = m->stiffness[k * all + k];
+        softest = smaller(softest, smaller(pair_x(own), pair_y(own)));
         const Pair heavy = pair_scaled(m->gravity, mass);
         const double stiffness = larger(pair_x(m->stiffness[k * all + k]), mass);
         moment += hypotenuse(pair_x(m->unbalance[k]), pair_y(m->unbalance[k]));
@@ -219,6 +183,9 @@ static double first_displacement(const Composite *c)
     }
     for (k = 0; k < m->weight_count; k++) {
         moment = larger(moment, m->weights[k].moment);
+    }
+    if (softest > mass * speed * speed) { /* supports hold it */
+        moment *= mass * speed * speed / softest;
     }
     return larger(largest, moment / mass);
 }
@@ -232,9 +199,8 @@ int one_piece_begin(Unit *unit)
     if (one_piece_make(unit)) {
         return 1;
     }
-    c->course->loop.gain = gain_of(c);
     c->pieces.is_begun = false;
-    one_piece->active = one_piece->stands = one_piece->placed = 1.0;
+    one_piece->stands = one_piece->placed = 1.0;
     one_piece->undecided = c->pieces.is_eventful;
     one_piece->line = -1.0;
     one_piece->bearing_line = 0.0;

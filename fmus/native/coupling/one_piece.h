@@ -21,7 +21,6 @@ enum { MOST_LOOKS = 4096 }; /* of a step: MOST_TURN has fewer */
 
 /* In a unit's memory; doubles alone. */
 typedef struct {
-    double active;     /* whether the composite goes on in one piece */
     double order;      /* of its series */
     double stands;     /* whether the parts stand at the clock's time, and no step has been begun there */
     double largest;    /* displacement so far [m] */
@@ -82,8 +81,6 @@ typedef struct {
 typedef struct Composite Composite;
 
 int one_piece_allocate(Unit *unit);
-/* Whether the composite goes on in one piece: it exchanges signals and keeps a tolerance, or is for model exchange. */
-bool one_piece_covers(Unit *unit);
 /* Make the machine of the parameters where it is not; 1 with the reason. */
 int one_piece_make(Unit *unit);
 /* From the state in the parts' memories on; 1 with the reason. */

@@ -5,6 +5,7 @@
 #include "constants.h"
 #include "coupling/composite.h"
 
+#define OF_LINEAR 1e-15 /* tolerance of a step of a rotor alone, which is cheap: its motion is right to rounding */
 #define TIGHTEST 1e-17 /* tolerance of a step: less is rounding */
 
 static const double *state_of(const Composite *c, const Part *part, const double *states)
@@ -18,8 +19,8 @@ double one_piece_step_tolerance(const Unit *unit)
 {
     const Composite *c = unit->own;
     const double share = c->pieces.share > 0.0 ? c->pieces.share : 1.0;
-    const double tolerance = unit->real[c->tolerance] > 0.0 ? unit->real[c->tolerance] : 1.0;
-    return larger(TIGHTEST, SERIES_SHARE * share * tolerance);
+    const bool is_linear = !c->force_count && !c->motor && !c->pieces.is_eventful;
+    return is_linear ? OF_LINEAR : larger(TIGHTEST, SERIES_SHARE * share * unit->real[c->tolerance]);
 }
 
 /* Order of the step that is shown. */

@@ -96,7 +96,6 @@ static int show_balancer(Unit *unit, const Part *part)
 int one_piece_signals(Unit *unit)
 {
     Composite *c = unit->own;
-    Knot spin;
     int k;
     if (one_piece_place(unit) || one_piece_expand_instant(unit, SLOPE_ORDER)) {
         return 1;
@@ -111,11 +110,11 @@ int one_piece_signals(Unit *unit)
     for (k = 0; k < c->force_count; k++) {
         knot_from_start(c->answers + k, c->sent + SIGNAL_ORDERS * k);
     }
-    composite_set_forces(unit, c->sent, 0.0);
+    composite_set_forces(unit, c->sent);
     if (c->parts->unit->equations->outputs(c->parts->unit)) {
         return composite_part_failed(unit, c->parts);
     }
-    return c->motor && shaft_answer(unit, &spin);
+    return c->motor && composite_answer_torque(unit);
 }
 
 /* -- places --------------------------------------------------------------------------------------- */

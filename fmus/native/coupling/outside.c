@@ -103,23 +103,15 @@ static int pushes(const Composite *c, int plane)
     return found;
 }
 
-int outside_signal(const Composite *c, int plane, double step, Complex *signal)
+bool outside_knot(const Composite *c, int plane, Knot *seen)
 {
     const Unit *rotor = c->parts->unit;
     const double *speed = rotor->real + c->parts->speed_input,
                  since = c->course->clock.time - c->course->drive.pushed_at;
     const Spin start = spin_of(rotor->memory[REST], speed[0], speed + SPIN_UP);
-    const Spin end = spin_after(&start, step);
-    Knot ends[2];
     if (!pushes(c, plane)) {
-        return 0;
+        return false;
     }
-    ends[0] = seen_at(c, plane, since, &start);
-    ends[1] = seen_at(c, plane, since + step, &end);
-    if (step > 0.0) {
-        knot_hermite(ends, ends + 1, step, signal);
-    } else {
-        knot_from_start(ends, signal);
-    }
-    return 1;
+    *seen = seen_at(c, plane, since, &start);
+    return true;
 }

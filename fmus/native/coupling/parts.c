@@ -1,4 +1,4 @@
-/* A part's step and what is said about it. */
+/* A part's equations, and what is said about it. */
 #include "coupling/composite.h"
 #include "units/weights_unit.h"
 #include "weights/liquid.h"
@@ -29,36 +29,9 @@ double part_added_mass(const Part *part)
                   : liquid_added_mass(&liquid);
 }
 
-void composite_put_gain(Unit *unit)
-{
-    if (!unit->reason.at) { /* whatever failed gave no reason */
-        unit_fail(unit, "the coupling cannot go on at t = %6 s: events follow each other too closely", unit_host_time(unit, unit->time));
-    }
-    text_format(&unit->reason, "; loop gain %3", ((const Composite *)unit->own)->course->loop.gain);
-}
-
 int composite_part_failed(Unit *unit, const Part *part)
 {
     return unit_fail(unit, "%s: %s", part->unit->name, part->unit->reason.at);
-}
-
-void composite_name_signal(const Composite *c, int k, Text *text)
-{
-    const Part *part = k < c->force_count ? c->parts + c->members[k] : c->motor;
-    if (k < c->unknowns) {
-        text_format(text, "%s%s", part->unit->name, k < c->force_count ? ".F" : ".acceleration");
-    } else {
-        text_format(text, "rotor.plane[%u].a", (unsigned long)c->rotor_planes[k - c->unknowns] + 1);
-    }
-}
-
-int composite_advance(Unit *unit, Part *part, double step)
-{
-    Unit *own = part->unit;
-    own->time = ((Composite *)unit->own)->course->clock.begin;
-    own->start = unit->start;
-    return unit_advance(own, step) && unit_fail(unit, "%s at t = %6 s: a step of %6 s failed: %s",
-                                                own->name, unit_host_time(unit, own->time), step, own->reason.at);
 }
 
 /* Start value of a parameter as the file was built. */
@@ -100,4 +73,18 @@ int composite_refuse_events(Unit *unit)
         }
     }
     return 0;
+}
+
+bool composite_asked(const Unit *unit, const Part *part)
+{
+    const Layout *layout = &part->unit->layout;
+    const size_t count = layout->real_count - layout->computed.first;
+    size_t k;
+    for (k = 0; k < unit->asked_count && unit->asked; k++) {
+        if (unit->asked[k] - part->observed < count ||
+            unit->asked[k] - ((const Composite *)unit->own)->results - RESIDUAL < 2) {
+            return 1;
+        }
+    }
+    return !unit->asked;
 }

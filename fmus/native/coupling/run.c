@@ -50,33 +50,16 @@ void autobalancer_run_free(Run *shown)
     free(run);
 }
 
-static bool is_one_piece(const Unit *unit)
-{
-    return ((const Composite *)unit->own)->course->one_piece.active > 0.0;
-}
-
-/* Time that the run has reached [s]. */
-static double time_of(const Unit *unit)
-{
-    return is_one_piece(unit) ? unit->time : ((const Composite *)unit->own)->course->clock.time;
-}
-
 static void show_facts(KeptRun *run)
 {
     const Composite *c = run->unit->own;
     const Course *course = c->course;
     Run *shown = &run->shown;
-    shown->time = time_of(run->unit);
-    shown->one_piece = course->one_piece.active;
+    shown->time = run->unit->time;
     shown->order = course->one_piece.order;
     shown->collocated = course->one_piece.collocated_steps;
     shown->steps = course->total.steps;
     shown->passes = course->total.passes;
-    shown->unconverged = course->total.unconverged;
-    shown->worst_residual = course->total.worst_left;
-    shown->estimated_error = course->adaptive.allowed > 0.0 ? 0.0 : course->total.error;
-    shown->unresolved = course->resolution.unresolved;
-    shown->loop_failed = c->loop_failed;
 }
 
 int autobalancer_run_start(Run *shown, const Steps *steps)
@@ -90,7 +73,6 @@ int autobalancer_run_start(Run *shown, const Steps *steps)
     c = unit->own;
     run->warnings = text_in(run->buffer, sizeof run->buffer);
     memset(&c->pacing, 0, sizeof c->pacing);
-    c->loop_failed = false;
     c->pieces.share = steps->share;
     if (c->pieces.grain != steps->grain) {
         c->pieces.grain = steps->grain;
@@ -103,27 +85,14 @@ int autobalancer_run_start(Run *shown, const Steps *steps)
         return 1;
     }
     shown->reason = "";
-    c->pacing.share = steps->share;
     c->pacing.points = steps->points;
     c->pacing.count = steps->count;
-    if (is_one_piece(unit)) {
-        show_facts(run);
-        return 0;
-    }
-    if (steps->points) {
-        iterated_allow(c, steps->residual);
-    } else if (steps->share > 0.0) {
-        adaptive_allow(c, steps->share);
-    }
     show_facts(run);
     return 0;
 }
 
 static void stand(Unit *unit, double time)
 {
-    if (!is_one_piece(unit)) {
-        ((Composite *)unit->own)->course->clock.time = time;
-    }
     unit_go_to(unit, time);
     unit->stale = OBSERVED;
 }
@@ -138,7 +107,7 @@ static int choose_point(Unit *unit, const Stretch *stretch, double *point)
     const double begin = unit->time;
     double time = begin, parts, part;
     do {
-        if (!(time < clock->time - TIME_ROUNDING * (clock->time + clock->length)) && composite_go_on(unit)) {
+        if (!(time < clock->time - TIME_ROUNDING * (clock->time + clock->length)) && one_piece_step(unit)) {
             return 1;
         }
         parts = larger(1.0, nearest(clock->length / stretch->longest + 0.5));
@@ -174,39 +143,24 @@ static int next_point(Unit *unit, const Stretch *stretch, double *point)
     return 0;
 }
 
-static double go_on_in_one_piece(Unit *unit, Stretch *stretch)
+/* Go to the next output point; its time, below 0 where that failed. */
+static double go_on(Unit *unit, Stretch *stretch)
 {
     double point;
     if (composite_meet_host(unit) || next_point(unit, stretch, &point) || composite_go_to(unit, point)) {
+        composite_give_reason(unit);
         return -1.0;
     }
     stretch->done++;
     return point;
 }
 
-/* One communication step; the time at its end, below 0 where it failed. */
-static double go_on(Unit *unit, Stretch *stretch)
-{
-    const Composite *c = unit->own;
-    const double given = stretch->step;
-    if (is_one_piece(unit)) {
-        return go_on_in_one_piece(unit, stretch);
-    }
-    if (composite_run_step(unit, given > 0.0 ? given : stretch->end - c->course->clock.time)) {
-        return -1.0;
-    }
-    stretch->done++;
-    /* a product instead of a sum: rounding must not move the communication points */
-    return given > 0.0 ? stretch->begin + (double)stretch->done * given : c->course->clock.time;
-}
-
 static bool is_over(const Unit *unit, const Stretch *stretch)
 {
-    const double time = time_of(unit);
     if (stretch->step > 0.0) {
         return stretch->done >= stretch->count;
     }
-    return !(stretch->end - time > TIME_ROUNDING * stretch->end);
+    return !(stretch->end - unit->time > TIME_ROUNDING * stretch->end);
 }
 
 size_t autobalancer_run_on(Run *shown, Stretch *stretch, const unsigned *outputs, size_t asked,
@@ -214,12 +168,10 @@ size_t autobalancer_run_on(Run *shown, Stretch *stretch, const unsigned *outputs
 {
     KeptRun *run = (KeptRun *)shown;
     Unit *unit = run->unit;
-    Composite *c = unit->own;
     size_t k;
     if (!stretch->done) {
         stand(unit, stretch->begin);
     }
-    c->pacing.longest = stretch->longest;
     unit->asked = outputs;
     unit->asked_count = asked;
     for (k = 0; k < most && !is_over(unit, stretch); k++, rows += 1 + asked) {

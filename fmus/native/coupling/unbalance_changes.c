@@ -19,11 +19,7 @@ static size_t changed_amount(const Composite *c, const double *change)
 void composite_give_parameters(Unit *unit, const Part *part)
 {
     Unit *own = part->unit;
-    const double brief = part->brief >= 0 ? own->real[part->brief] : 0.0;
     memcpy(own->real, unit->real + part->first, own->layout.parameters.count * sizeof(double));
-    if (part->brief >= 0 && brief > 0.0) {
-        own->real[part->brief] = brief;
-    }
 }
 
 int composite_refuse_number(Unit *unit, double number)

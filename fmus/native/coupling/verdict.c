@@ -50,9 +50,10 @@ static void end_revolution(Composite *c, const double *place, double turned)
     Vibration *vibration = &c->course->vibration;
     vibration->turned += turned;
     if (vibration->turned >= TAU * (1.0 - 1e-9)) {
-        const double last = amplitude(c);
+        const double last = amplitude(c), beyond = vibration->turned - TAU;
         begin_extents(c, place);
         vibration->last = last;
+        vibration->turned = larger(0.0, beyond);
     }
 }
 

@@ -12,6 +12,7 @@ import numpy as np
 
 from ....fmus.composite.batch import BatchRuns
 from ....models.arrays import Array
+from ....models.constants import DEFAULT_TOLERANCE
 from ....models.monolith import equations, integrate, trajectory
 from ...errors import SimulationError
 from ...master.cosimulation import CoSimulation
@@ -27,8 +28,6 @@ EXPLICIT_STEPS = (10, 20, 40, 80, 160)
 ITERATED_STEPS = (8, 10, 14, 20, 28, 40, 80)
 COMPENSATED_STEPS = (6, 8, 10, 12, 14, 20, 30, 40, 80)
 PYTHON_STEPS = (20, 40)  # the same digits as native units, at another price
-# of the composite, which takes a thirtieth of the time
-ONE_FILE_STEPS = (*COMPENSATED_STEPS, 60, 110, 160, 220, 320, 450, 640)
 ONE_FILE_TOLERANCES = tuple(10.0 ** (-k / 2) for k in range(2, 21))
 TOLERANCES = (1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7)
 SOLVERS: dict[str, tuple[float, ...]] = {
@@ -67,7 +66,7 @@ class Method:
         corrections: corrector passes; None with `iterated`: until the loop has converged.
         tolerance: of the tolerance-driven step, or SciPy's rtol.
         units: "native", or "python" for those that run Python.
-        one_file: whether the coupling is in C too: the scene's composite.
+        one_file: whether the machine is in one piece: the scene's composite.
     """
 
     name: str
@@ -87,7 +86,7 @@ class Method:
     def family(self) -> str:
         """The method without its step or tolerance, in words."""
         words = [self.name]
-        if self.one_file and self.tolerance is not None:  # coupled or in one piece, as the scene is
+        if self.one_file:
             return "own steps in one file"
         if self.order is not None:
             words.append({0: "held", 1: "linear", 3: "cubic"}[self.order])
@@ -98,8 +97,6 @@ class Method:
             words.append(passes.get(self.corrections, f"{self.corrections} passes"))
         if self.units == "python":
             words.append("on Python units")
-        if self.one_file:
-            words.append("in one file")
         return " ".join(words)
 
     @property
@@ -173,8 +170,8 @@ def _monolith(scene: Scene, names: Sequence[str], method: str, rtol: float) -> R
 def coupling_methods(exchanges_force: bool) -> list[Method]:
     """Every scheme, order and step; one of each step where no force is exchanged."""
     if not exchanges_force:
-        ways, steps = (False, True), (4, 10, 20, 40)
-        return [Method("auto", steps_per_rev=n, one_file=one) for one in ways for n in steps]
+        alone = [Method("auto", steps_per_rev=n) for n in (4, 10, 20, 40)]
+        return [*alone, Method("auto", tolerance=DEFAULT_TOLERANCE, one_file=True)]
     methods = [
         Method(scheme, order, n)
         for scheme in ("jacobi", "gauss-seidel")
@@ -186,7 +183,6 @@ def coupling_methods(exchanges_force: bool) -> list[Method]:
     methods += [Method("iterated", 3, n, passes) for passes in (1, None) for n in ITERATED_STEPS]
     methods += [Method("iterated", 3, tolerance=t) for t in TOLERANCES]
     methods += [Method("compensated", 3, n, units="python") for n in PYTHON_STEPS]
-    methods += [Method("iterated", 3, n, 1, one_file=True) for n in sorted(ONE_FILE_STEPS)]
     methods += [Method("iterated", 3, tolerance=t, one_file=True) for t in ONE_FILE_TOLERANCES]
     return methods
 

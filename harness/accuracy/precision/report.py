@@ -52,7 +52,7 @@ def reference_words(study: Precision) -> str:
 
 
 def cheapest(study: Precision) -> Sheet:
-    """The cheapest way to each error: coupled in C, coupled in Python, in one piece."""
+    """The cheapest way to each error: one file, separate FMUs, SciPy."""
     rows = []
     for error in TARGETS:
         one = study.cheapest(error, coupled=True, one_file=True)

@@ -9,11 +9,11 @@ from typing import Any
 
 import numpy as np
 
+from ....models.constants import DEFAULT_TOLERANCE
 from ...result.run import cosimulate
 from ...scene import Scene, load_scene
 from .case import (
     BOTH_WAYS,
-    FACTOR,
     ROTOR_AND_MOMENT,
     UNEVEN,
     XY,
@@ -55,10 +55,9 @@ def cases() -> Iterator[Case]:
         yield coupled(f"{count} weight{'s' * (count > 1)}", changes)
     yield from _speeds()
     yield from _stiffness()
-    for steps, allowed in ((4, 0.2), (10, 1e-3), (100, 1e-6), (1000, 1e-8), (10_000, 1e-8)):
-        told = " and reported as too coarse" if steps < 10 else ""
-        expected = f"error below {allowed:g} of the range{told}"
-        yield Case(f"{steps} steps per revolution", expected, partial(_with_steps, steps, allowed))
+    for steps in (4, 10, 100, 1000, 10_000):
+        expected = f"error below {DEFAULT_TOLERANCE:g} of the range: rows are no steps"
+        yield Case(f"{steps} steps per revolution", expected, partial(_with_steps, steps))
     yield from _starts()
     angles = [f"weights.weight[{k}].angle" for k in (1, 2)]
     for what, change in (
@@ -124,15 +123,12 @@ def _stiffness() -> Iterator[Case]:
         yield Case(name, BOTH_WAYS, run)
 
 
-def _with_steps(steps: int, allowed: float) -> Outcome:
+def _with_steps(steps: int) -> Outcome:
     revolutions = 1 if steps > 1000 else 3
     build = two_pendulums({"coupling.steps_per_rev": steps, "run.revolutions": revolutions})
-    error, own, result = compare(build, ROTOR_AND_MOMENT, monolith(), allowed)
-    stated = stated_error(result)
-    said = f" and reported as too coarse ({stated:.1g})" if stated else ""
-    text = f"error {error:.1e} in {result.steps} steps{said}; reference {own:.0e}"
-    told = error <= FACTOR * stated if steps < 10 else not stated
-    return Outcome(text, error <= allowed and told)
+    error, own, result = compare(build, ROTOR_AND_MOMENT, monolith(), DEFAULT_TOLERANCE)
+    text = f"error {error:.1e} in {result.steps} steps; reference {own:.0e}"
+    return Outcome(text, error <= DEFAULT_TOLERANCE and not stated_error(result))
 
 
 def _starts() -> Iterator[Case]:

@@ -8,9 +8,9 @@ from dataclasses import dataclass, field
 
 from ....models.arrays import Array
 from ...errors import SimulationError, UserError
-from ...master.global_error import Controlled
 from ...master.merged import merged_now
 from ...master.recorder import Recorder
+from ...master.two_tolerances import TwoTolerances
 from ...scene import Scene
 from ..velocity import recorded_for
 
@@ -47,7 +47,7 @@ def run_again(scene: Scene, names: Sequence[str]) -> Ran | None:
         with warnings.catch_warnings(), OneFileRun(scene) as simulation:
             warnings.simplefilter("ignore")
             if simulation.scene.coupling.tolerance is not None and simulation.coupled:
-                recorder = Controlled(simulation, own).run(None)
+                recorder = TwoTolerances(simulation, own).run(None)
             else:
                 recorder = Recorder(simulation.units, own)
                 simulation.start()

@@ -58,7 +58,7 @@ def test_one_file_follows_its_profile_whatever_the_steps_of_its_host(scene):
     run = cosimulate(fine, record=names[:3])
     assert found["rotor.speed"][0] == pytest.approx(60.0, rel=1e-14)
     for name in names[:3]:
-        assert found[name][0] == pytest.approx(run[name][-1], abs=1e-7 * np.abs(run[name]).max())
+        assert found[name][0] == pytest.approx(run[name][-1], abs=1e-5 * np.abs(run[name]).max())
     assert composition(scene).layout.index["corner[4].speed"]
 
 

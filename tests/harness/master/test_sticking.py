@@ -70,18 +70,6 @@ def test_the_error_stated_of_a_run_that_meets_events_is_not_too_small():
     assert error < 3.0 * run.estimated_error < 3e-4
 
 
-@pytest.mark.parametrize("driven", DRIVEN)
-def test_the_error_falls_with_the_fourth_power_of_given_steps(driven):
-    """Events in between, which steps end at: 3 to 4 of them."""
-    right, _ = referred(driven)
-    coarse, fine = (
-        np.abs(ends(driven, scheme="iterated", steps_per_rev=steps)[0] - right).max()
-        for steps in (10, 20)
-    )
-    assert coarse < 1e-5
-    assert fine < coarse / 12.0
-
-
 def test_where_they_stay_depends_on_the_way_there():
     """Both have come to rest at the same speed, in different places, neither of them balanced."""
     (up, still_up), (held, still_held) = ends("run_up"), ends("held")

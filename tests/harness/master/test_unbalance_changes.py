@@ -71,7 +71,7 @@ def test_one_file_changes_its_unbalance_whatever_the_steps_of_its_host():
     for k, amount in enumerate((2e-3, 4e-3)):
         run = cosimulate(scene.replace({"operation.unbalance_changes[1].amount": amount}))
         for name in names:
-            assert found[name][k] == pytest.approx(run[name][-1], abs=1e-6 * run[name].max())
+            assert found[name][k] == pytest.approx(run[name][-1], abs=1e-4 * run[name].max())
     index = "unbalance_change[2].number"
     assert composition(scene).layout.index[index]
     wrong = cosimulate_many(scene, {index: [1.5, 2.0]}, results=names)

@@ -15,7 +15,7 @@ def test_the_lines_are_the_runs_with_and_without_balancers():
     alone = scene.without_balancers().run()
     largest = np.hypot(alone["rotor.x"], alone["rotor.y"]).max()
     factor = bare.points[1].max() / largest
-    assert factor in (pytest.approx(1.0), pytest.approx(1e3), pytest.approx(1e6))
+    assert factor in [pytest.approx(unit, rel=1e-2) for unit in (1.0, 1e3, 1e6)]  # other rows
     assert own.points[1][-1] < 0.1 * bare.points[1][-1]
 
 

@@ -88,12 +88,14 @@ def test_every_machine_is_the_run_of_its_scene():
     ):
         changed = scene.replace({"weights.drag": drag, "rotor.stiffness[2]": stiffness})
         run = cosimulate(changed)
-        motion = np.hypot(run["rotor.x"], run["rotor.y"])[-20:].max()
+        motion = np.hypot(run["rotor.x"], run["rotor.y"])
         left = complex(
             scene.rotor.unbalance + run["weights.moment_xi"][-1], run["weights.moment_eta"][-1]
         )
-        assert residual == pytest.approx(motion, rel=1e-8)
-        assert grade == pytest.approx(1e3 * abs(left) * 3.0 / 0.95, rel=1e-8)
+        assert residual == pytest.approx(motion[-20:].max(), abs=1e-4 * motion.max())
+        assert grade == pytest.approx(
+            1e3 * abs(left) * 3.0 / 0.95, abs=1e-4 * scene.rotor.unbalance * 3e3
+        )
 
 
 def test_a_two_plane_grade_is_judged_at_either_support():

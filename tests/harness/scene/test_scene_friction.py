@@ -101,16 +101,6 @@ def off(slider: dict, **coupling) -> float:
     return max(errors) / np.abs(run["rotor.x"]).max()
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("more", [{}, {"stiffness": 4e4}], ids=["rigid", "spring"])
-def test_the_error_falls_with_the_fourth_power_of_given_steps(more):
-    """Supports turn round 6 times in between, which steps end at: jumps cost no order."""
-    slider = {"limit": [4.0, 3.0], **more}
-    coarse, fine = (off(slider, scheme="iterated", steps_per_rev=steps) for steps in (20, 40))
-    assert coarse < 2e-6
-    assert fine < coarse / 12.0
-
-
 @pytest.mark.parametrize("separate", [True, False])
 def test_events_draw_communication_points_no_further_apart(separate):
     """Steps longer than the longest would count as those of a rotor at rest, and hold signals."""

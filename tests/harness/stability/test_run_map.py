@@ -27,7 +27,7 @@ def test_every_point_is_the_run_of_its_own_scene(scene, speed_is):
     for (j, i), residual in np.ndenumerate(data.residual):
         run = cosimulate(scene.replace({x.path: x.values[i], y.path: y.values[j]}))
         motion = np.hypot(run["rotor.x"], run["rotor.y"])
-        assert residual == pytest.approx(motion[-20:].max(), rel=1e-8)
+        assert residual == pytest.approx(motion[-20:].max(), abs=1e-4 * motion.max())
 
 
 @pytest.mark.parametrize("gravity", [0.0, 9.81])
@@ -59,11 +59,10 @@ def test_axes_that_cannot_be_are_refused(scene, x, y, said):
 
 
 def test_a_run_that_fails_costs_its_point_alone(scene):
-    """Heavy weights whose inertia is a force: at a loop gain of 9 no passes do not converge."""
-    heavy = scene.replace({"weights.inertia_as_force": True, "coupling.corrections": 0})
-    x, y = Axis.parse("weights.mass=0.01:5:2"), Axis.parse("weights.drag=0.01:0.02:2")
-    data = run_map(heavy, x, y)
-    assert all("loop did not converge" in text for text in data.failure[:, 1])
+    """A support whose force exceeds all numbers."""
+    x, y = Axis.parse("rotor.stiffness[1]=1:1e59:2"), Axis.parse("weights.drag=0.01:0.02:2")
+    data = run_map(scene, x, y)
+    assert all("is not finite" in text for text in data.failure[:, 1])
     np.testing.assert_array_equal(data.failure != "", [[False, True]] * 2)
     np.testing.assert_array_equal(np.isnan(data.residual), [[False, True]] * 2)
 

@@ -32,7 +32,7 @@ def command(
         float | None, typer.Option(help="Of every run, instead of the default coupling.")
     ] = None,
     separate: Annotated[
-        bool, typer.Option("--separate", help="Judge separate FMUs, not the coupling in C.")
+        bool, typer.Option("--separate", help="Judge separate FMUs, not the one file.")
     ] = False,
     markdown: Annotated[
         Path | None, typer.Option(metavar="FILE", help="Also write the table to a file.")

@@ -1,0 +1,85 @@
+/* How a composite goes to a time: steps of its machine, over corners of the drive and changes of the unbalance. */
+#include "base/elementary.h"
+#include "coupling/composite.h"
+
+/* Parts of a step and of a time: within them a point of the host is the end of a step. */
+static const double REACHED_OF_STEP = 1e-10, REACHED_OF_TIME = 4e-16;
+static const double MOST_MOVES = 1e7; /* within a step of the host: of parts */
+
+void composite_give_reason(Unit *unit)
+{
+    if (!unit->reason.at) {
+        unit_fail(unit, "the machine cannot go on at t = %6 s: events follow each other too closely",
+                  unit_host_time(unit, unit->time));
+    }
+}
+
+bool composite_reaches(const Composite *c, double time)
+{
+    const Clock *clock = &c->course->clock;
+    const double point = REACHED_OF_STEP * clock->length + REACHED_OF_TIME * absolute(time);
+    return !(clock->time < time - point);
+}
+
+int composite_refuse_many(Unit *unit, double passes, double length)
+{
+    const Composite *c = unit->own;
+    if (c->course->total.passes - passes <= MOST_MOVES / c->part_count) {
+        return 0;
+    }
+    return unit_fail(unit, "a step of %6 s takes too many steps of the machine: one call may take 1e7 over "
+                     "its number of parts; use shorter communication steps", length);
+}
+
+/* Step and move the units to a time. */
+static int reach_time(Unit *unit, double end)
+{
+    const Composite *c = unit->own;
+    const Course *course = c->course;
+    const double begin = unit->time, passes = course->total.passes;
+    for (;;) {
+        if (composite_reaches(c, end)) {
+            return one_piece_show(unit, end);
+        }
+        if (unit->one_step_per_call && course->clock.time > begin) {
+            unit->made = course->clock.time - begin;
+            return one_piece_show(unit, course->clock.time);
+        }
+        if (composite_refuse_many(unit, passes, end - begin)) {
+            return 1;
+        }
+        if (one_piece_step(unit)) {
+            composite_give_reason(unit);
+            return 1;
+        }
+    }
+}
+
+int composite_go_to(Unit *unit, double end)
+{
+    const Composite *c = unit->own;
+    while (composite_next_jump(c) <= end) {
+        const double jump = composite_next_jump(c);
+        const unsigned *asked = unit->asked;
+        int wrong;
+        unit->asked = NULL; /* steps begin there: all units must be */
+        wrong = reach_time(unit, jump);
+        unit->asked = asked;
+        if (wrong) {
+            return 1;
+        }
+        if (unit->one_step_per_call) {
+            if (unit->made < jump - unit->time) { /* of the way there one step, and not its last */
+                return 0;
+            }
+            unit->made = jump - unit->time;
+        }
+        if (composite_pass_jump(unit)) {
+            return 1;
+        }
+        if (jump == end || unit->one_step_per_call) {
+            return 0;
+        }
+    }
+    return reach_time(unit, end);
+}
