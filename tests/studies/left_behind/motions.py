@@ -3,7 +3,7 @@
 `python -m tests.studies.left_behind.motions [MACHINES]` draws machines of every kind, a speed, a
 drag and a start, runs each with the package and with `integrate.c`, and compares the names.  A run
 that the package calls undecided is counted by itself.  So is a sensitive start: its integration
-ends in another motion when the weights start 1e-9 rad further.
+ends in another motion with half the steps, and weights that start 1e-9 rad further.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from autobalancer.harness.scene.quantities import each_of
 from autobalancer.models.linear.modes import modes
 
 from .draw import KINDS, Drawn, draw
-from .machine import library, run
+from .machine import STEPS, library, run
 
 TURNS, WINDOWS = 4000.0, 40  # of a run, half of which decides
 APART = 1e-9  # rad by which a start is moved to see whether it is sensitive
@@ -59,8 +59,8 @@ def by_package(one: Case) -> tuple[Kind, int]:
     return Kind(int(kind[0])), int(weights[0])
 
 
-def by_integration(one: Case, moved: float = 0.0) -> tuple[Kind, int]:
-    """What a long integration ends in, from a start that is moved by an angle."""
+def by_integration(one: Case, moved: float = 0.0, finer: int = 1) -> tuple[Kind, int]:
+    """What a long integration ends in, from a start moved by an angle, with so much finer steps."""
     count = len(one.machine.weights)
     made, _ = job(one.scene, one.speed, one.start, one.seed, 0, 1)
     angles = made.values[0][0::2] + moved * np.arange(1, count + 1)
@@ -69,7 +69,7 @@ def by_integration(one: Case, moved: float = 0.0) -> tuple[Kind, int]:
     weights = [replace(w, drag=d) for w, d in zip(one.machine.weights, drags, strict=True)]
     end = TURNS * 2.0 * np.pi / one.speed
     windows, _ = run(
-        one.machine.rotor, weights, [(0.0, one.speed)], angles, rates, end, WINDOWS
+        one.machine.rotor, weights, [(0.0, one.speed)], angles, rates, end, WINDOWS, finer * STEPS
     )  # fmt: skip
     late = windows[WINDOWS // 2 :]
     return _named(late, one.speed, alone(one.scene, one.speed))
@@ -102,7 +102,7 @@ def study(machines: int, first: int = 0) -> list[Row]:
     with ThreadPoolExecutor(os.cpu_count()) as pool:
         package = list(pool.map(by_package, cases))
         own = list(pool.map(by_integration, cases))
-        near = list(pool.map(by_integration, cases, [APART] * machines))
+        near = list(pool.map(by_integration, cases, [APART] * machines, [2] * machines))
     sensitive = [a != b for a, b in zip(own, near, strict=True)]
     return list(zip(cases, package, own, sensitive, strict=True))
 
