@@ -105,7 +105,7 @@ def growth_by_derivatives(scene: Scene, speed: float) -> float:
     still = monolith.initial()
     n4, count = 4 * monolith.stations, monolith.weights
     still[:n4] = 0.0
-    still[n4 : n4 + count] = system.angles
+    still[n4 : n4 + count], still[n4 + count :] = system.angles, speed
     period, scales = math.tau / speed, monolith.scales()
 
     def after(state: np.ndarray) -> np.ndarray:

@@ -15,6 +15,7 @@ from autobalancer.harness.master.plan import plan
 from autobalancer.harness.scene.plausible import implausible
 from autobalancer.models.monolith import reference
 from autobalancer.models.papers.influence import influence
+from tests.studies.built import compare
 
 OVERHUNG = {
     "kind": "flexible",
@@ -233,3 +234,8 @@ def test_stability_on_a_tub_is_proved_as_floquet_has_it():
     assert {band.state for band in bands} >= {"stable", "unstable"}
     for limit in limits:
         assert any(b.low <= limit <= b.high for b in bands if b.state == "undecided")
+
+
+@pytest.mark.parametrize("family", ["tilting", "bearings", "bodies", "rubber", "tables"])
+def test_a_random_machine_of_each_kind_errs_within_its_estimate(family):
+    assert compare(family, 0).word == "within"
