@@ -74,7 +74,7 @@ def command(
     json: Annotated[Path | None, options.json("the results")] = None,
     report: Annotated[Path | None, options.REPORT] = None,
 ) -> None:
-    """Fit values of a scene to measured amplitudes, or of a system of FMUs to signals over time."""
+    """Fit a scene to amplitudes, or a system of FMUs to signals."""
     from ..fit.measured import read_measured
     from ..fit.report import lines, table
     from ..output.files import write_json

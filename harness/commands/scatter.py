@@ -42,7 +42,7 @@ def command(
     changes: Annotated[list[str] | None, set_option("run.revolutions=200")] = None,
     report: Annotated[Path | None, options.REPORT] = None,
 ) -> None:
-    """Simulate machines, or systems of FMUs, whose values scatter within tolerances."""
+    """Simulate machines or systems of FMUs with scattered values."""
     from ..output.cluster import who_works
     from ..output.files import write_json
     from ..output.report import Report
