@@ -69,23 +69,21 @@ def test_a_fit_finds_the_values_that_made_the_signals(mass, tmp_path):
     assert found.predicted_rms(measured) == pytest.approx(found.rms[1], rel=1e-6)
 
 
-def test_intervals_hold_the_true_values_where_noise_is_independent(mass, tmp_path):
-    """Of 20 intervals of 95 % one is expected to miss, and four are rare."""
+def test_intervals_are_as_wide_as_values_scatter(mass, tmp_path):
+    """95 % are 2.07 standard deviations: deviations over intervals have an rms near 0.48."""
     time, random = np.linspace(0.05, 1.95, 25), np.random.default_rng(5)
     decay = 0.2
     turn = np.sqrt(3.5**2 - decay**2)
     x = np.exp(-decay * time) * (np.cos(turn * time) + decay / turn * np.sin(turn * time))
-    missed = known = 0
+    start, shares = mass.replace({"m.c": 0.3, "coupling.step": 0.05}), []
     for number in range(10):
         noisy = x + 0.02 * random.standard_normal(len(x))
-        path = write(tmp_path / f"{number}.csv", time, ("m.x", noisy))
-        start = mass.replace({"m.c": 0.3, "coupling.step": 0.05})
-        found = start.fit(path, ["m.k", "m.c"])
-        inside = np.abs(found.values - [3.5**2, 2.0 * decay]) <= found.uncertainty
-        known += int(np.isfinite(found.uncertainty).sum())
-        missed += int((~inside & np.isfinite(found.uncertainty)).sum())
-    assert known >= 14
-    assert missed <= 3
+        found = start.fit(write(tmp_path / f"{number}.csv", time, ("m.x", noisy)), ["m.k", "m.c"])
+        shares += ((found.values - [3.5**2, 2.0 * decay]) / found.uncertainty).tolist()
+    known = np.array([share for share in shares if np.isfinite(share)])
+    assert len(known) >= 14  # none is given where residuals happen to look systematic
+    assert 0.2 < np.sqrt(np.mean(known**2)) < 0.8
+    assert (np.abs(known) > 1.0).sum() <= 3
 
 
 def test_units_of_measurement_in_the_heads_are_converted(guest, altered, tmp_path):
