@@ -341,10 +341,8 @@ def test_ten_discs_exchange_no_more_than_a_planar_rotor(axes):
     long = long_shaft([balls("a", 3), balls("b", 8)], axes=axes)
     later = []  # what the second revolution takes: the start is another one for each
     for document in (planar, long):
-        runs = [
-            cosimulate(Scene.from_document({**document, "run": {"revolutions": k}}), record=[])
-            for k in (1, 2)
-        ]
+        scenes = [Scene.from_document({**document, "run": {"revolutions": k}}) for k in (1, 2)]
+        runs = [cosimulate(scene, record=[], separate=True) for scene in scenes]
         assert runs[1].steps - runs[0].steps == 40
         later.append({call: n - runs[0].calls[call] for call, n in runs[1].calls.items()})
     assert later[0] == later[1]

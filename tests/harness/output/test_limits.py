@@ -17,10 +17,10 @@ pytestmark = pytest.mark.slow
 
 
 def test_a_record_that_does_not_fit_into_memory_is_refused_with_its_keys(monkeypatch):
-    monkeypatch.setattr("autobalancer.harness.master.recorder.free_memory", lambda: 5e4)
-    with pytest.raises(UserError, match=r"run\.revolutions, run\.record: 6 signals .* 5e-05 GB"):
-        cosimulate("two_balls")
-    # 3 * 8 bytes for time, rotor.x and two velocities in each of 401 rows
+    monkeypatch.setattr("autobalancer.harness.master.recorder.free_memory", lambda: 1e5)
+    with pytest.raises(UserError, match=r"run\.revolutions, run\.record: 6 signals .* 0\.0001 GB"):
+        cosimulate(load_scene("two_balls").replace({"run.revolutions": 40}))
+    # 3 * 8 bytes for time, rotor.x and what the verdict reads in each of 401 rows: 87 kB
     cosimulate(load_scene("two_balls").replace({"run.record": ["rotor.x"]}))
 
 
