@@ -158,7 +158,7 @@ def test_a_rotor_below_its_critical_speed_is_refused():
         design(scene, starts=6)
 
 
-def test_ranking_rows_compare_first_and_order_and_the_step():
+def test_ranking_rows_compare_first_and_order_and_the_tolerance():
     scene = load_scene("goncharov_balls").replace({"run.revolutions": 100})
     rows = rows_of(check_ranking, scene, starts=6, most=3, halved=1)
     named = {row.quantity.split(",")[0]: row for row in rows}
@@ -168,7 +168,7 @@ def test_ranking_rows_compare_first_and_order_and_the_step():
     assert first.holds
     assert named["balls: order of the medians"].measured == "3 2"
     assert named["balls: order of the medians"].holds
-    assert rows[-1].quantity.startswith("settling time and that with half the step")
+    assert rows[-1].quantity.startswith("settling time and that with a hundredth of the tolerance")
     assert rows[-1].holds
 
 
