@@ -179,8 +179,10 @@ def test_the_vibration_of_model_exchange_is_that_of_co_simulation(tmp_path):
     path, _ = built(tmp_path, "balls")
     names = ["vibration", "residual_unbalance", "capacity_used"]
     solved = simulated(path, 20.0, "ModelExchange", names, relative_tolerance=1e-9)
-    steps = simulated(path, 20.0, "CoSimulation", names)
-    assert solved[-1] == pytest.approx(steps[-1], rel=1e-4)
+    exact = {"coupling.tolerance": 1e-9}
+    steps = simulated(path, 20.0, "CoSimulation", names, start_values=exact)
+    # revolutions that are looked at end up to a 32nd of a turn apart: meanwhile it decays
+    assert solved[-1] == pytest.approx(steps[-1], rel=3e-4)
 
 
 # impacts and contacts, rolling and sticking, dry friction

@@ -49,10 +49,9 @@ def test_tolerance_is_kept_on_every_bundled_scene(against, name):
     assert all(e <= 3.0 * t for e, t in zip(errors, tolerances, strict=True)), errors
 
 
-def test_at_rest_steps_last_many_revolutions_within_the_tolerance():
-    """Eight per revolution, each taken in two, would be 4800."""
+def test_steps_of_a_machine_with_much_drag_are_longer_than_its_fastest_decay():
+    """By collocation: by series each would last at most a few 60ths of a radian."""
     balanced = {"rotor.unbalance": 0.0, "weights.angles": [0.5, 0.5 + math.pi]}
-    # with so much drag parts are coupled by signals
     changes = {"run.revolutions": 300, "run.initial.x": 0.01, "weights.drag": 200.0}
     coupling = {"coupling.tolerance": 1e-3, "coupling.steps_per_rev": None}
     scene = load_scene("two_balls").replace({**balanced, **changes, **coupling})
@@ -62,21 +61,8 @@ def test_at_rest_steps_last_many_revolutions_within_the_tolerance():
         scene.assembly(), drive, result.time, initial=start, method="Radau", rtol=1e-8
     ).signal("rotor.x")
     assert np.abs(result["rotor.x"] - right).max() <= 1e-3 * np.ptp(right)
-    assert result.steps < 1000
-    assert np.diff(result.time)[-3:].max() > 5.0 * 2.0 * math.pi / 3.0
-
-
-def test_no_step_is_longer_than_a_quarter_of_the_time_that_rest_has_lasted():
-    """What is not stable grows meanwhile."""
-    changes = {"rotor.unbalance": 0.0, "weights.angles": [0.5, 0.5 + math.pi]}
-    changes["weights.drag"] = 200.0  # so that parts are coupled by signals
-    coupling = {"tolerance": 1e-4, "steps_per_rev": None, "corrections": None, "scheme": "auto"}
-    keys = {f"coupling.{key}": value for key, value in coupling.items()}
-    time = cosimulate(load_scene("two_balls").replace({**changes, **keys})).time
-    steps, longest = np.diff(time), 2.0 * math.pi / 3.0 / 8.0
-    at_rest = steps > longest
-    assert at_rest.any()
-    assert (steps <= 0.25 * time[:-1])[at_rest].all()
+    assert result.steps < 12 * 300
+    assert result.collocated_steps > 0.9 * result.steps
 
 
 @pytest.mark.parametrize("separate", [True, False])
