@@ -35,8 +35,6 @@ GAIN_LIMIT = {  # 1 where nothing is said of an explicit scheme; the others know
 EXACT = 1e-9  # of the amplitude: reference and rounding of a motion without coupling error
 STEPS = {0: (40, 80), 1: (40, 80), 3: (40, 80, 160)}  # per revolution, by order of the signals
 FINER = {("rubber_drive", "jacobi"): 8}  # times as many: so its rubber is followed
-    ("rubber_drive", "jacobi"): 8
-}  # times as many: the order shows where its rubber is followed
 
 
 RUBBING = [name for name in driven_scenes() if load_scene(name).rotor.friction]
