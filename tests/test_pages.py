@@ -128,6 +128,7 @@ OTHERS = [  # that no page shows whole
     "balance balancing_machine -o corrections.png",
     "fit two_balls --without-balancers --measured fit.csv --free rotor.unbalance -o fit.png",
     "precision two_balls --seconds 1 --set run.revolutions=1 -o precision.png",
+    'race centrifuge --lobes "2=20 um@45 deg"',
     "stress 'rotor at rest'",
 ]
 
