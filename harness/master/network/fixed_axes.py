@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from fmpy.model_description import CoSimulation, ModelDescription, ModelVariable, Unknown
+from fmpy.model_description import CoSimulation, ModelDescription, ScalarVariable, Unknown
 
 from ..closing import Closing
 from ..names import components, derivatives, plane
@@ -59,7 +59,7 @@ class FixedForces(Closing):
                   for name in order]  # fmt: skip
         outputs = [*turned, *(f"der({name})" for name in turned)]
         self.variables = {
-            name: ModelVariable(
+            name: ScalarVariable(
                 name=name, valueReference=place, type="Real",
                 causality="input" if place < len(inputs) else "output",
                 unit="N/s" if name.startswith("der(") else "N",
@@ -82,7 +82,7 @@ class FixedForces(Closing):
         self._numbers, self._kept = count(1), dict[int, tuple[np.ndarray, float, float]]()
         self.restart({})
 
-    def _act_on(self, output: str) -> list[ModelVariable]:
+    def _act_on(self, output: str) -> list[ScalarVariable]:
         """Inputs that an output depends on at once."""
         force = output.removeprefix("der(").rpartition("_")[0]
         names = [f"{force}_{axis}" for axis in AXES]
