@@ -139,14 +139,14 @@ def with_bodies(
     places = Places(supports, rotor.planes, along, bodies)
     _refuse_unknown(bodies, carrier, places.first)
     n, size = rotor.stations, places.size
-    wide = np.eye(n, size)
-    mass = wide.T @ rotor.mass @ wide
+    wide = rotor.widened(size - n)
+    mass = wide.mass
     for body in bodies:
         at = slice(places.first[body.name], places.first[body.name] + places.own)
         mass[at, at] = _inertia(body, places)
     held = []
-    for k, (support, place) in enumerate(zip(rotor.supports, supports, strict=True), start=1):
-        x, y = (support.rows[0] @ wide - row for row in places.rows_of(carrier, place))
+    for k, (support, place) in enumerate(zip(wide.supports, supports, strict=True), start=1):
+        x, y = (support.rows[0] - row for row in places.rows_of(carrier, place))
         held.append(replace(two_ways(support, x, y), name=f"support[{k}]"))
     for body in bodies:
         for number, foot in enumerate(body.feet, start=1):
@@ -155,24 +155,21 @@ def with_bodies(
             one = Support.bearing(own[0], springs, dampers, name=f"{body.name}.foot[{number}]")
             held.append(two_ways(one, *(a - b for a, b in zip(own, under, strict=True))))
         held += _locked(body, places, mass)
-    bent = wide
     if n == 1:  # the disc's bending is its way from what carries it; other shafts bend alone
         if places.free.get(carrier, AXES) != AXES and rotor.internal_damping.any():
             raise ValueError(
                 f"internal_damping: not on the body {carrier!r}, which is free along "
                 f"{places.free[carrier]} alone"
             )
-        bent = wide - places.row(carrier, supports[0])
+        bent = np.eye(n, size) - places.row(carrier, supports[0])
+        wide = replace(
+            wide,
+            internal_damping=bent.T @ rotor.internal_damping @ bent,
+            deflection=rotor.deflection @ bent,
+        )
     return replace(
-        rotor,
-        mass=mass,
-        elastic=wide.T @ rotor.elastic @ wide,
+        wide,
         supports=tuple(held),
-        internal_damping=bent.T @ rotor.internal_damping @ bent,
-        gyroscopic=wide.T @ rotor.gyroscopic @ wide,
-        planes=rotor.planes @ wide,
-        unbalance=rotor.unbalance @ wide,
-        deflection=rotor.deflection @ bent,
         locked=tuple(
             (axis, places.first[body.name] + k)
             for body in bodies

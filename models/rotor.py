@@ -312,30 +312,33 @@ class LinearRotor:
         added = numbers(added_mass)
         return replace(self, mass=self.mass + self.planes.T @ (added[:, None] * self.planes))
 
+    def widened(self, more: int) -> LinearRotor:
+        """The same rotor with more stations behind its own, free and without mass."""
+        behind = (0, more)
+        square: dict[str, Any] = {
+            name: np.pad(getattr(self, name), (behind, behind))
+            for name in ("mass", "elastic", "internal_damping", "gyroscopic")
+        }
+        rows: dict[str, Any] = {
+            name: np.pad(getattr(self, name), ((0, 0), behind)) for name in ("planes", "deflection")
+        }
+        supports = tuple(
+            replace(one, rows=np.pad(one.rows, ((0, 0), behind))) for one in self.supports
+        )
+        unbalance = np.pad(self.unbalance, behind)
+        return replace(self, supports=supports, unbalance=unbalance, **square, **rows)
+
     def with_ring(self, ring: Ring, plane: int) -> LinearRotor:
         """The same rotor with a ring at a plane (from 0), whose wave y is one more station.
 
         The equation of y, times m_L f, reads m_L f ((1 + f) y'' + A) + ... = 0: M stays symmetric.
         """
         row, mass, inertia = self.planes[plane], ring.liquid_mass, ring.wave_inertia
-        grown = _grown(self.mass)
-        grown[:-1, :-1] += mass * np.outer(row, row)
-        grown[-1, :-1] = grown[:-1, -1] = inertia * row
-        grown[-1, -1] = inertia * (1.0 + ring.hollow)
-        bare: dict[str, Any] = {
-            name: _grown(getattr(self, name))
-            for name in ("elastic", "internal_damping", "gyroscopic")
-        }
-        wider: dict[str, Any] = {
-            name: np.pad(getattr(self, name), ((0, 0), (0, 1))) for name in ("planes", "deflection")
-        }
-        supports = tuple(
-            replace(one, rows=np.pad(one.rows, ((0, 0), (0, 1)))) for one in self.supports
-        )
-        unbalance, waves = np.append(self.unbalance, 0j), (*self.waves, (self.stations, ring))
-        return replace(
-            self, mass=grown, supports=supports, unbalance=unbalance, waves=waves, **bare, **wider
-        )
+        grown = self.widened(1)
+        grown.mass[:-1, :-1] += mass * np.outer(row, row)
+        grown.mass[-1, :-1] = grown.mass[:-1, -1] = inertia * row
+        grown.mass[-1, -1] = inertia * (1.0 + ring.hollow)
+        return replace(grown, waves=(*self.waves, (self.stations, ring)))
 
     def wave_terms(self, speed: float) -> tuple[NDArray, NDArray]:
         """What the waves add to the velocity and displacement matrices, complex (n, n) each."""
@@ -392,8 +395,3 @@ def as_real(matrix: NDArray) -> Matrix:
     """A complex matrix (n, n) of z = x + i y as a real one (2n, 2n) of x and y."""
     real, turned = matrix.real, matrix.imag
     return np.block([[real, -turned], [turned, real]])
-
-
-def _grown(matrix: Matrix) -> Matrix:
-    """A matrix with a row and a column of zeros more."""
-    return np.pad(matrix, ((0, 1), (0, 1)))

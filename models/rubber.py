@@ -65,26 +65,14 @@ def with_rubber(rotor: LinearRotor, elements: Mapping[int, Sequence[Zener]]) -> 
         elements: elements along x and y by the number of the support, from 0.  They take the place
             of its stiffness; what damping it has is beside them.
     """
-    n, size = rotor.stations, rotor.stations + len(elements)
-    wide = np.eye(n, size)
-    mass = wide.T @ rotor.mass @ wide
-    supports = [replace(one, rows=one.rows @ wide) for one in rotor.supports]
-    for place, (number, pair) in enumerate(elements.items(), start=n):
+    wide = rotor.widened(len(elements))
+    supports = list(wide.supports)
+    for place, (number, pair) in enumerate(elements.items(), start=rotor.stations):
         inertia = sum(one.branch * one.time**2 for one in pair) / 2.0 or float(rotor.mass[0, 0])
-        mass[place, place] = inertia
-        supports[number] = _element(supports[number], np.eye(size)[place], pair, inertia)
-    return replace(
-        rotor,
-        mass=mass,
-        elastic=wide.T @ rotor.elastic @ wide,
-        supports=tuple(supports),
-        internal_damping=wide.T @ rotor.internal_damping @ wide,
-        gyroscopic=wide.T @ rotor.gyroscopic @ wide,
-        planes=rotor.planes @ wide,
-        unbalance=rotor.unbalance @ wide,
-        deflection=rotor.deflection @ wide,
-        inner=rotor.inner + len(elements),
-    )
+        wide.mass[place, place] = inertia
+        inner = np.eye(wide.stations)[place]
+        supports[number] = _element(supports[number], inner, pair, inertia)
+    return replace(wide, supports=tuple(supports), inner=rotor.inner + len(elements))
 
 
 def _element(support: Support, inner: Numbers, pair: Sequence[Zener], inertia: float) -> Support:
