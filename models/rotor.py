@@ -29,7 +29,7 @@ from numpy.typing import ArrayLike, NDArray
 from . import rotor_kinds, rotor_matrices
 from .arrays import Numbers, numbers
 from .ring import Ring
-from .supports import Bearing, Support, summed, supported
+from .supports import OUTSIDE, Bearing, Support, summed, supported
 from .supports import Slider as Slider
 
 Matrix = NDArray[np.float64]
@@ -189,6 +189,12 @@ class LinearRotor:
         tables = [support.table.speeds for support in self.supports if support.table is not None]
         low = max((float(speeds[0]) for speeds in tables), default=0.0)
         return low, min((float(speeds[-1]) for speeds in tables), default=math.inf)
+
+    def holds(self, low: float, high: float) -> bool:
+        """Whether the tables of all bearings hold the speeds from `low` to `high` [rad/s]."""
+        least, most = self.table_speeds
+        slack = OUTSIDE * most if self.varies else 0.0
+        return least - slack <= low and high <= most + slack
 
     @cached_property
     def springs(self) -> Numbers:

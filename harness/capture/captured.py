@@ -166,8 +166,7 @@ def captured(scene: Scene, speed: float | None = None) -> Captured:
     if scene.assembly().rotor.varies:
         raise SceneError(
             f"{scene.name}: rotor.bearings: the closed form of weights that are left behind does "
-            "not support a table over the speed: use motions, or give stiffness and damping at one "
-            "speed"
+            "not support a table over the speed: give stiffness and damping at one speed"
         )
     scene.refuse_friction("the closed form of weights that are left behind is that")
     found = capture(scene.assembly(), scene.profile().end if speed is None else speed)

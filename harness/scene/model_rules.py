@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ...models.supports import OUTSIDE
 from .run import UNCORRECTED
 
 if TYPE_CHECKING:
@@ -70,10 +69,9 @@ def _outside_tables(scene: Scene, rotor: LinearRotor) -> Iterator[str]:
     (low, high), speeds = rotor.table_speeds, scene.profile().speeds
     if scene.operation.motor:
         speeds = scene.operation.start_speed, scene.operation.motor.top_speed
-    slack = OUTSIDE * high
     if low >= high:
         yield "rotor.bearings: the tables have no speed in common"
-    elif min(speeds) < low - slack or max(speeds) > high + slack:
+    elif not rotor.holds(min(speeds), max(speeds)):
         yield (
             f"operation: turns at {min(speeds):.6g} to {max(speeds):.6g} rad/s: must be within "
             f"{low:.6g} to {high:.6g} rad/s, the speeds of the bearings' tables"

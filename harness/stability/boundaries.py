@@ -68,8 +68,8 @@ def speeds(
         separate: co-simulate separate FMUs coupled in Python even where one file can run in C.
 
     Raises:
-        UserError: the range is empty, a method is unknown, tolerances are wrong, or python-flint is
-            missing.
+        UserError: the range is empty or beyond the bearings' tables, a method is unknown,
+            tolerances are wrong, or python-flint is missing.
         SceneError: gravity swings the weights.
         SimulationError: a co-simulation cannot be completed correctly, and no other method answers.
     """
@@ -79,6 +79,13 @@ def speeds(
     if not 0.0 < low < high <= LARGEST:
         raise UserError(
             f"range {low:g} to {high:g} rad/s: must be positive and rising, to {LARGEST:g} at most"
+        )
+    rotor = scene.assembly().rotor
+    if not rotor.holds(low, high):
+        least, most = rotor.table_speeds
+        raise UserError(
+            f"range {low:g} to {high:g} rad/s: must be within {least:g} to {most:g} rad/s, the "
+            "speeds of the bearings' tables"
         )
     wanted = list(dict.fromkeys(methods))
     for method in wanted:

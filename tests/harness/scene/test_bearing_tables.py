@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import autobalancer as ab
-from autobalancer.harness import SceneError, cosimulate
+from autobalancer.harness import SceneError, UserError, cosimulate
 from autobalancer.harness.master.plan import plan
 from autobalancer.models.monolith import simulate
 
@@ -140,3 +140,8 @@ def test_a_film_is_saved_as_a_table_that_a_scene_reads(tmp_path):
     assert np.array(scene.rotor.bearings[0].table) == pytest.approx(film.rows, rel=1e-9)
     # half a turn of Lund's threshold for a small eccentricity, 2.741279 sqrt(g/c)
     assert film.threshold == pytest.approx(2.741279 * np.sqrt(9.80665 / 1e-4), rel=0.01)
+
+
+def test_speeds_beyond_the_rows_are_refused_with_the_rows():
+    with pytest.raises(UserError, match=r"range 50 to 400 .* within 104\.72 to 1047\.2 rad/s"):
+        ab.load("small_turbine").speeds(50.0, 400.0)
