@@ -4,14 +4,16 @@ from __future__ import annotations
 
 import math
 from abc import abstractmethod
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any, ClassVar, Generic, Protocol, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ...models.arrays import Array
+from ..errors import UserError
 from ..output.outcome import Outcome
 from ..output.table import Sheet
 from ..units import brief
@@ -118,3 +120,59 @@ class Estimate(Outcome, Generic[Start]):
             f"{brief(100.0 * self.significance)} % of files, the limit is "
             f"{100.0 * SIGNIFICANCE:g} %)"
         )
+
+
+def refuse_few(path: str | Path, count: int, parameters: Sequence[Parameter]) -> None:
+    """Refuse measurements that are no more than the free parameters.
+
+    Raises:
+        UserError: with both numbers.
+    """
+    if count <= len(parameters):
+        raise UserError(
+            f"{path}: {count} measured values for {len(parameters)} free parameters: there must be "
+            "more"
+        )
+
+
+def of_values(
+    parameters: Sequence[Parameter], solution: Any, significance: float, uncertainty: Array
+) -> dict[str, Any]:
+    """Fields of an estimate that follow from the search's solution, in shares of the starts.
+
+    Args:
+        uncertainty: (p,) half the interval of 95 % confidence, over the starts; given where a value
+            did not end at its limit and the residuals are not systematic.
+    """
+    scale = np.array([one.start for one in parameters])
+    at_limit = solution.active_mask != 0
+    withheld = at_limit | (significance < SIGNIFICANCE) & np.isfinite(uncertainty)
+    return {
+        "parameters": tuple(parameters),
+        "values": solution.x * scale,
+        "uncertainty": np.where(withheld, math.nan, uncertainty * np.abs(scale)),
+        "significance": significance,
+        "at_limit": at_limit,
+        "ended": str(solution.message),
+    }
+
+
+def document_of_values(found: Estimate[Any], measured: Path, count: int) -> dict[str, Any]:
+    """For JSON: what was fitted to how many measured values, and what is known of the values."""
+    columns = (found.parameters, found.values.tolist(), found.uncertainty.tolist())
+    rows = zip(found.labels, found.correlation.tolist(), strict=True)
+    return {
+        "scene": found.start.heading,
+        "measured": str(measured),
+        "values": count,
+        "rms_before": found.rms[0],
+        "rms": found.rms[1],
+        "ended": found.ended,
+        "parameters": [
+            {"path": one.label, "start": one.start, "value": value, "uncertainty": spread}
+            for one, value, spread in zip(*columns, strict=True)
+        ],
+        "correlation": {name: dict(zip(found.labels, row, strict=True)) for name, row in rows},
+        "significance": found.significance,
+        "warnings": found.warnings(),
+    }

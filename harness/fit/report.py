@@ -9,45 +9,23 @@ from typing import Any
 
 from ..output.outcome import Outcome
 from ..output.table import Sheet
+from .estimate import document_of_values
 from .study import Fit
 
 
 def document(found: Fit) -> dict[str, Any]:
     """Everything that the command says."""
-    names = [parameter.label for parameter in found.parameters]
     return {
-        "scene": found.start.heading,
-        "measured": str(found.measured.path),
-        "values": len(found.measured.logarithms),
-        "rms_before": found.rms[0],
-        "rms": found.rms[1],
+        **document_of_values(found, found.measured.path, len(found.measured.logarithms)),
         "rms_first_guess": found.guessed if math.isfinite(found.guessed) else None,
         "starts": found.starts,
-        "ended": found.ended,
-        "parameters": [
-            {
-                "path": parameter.label,
-                "start": parameter.start,
-                "value": float(value),
-                "uncertainty": float(uncertainty),
-            }
-            for parameter, value, uncertainty in zip(
-                found.parameters, found.values, found.uncertainty, strict=True
-            )
-        ],
-        "correlation": {
-            name: dict(zip(names, row, strict=True))
-            for name, row in zip(names, found.correlation.tolist(), strict=True)
-        },
         "systematic": found.is_systematic,
-        "significance": found.significance,
         "runout": found.runout
         and {
             "is_likely": found.runout.is_likely,
             "significance": None if math.isnan(found.runout.chance) else found.runout.chance,
             "sizes": dict(found.runout.sizes),
         },
-        "warnings": found.warnings(),
     }
 
 

@@ -16,14 +16,14 @@ from ...models.harmonic_balance import NoResponse
 from ..errors import UserError
 from ..scene import Scene
 from ..units import brief
-from .estimate import Estimate
+from .estimate import Estimate, of_values, refuse_few
 from .measured import SPEED, MeasuredAmplitudes, read_measured
 from .model import HarmonicModel, Model
 from .parameters import Parameter
 from .runout import SIGNIFICANCE as RUNOUT_SIGNIFICANCE
 from .runout import Runout, find_runout
 from .search import difference, first_guess, known, rms, search
-from .systematic import SIGNIFICANCE, significance
+from .systematic import significance
 
 if TYPE_CHECKING:
     from ..output.workers import Progress
@@ -137,12 +137,7 @@ def fit(
 
     Arguments are those of `Scene.fit`, which says what is raised.
     """
-    count = len(measured.logarithms)
-    if count <= len(parameters):
-        raise UserError(
-            f"{measured.path}: {count} measured values for {len(parameters)} free "
-            "parameters: there must be more"
-        )
+    refuse_few(measured.path, len(measured.logarithms), parameters)
     model, logarithms = Model(scene, parameters, measured), measured.logarithms
     is_phase = measured.is_phase
     scale = np.array([parameter.start for parameter in parameters])
@@ -170,27 +165,20 @@ def fit(
         closest.turning(solution.x * scale),
     )
     uncertainty = runout.widened(uncertainty) if runout else uncertainty
-    at_limit = solution.active_mask != 0
-    withheld = at_limit | (chance < SIGNIFICANCE) & np.isfinite(uncertainty)
     before, after = model.logarithms(np.array([scale, solution.x * scale]))
     residuals = difference(after, logarithms, is_phase)
     return Fit(
         start=scene,
         measured=measured,
-        parameters=tuple(parameters),
-        values=solution.x * scale,
-        uncertainty=np.where(withheld, math.nan, uncertainty * np.abs(scale)),
         correlation=correlation,
         inflation=inflation,
         simulated=np.exp(after[~is_phase]),
         residuals=residuals,
-        significance=chance,
         runout=runout,
-        at_limit=at_limit,
         rms=(rms(difference(before, logarithms, is_phase)), rms(residuals)),
         guessed=guess.rms if guess else math.nan,
         starts=guess.starts if guess else 0,
-        ended=str(solution.message),
+        **of_values(parameters, solution, chance, uncertainty),
     )
 
 

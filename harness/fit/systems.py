@@ -21,11 +21,11 @@ from ..master.closing import Closing
 from ..master.unit_run import UnitRun
 from ..result.system import recorded_again, run_system
 from ..scene.system import System
-from .estimate import Estimate
+from .estimate import Estimate, document_of_values, of_values, refuse_few
 from .parameters import SCATTER, Parameter, parse_free
 from .search import known, rms, search
 from .series import MeasuredSignals, read_signals
-from .systematic import SIGNIFICANCE, significance
+from .systematic import significance
 
 if TYPE_CHECKING:
     from ..output.workers import Progress
@@ -140,12 +140,7 @@ def fit_system(
     texts = [free] if isinstance(free, str) else free
     parameters = parse_free(texts, system, limits, priors, scatter, _parameter)
     data = read_signals(Path(measured), system)
-    count = len(data.values)
-    if count <= len(parameters):
-        raise UserError(
-            f"{measured}: {count} measured values for {len(parameters)} free parameters: there "
-            "must be more"
-        )
+    refuse_few(measured, len(data.values), parameters)
     with SystemModel(system, parameters, data) as model:
         return _fitted(model, system, data, progress)
 
@@ -160,28 +155,21 @@ def _fitted(
     uncertainty, correlation, inflation = known(solution.jac, solution.fun)
     own = slice(count)  # priors follow
     chance = significance(solution.fun[own], solution.jac[own], data.sequences())
-    at_limit = solution.active_mask != 0
-    withheld = at_limit | (chance < SIGNIFICANCE) & np.isfinite(uncertainty)
     before, after = model.logarithms(np.array([scale, solution.x * scale]))
     return SystemFit(
         start=system,
         measured=data,
-        parameters=tuple(parameters),
-        values=solution.x * scale,
-        uncertainty=np.where(withheld, math.nan, uncertainty * np.abs(scale)),
         correlation=correlation,
         inflation=inflation,
         simulated=after * model.scale,
         residuals=after - aim,
-        significance=chance,
-        at_limit=at_limit,
         rms=(rms(before - aim), rms(after - aim)),
-        ended=str(solution.message),
+        **of_values(parameters, solution, chance, uncertainty),
     )
 
 
 def _parameter(paths: tuple[str, ...], system: System) -> Parameter:
-    """Start values by their paths `unit.variable`, which begin where the first one is.
+    """One free parameter for start values with the paths `unit.variable`; it starts at the first.
 
     Raises:
         UserError: there is no such start value, or it is no number, or 0.
@@ -206,36 +194,14 @@ def _parameter(paths: tuple[str, ...], system: System) -> Parameter:
         raise UserError(f"--free {paths[0]}: has no start value: set it") from None
     if start == 0.0:
         raise UserError(f"--free {paths[0]}: starts at 0, from where nothing has a size: set it")
-    ends = (
-        float(end) if end is not None else far
-        for end, far in ((declared.min, -math.inf), (declared.max, math.inf))
-    )
-    low, high = ends
+    low = -math.inf if declared.min is None else float(declared.min)
+    high = math.inf if declared.max is None else float(declared.max)
     return Parameter(paths, start, (low, high))
 
 
 def document(found: SystemFit) -> dict[str, Any]:
     """Everything that the command says."""
-    names = [one.label for one in found.parameters]
-    numbers = zip(found.parameters, found.values, found.uncertainty, strict=True)
-    return {
-        "scene": found.start.heading,
-        "measured": str(found.measured.path),
-        "values": len(found.measured.values),
-        "rms_before": found.rms[0],
-        "rms": found.rms[1],
-        "ended": found.ended,
-        "parameters": [
-            {"path": one.label, "start": one.start, "value": float(x), "uncertainty": float(u)}
-            for one, x, u in numbers
-        ],
-        "correlation": {
-            name: dict(zip(names, row, strict=True))
-            for name, row in zip(names, found.correlation.tolist(), strict=True)
-        },
-        "significance": found.significance,
-        "warnings": found.warnings(),
-    }
+    return document_of_values(found, found.measured.path, len(found.measured.values))
 
 
 def lines(found: SystemFit) -> list[str]:
