@@ -32,7 +32,6 @@ LOOP_SINGULAR = 1e-12  # |1 - eigenvalue| below which a loop counts as one of ga
 SLOW_CONVERGENCE = 0.1  # reduction of a residual per pass above which the Jacobian is refined
 CONVERGED_FORCES = 1e-10  # residual of the forces relative to the largest force so far
 GAIN_ROUNDING = 1e-12  # per loop gain: what rounding leaves of a residual
-MOST_EXTRAPOLATION = 100.0  # of a step: beyond, its rounding would be most of what is predicted
 MAX_PASSES = 30  # quasi-Newton needs two to six; more means it does not converge
 JACOBIAN_CHANGE = 1e-3  # of the largest force: a disturbance that shows the loop's Jacobian
 LOOSE_RESIDUAL = 1e-3  # of the force: fixed passes that leave more than this are reported
@@ -50,11 +49,9 @@ STEEP_FORCE_CHANGE = 0.2  # of the force: a step over which its first slope make
 FIRST_CHANGE = 0.05  # of the force: what it may change by that slope over the first part
 MOST_HALVINGS = 60  # a force that rises from exactly zero has no size to compare with
 KINK_STEP = 1e-6  # of a step: it errs by less than 1e-7, and rounding does not spoil the slopes
-RESIDUAL_SHARE = 0.2  # of what a step may err: it may stay in the loop
 
 # Whether steps resolve the motion
 STATED_ERROR = 0.01  # of the motion: a run states an estimated error from here on
-REFUSED_ERROR = 0.3  # of the motion: within the estimate's factor of three, all of it
 
 # Model exchange
 FIRST_DERIVATIVE = 2_000_000  # value reference of the first state's: above all that a layout has

@@ -122,11 +122,6 @@ class Ring:
     # -- the steady state, in which the liquid turns with the rotor ------------------------------
 
     @property
-    def drying_displacement(self) -> float:
-        """Of the ring's centre, a - b [m]: from there on the wall is dry in places."""
-        return self.gap
-
-    @property
     def onset_moment(self) -> float:
         """Unbalance that the liquid undoes where drying begins, rho pi h b^2 (a - b) [kg m]."""
         return self.density * math.pi * self.height * self.inner_radius**2 * self.gap

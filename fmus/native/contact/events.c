@@ -10,7 +10,7 @@
 #define LOCATED 1e-12     /* of the substep */
 #define MOST_SUBSTEPS 100000 /* substeps and events within a communication step */
 
-EventStepper event_stepper(WeightsInOrder *weights, const CentreMotion *motion, int stops)
+EventStepper event_stepper(WeightsInOrder *weights, const CentreMotion *motion, bool stops)
 {
     EventStepper stepper;
     stepper.weights = weights;
@@ -102,9 +102,6 @@ static void apply_event(EventStepper *stepper, const EventFunction *event)
     const Runs *groups = &weights->groups.runs;
     int k;
     if (event->kind == GAP_CLOSES) {
-        if (stepper->stops & STOPS_AT_IMPACTS) {
-            return; /* the rotor takes part, and the host lets both collide */
-        }
         collide_at_time(stepper, event->where);
     } else if (event->kind == PULLED_OPEN) {
         weights->joined[event->where] = 0;
@@ -169,9 +166,6 @@ int advance_events(EventStepper *stepper, double step)
     const Failure *failure = stepper->weights->failure;
     int k;
     if (approaching(stepper->weights, 0.0)) {
-        if (stepper->stops & STOPS_AT_IMPACTS) {
-            return failure->code;
-        }
         collide_at_time(stepper, -1);
     }
     for (k = 0; k < MOST_SUBSTEPS && !failure->code; k++) {
@@ -179,9 +173,7 @@ int advance_events(EventStepper *stepper, double step)
         const int count = substeps_of(stepper, left, step);
         if (count) {
             const int kind = advance_substep(stepper, count == 1 ? step : stepper->time + left / count);
-            const int stopped = (stepper->stops & STOPS_AT_EVENTS && kind >= 0) ||
-                                (stepper->stops & STOPS_AT_IMPACTS && kind == GAP_CLOSES);
-            if (failure->code || stepper->time >= step || stopped) {
+            if (failure->code || stepper->time >= step || (stepper->stops && kind >= 0)) {
                 return failure->code;
             }
         }

@@ -12,13 +12,13 @@
 typedef struct {
     WeightsInOrder *weights;
     const CentreMotion *motion;
-    int stops; /* STOPS_AT_EVENTS, STOPS_AT_IMPACTS, both or none */
+    bool stops; /* whether a step ends behind its first event */
     double time; /* since the start of the step [s] */
     Complex impulse; /* of all collisions on the rotor, rotor frame at the step's start [N s] */
     int events; /* collisions, contacts opened, weights stuck or broken away: their number */
 } EventStepper;
 
-EventStepper event_stepper(WeightsInOrder *weights, const CentreMotion *motion, int stops);
+EventStepper event_stepper(WeightsInOrder *weights, const CentreMotion *motion, bool stops);
 
 /* Move to the end of the step, or to an event that stops it; 0, or the code of what went wrong. */
 int advance_events(EventStepper *stepper, double step);

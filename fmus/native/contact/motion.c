@@ -44,7 +44,7 @@ int track_first_contacts(const Track *track, const double *angles, const double 
 }
 
 int track_advance(const Track *track, const double *angles, const double *speeds,
-                  const double *contacts, const CentreMotion *motion, double step, int stops,
+                  const double *contacts, const CentreMotion *motion, double step, bool stops,
                   Moved *moved, double *scratch, Failure *failure)
 {
     WeightsInOrder weights;

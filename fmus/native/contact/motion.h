@@ -30,9 +30,10 @@ int track_first_contacts(const Track *track, const double *angles, const double 
 
    angles, speeds, contacts: state, contacts all 0 for a fresh start; the arrays of `moved` may be
    the same, and have no meaning after a failure.  motion: of the track's centre, whose rotor is
-   accelerated uniformly, from the angle 0 on.  stops: as in track.h. */
+   accelerated uniformly, from the angle 0 on.  stops: whether the
+   step ends behind its first event. */
 int track_advance(const Track *track, const double *angles, const double *speeds,
-                  const double *contacts, const CentreMotion *motion, double step, int stops,
+                  const double *contacts, const CentreMotion *motion, double step, bool stops,
                   Moved *moved, double *scratch, Failure *failure);
 
 /* Residual force on the rotor in the rotor frame and its slope, without impulses; plane: how the plane's

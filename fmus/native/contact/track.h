@@ -10,9 +10,6 @@
 
 #define TOUCHING_ANGLE 1e-11 /* rad: neighbours this close collide together */
 
-/* What ends a step: the first event, behind it; the first impact, before it. */
-enum { STOPS_AT_EVENTS = 1, STOPS_AT_IMPACTS = 2 };
-
 /* Weights on a track, with the options that a scene may switch on. */
 typedef struct {
     Weights weights;           /* as point weights */

@@ -5,8 +5,6 @@
 #include "constants.h"
 #include "coupling/composite.h"
 
-enum { MOST_STEPS_OF_EVENT = 2000, MOST_CORRECTIONS = 127 };
-
 static void declare_clock(Fields *fields)
 {
     const Clock *clock = fields_here(fields);

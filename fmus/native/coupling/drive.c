@@ -1,4 +1,4 @@
-/* How the rotor is driven, and what is told of it. */
+/* The drive of the rotor: prescribed speed, profile or motor, and the inputs that the host sets. */
 #include "base/elementary.h"
 #include "coupling/composite.h"
 

@@ -44,7 +44,7 @@ static double amplitude(const Composite *c)
     return most;
 }
 
-/* At the end of a revolution: keep its vibration as that of the last one, and begin the next. */
+/* Where a revolution ends: store its vibration and begin the next one. */
 static void end_revolution(Composite *c, const double *place, double turned)
 {
     Vibration *vibration = &c->course->vibration;

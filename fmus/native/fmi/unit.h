@@ -68,11 +68,10 @@ typedef struct {
     int (*slope)(Unit *unit, size_t reference, double *value);
     /* Continuous states of model exchange, NULL: none.  Their number behind an angle as in angle.h, which
        comes first where there is one (`turns`), the others being doubles of `memory` behind it; nominal
-       values of the first and the second half of these; derivatives of all, at the time of the outputs. */
+       values of the first and the second half of these. */
     size_t (*states)(const Layout *layout);
     int turns;
     double nominals[2];
-    int (*derivatives)(Unit *unit, double *rates);
     /* Value of the one Boolean output, from observed outputs; NULL: there is none. */
     int (*verdict)(const Unit *unit);
 } Equations;
@@ -110,9 +109,7 @@ struct Unit {
     double made;               /* length of the last step, less than asked where it ended early [s] */
     size_t first_boolean; /* value reference, as the version of FMI has it */
     bool one_step_per_call;  /* whether a composite's step ends with the first of its own */
-    bool may_end_early;      /* whether the host takes a step that ends early, */
-    bool leaves_impacts;     /* and lets weights collide itself: a composite, which knows the whole
-                                machine */
+    bool may_end_early;      /* whether the host takes a step that ends early */
     bool for_model_exchange; /* whether the instance is for model exchange: the host sets state and
                                 time */
     int phase, stale;

@@ -27,15 +27,3 @@ void friction_at_start(const Slider *sliders, int count, const double *rates, do
     }
 }
 
-void friction_at_jump(const Slider *sliders, int count, const double *rates, double *slider_states)
-{
-    int j;
-    for (j = 0; j < count; j++, slider_states += 2) {
-        if (slider_is_rigid(sliders + j)) {
-            friction_at_start(sliders + j, 1, rates, slider_states);
-        } else if (sliders[j].limit != 0.0 &&
-                   slider_states[SLIPS] * rates[slider_place(sliders + j)] < 0.0) {
-            slider_states[SLIPS] = 0.0;
-        }
-    }
-}

@@ -24,7 +24,5 @@ bool slider_is_rigid(const Slider *slider);
    rates: velocities of the stations. */
 void friction_at_start(const Slider *sliders, int count, const double *rates, double *slider_states);
 
-/* The same behind a jump of the velocities: springs keep their force. */
-void friction_at_jump(const Slider *sliders, int count, const double *rates, double *slider_states);
 
 #endif

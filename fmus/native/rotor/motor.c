@@ -91,15 +91,6 @@ static double short_of(void *context, double time)
     return line->beyond * (line->bound - speed);
 }
 
-/* Largest change of torque that the next point makes before `until` or the end of a step. */
-static double change_beyond(Line *line, double until, double end)
-{
-    const double nearer = -short_of(line, until), at_end = -short_of(line, end);
-    const double bend =
-        slope_of(line->motor, line->piece + line->beyond) - slope_of(line->motor, line->piece);
-    return absolute(bend) * larger(nearer, at_end);
-}
-
 int motor_advance(Motor *motor, double *speed, double *angle, const double *torque, double step,
                   Failure *failure)
 {
@@ -111,7 +102,6 @@ int motor_advance(Motor *motor, double *speed, double *angle, const double *torq
     if (!is_finite(sum)) {
         return fail(failure, "the motor's speed %v rad/s or the torque is not finite", *speed);
     }
-    motor->reached = step;
     line.motor = motor;
     line.piece = motor_line(motor, *speed);
     line.speed = *speed;
@@ -145,11 +135,6 @@ int motor_advance(Motor *motor, double *speed, double *angle, const double *torq
         on_line(&line, part, &end, &turned);
         *angle += turned;
         begin += part;
-        if (change_beyond(&line, until, left) > motor->negligible) {
-            *speed = end;
-            motor->reached = begin;
-            return FINE;
-        }
         line.speed = line.bound;
         line.piece += line.beyond;
     }

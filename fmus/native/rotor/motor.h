@@ -11,9 +11,6 @@ typedef struct {
     double inertia; /* of all that turns [kg m^2] */
     int count;      /* points of the characteristic, two or more */
     const double *points; /* speed and torque of each, speeds ascending [rad/s, N m] */
-    double negligible; /* torque that a corner may change in a step without ending it [N m]; infinite:
-                          corners end no step */
-    double reached;    /* length of the last step, shorter than asked where a corner ended it [s] */
     Quadrature quadrature;
 } Motor;
 
@@ -28,8 +25,7 @@ double motor_slope(const Motor *motor, double speed);
 /* w' and w'' under a torque on the shaft and its slope. */
 void motor_acceleration(const Motor *motor, double speed, const double *torque, double *rates);
 /* Speed after a step, in place, and the angle turned in it; torque (4,): on the shaft at the start and
-   its derivatives of order 1 to 3.  At a point of the characteristic dL/dw jumps: the step ends there
-   if that changes the torque by more than `negligible`. */
+   its derivatives of order 1 to 3. */
 int motor_advance(Motor *motor, double *speed, double *angle, const double *torque, double step,
                   Failure *failure);
 

@@ -43,7 +43,6 @@ static int motor_parameters(Unit *unit)
     own->inertia = unit->real[0];
     own->count = unit->layout.sizes.points;
     own->points = unit->real + 1;
-    own->negligible = infinity();
     own->quadrature = quadrature_empty();
     return motor_check(own, &failure) ? unit_failed(unit, &failure) : 0;
 }
@@ -73,7 +72,6 @@ static int motor_step_unit(Unit *unit, double length)
     if (motor_advance(own, unit->memory + MEMORY_SPEED, &turned, torque, length, &failure)) {
         return unit_failed(unit, &failure);
     }
-    unit->made = length = own->reached;
     angle_turn(unit->memory, turned);
     end[0] = torque[0] +
              length * (torque[1] + length * (torque[2] / 2.0 + length * torque[3] / 6.0));
@@ -123,18 +121,10 @@ static size_t motor_state_count(const Layout *layout)
     return 1;
 }
 
-static int motor_derivatives(Unit *unit, double *rates)
-{
-    const double *out = unit->real + unit->layout.computed.first;
-    rates[0] = out[OUT_SPEED];
-    rates[1] = out[OUT_ACCELERATION];
-    return 0;
-}
-
 const Equations MOTOR_EQUATIONS = {
     .name = "Motor", .own_size = sizeof(Motor), .memory_size = motor_memory_size,
     .fields = motor_fields,
     .starts = motor_starts, .parameters = motor_parameters, .begin = motor_begin,
     .step = motor_step_unit, .outputs = motor_outputs, .observe = motor_observe,
     .signals = motor_signals, .slope = motor_output_slope, .states = motor_state_count, .turns = 1,
-    .nominals = {NOMINAL_ANGULAR_VELOCITY}, .derivatives = motor_derivatives};
+    .nominals = {NOMINAL_ANGULAR_VELOCITY}};

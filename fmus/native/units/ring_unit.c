@@ -203,21 +203,8 @@ static size_t ring_states(const Layout *layout)
     return RING_STATES;
 }
 
-static int ring_derivatives(Unit *unit, double *rates)
-{
-    const RingUnit *own = unit->own;
-    const RingState state = ring_state(unit);
-    const Instant now = ring_now(unit);
-    const Complex second = ring_acceleration(&own->ring, &state, &now);
-    rates[0] = state.rate.re;
-    rates[1] = state.rate.im;
-    rates[2] = second.re;
-    rates[3] = second.im;
-    return 0;
-}
-
 const Equations RING_EQUATIONS = {
     .name = "RingBalancer", .own_size = sizeof(RingUnit), .memory_size = ring_memory, .fields = ring_fields,
     .parameters = ring_parameters, .begin = ring_begin, .step = ring_step, .outputs = ring_outputs,
     .observe = ring_observe, .signals = ring_signals, .reach = ring_reach, .slope = ring_slope,
-    .states = ring_states, .nominals = {NOMINAL_DISPLACEMENT, NOMINAL_VELOCITY}, .derivatives = ring_derivatives};
+    .states = ring_states, .nominals = {NOMINAL_DISPLACEMENT, NOMINAL_VELOCITY}};

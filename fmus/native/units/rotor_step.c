@@ -6,7 +6,6 @@
 #include "base/spin.h"
 #include "units/rotor_unit.h"
 
-enum { MOST_STRETCHES_WITHIN = 24 }; /* within a step: more cost as much as a matrix for that time */
 
 /* The kept matrix that was asked for longest ago, or one never used. */
 static Kept *oldest(Rotor *own)
@@ -270,19 +269,6 @@ int rotor_torque_now(Unit *unit, double *torque)
     return 0;
 }
 
-int rotor_derivatives(Unit *unit, double *rates)
-{
-    const Rotor *own = unit->own;
-    const size_t motion = 4 * (size_t)own->stations;
-    Spin spin;
-    if (find_motion(unit, &spin)) {
-        return 1;
-    }
-    rates[0] = unit->memory[MOTION + motion];
-    copy_doubles(motion, own->motion, rates + 1);
-    return 0;
-}
-
 void rotor_rotated(const double *pairs, size_t count, double c, double s, double *to)
 {
     size_t k;
@@ -346,15 +332,6 @@ static int propagate(Unit *unit, double step)
     if (own->slider_count || unit->for_model_exchange || rotor_inputs(unit)[SPIN_UP] != 0.0 ||
         drifts(rotor_inputs(unit) + SPIN_UP)) {
         return propagate_series(unit, step);
-    }
-    if (own->enclosing_step > 0.0) {
-        const Excitation excitation = excitation_since(unit, 0.0);
-        if (rotor_make_taylor(unit)) {
-            return 1;
-        }
-        if (step <= MOST_STRETCHES_WITHIN * taylor_stretch(&own->taylor, &excitation, 0.0)) {
-            return propagate_series(unit, step);
-        }
     }
     if (set_operand(unit)) {
         return 1;

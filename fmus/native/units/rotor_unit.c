@@ -253,4 +253,4 @@ const Equations ROTOR_EQUATIONS = {
     .begin = rotor_begin, .step = rotor_step_unit, .outputs = rotor_outputs,
     .observe = rotor_observe, .observe_torques = rotor_observe_torques, .is_torque = unit_ends_with,
     .signals = rotor_signals, .slope = rotor_slope, .states = rotor_state_count, .turns = 1,
-    .nominals = {NOMINAL_DISPLACEMENT, NOMINAL_VELOCITY}, .derivatives = rotor_derivatives};
+    .nominals = {NOMINAL_DISPLACEMENT, NOMINAL_VELOCITY}};

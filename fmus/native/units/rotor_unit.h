@@ -60,8 +60,6 @@ typedef struct {
     Slider *sliders;
     double *slider_states; /* as they are after what was propagated last */
     double reached;  /* length of the step as far as it came: it ends behind an event of a slider [s] */
-    double enclosing_step; /* length of the step within which the unit is moved, 0: over all of it
-                              [s] */
 } Rotor;
 
 /* -- rotor_kinds.c: the parameters of each kind ----------------------------------------- */
@@ -114,8 +112,6 @@ void rotor_put(Rotor *own, const double *planes, double angle, double speed, dou
 int rotor_outputs_now(Unit *unit, double *out);
 /* Torque on the shaft and its slope at the present time; 1 with the reason. */
 int rotor_torque_now(Unit *unit, double *torque);
-/* Derivatives of angle, displacements and velocities at the present time; 1 with the reason. */
-int rotor_derivatives(Unit *unit, double *rates);
 
 /* -- rotor_gravity.c --------------------------------------------------------------------- */
 

@@ -164,15 +164,10 @@ static void take_off_answer(double mobility, Complex pulse, Complex given, doubl
     }
 }
 
-/* What ends a step of this length. */
-static int stops_of(const Unit *unit, double length)
+/* Whether a step of this length ends behind its first event. */
+static bool ends_at_event(const Unit *unit, double length)
 {
-    const Balls *own = unit->own;
-    if (!own->stop_at_contact) {
-        return 0;
-    }
-    return (length >= unit->real[SHORTEST_STOPPED] ? STOPS_AT_EVENTS : 0) |
-           (unit->leaves_impacts ? STOPS_AT_IMPACTS : 0);
+    return ((const Balls *)unit->own)->stop_at_contact && length >= unit->real[SHORTEST_STOPPED];
 }
 
 /* One step of weights that may touch or stick. */
@@ -192,7 +187,7 @@ static int step_with_events(Unit *unit, CentreMotion *motion, double length)
     given = pulse_ahead(pulse, length * (speed + 0.5 * spin_up * length), length, &left);
     take_off_answer(own->track.mobility, pulse, given, length, motion->signal);
     if (track_advance(&own->track, moved.angles, moved.speeds, moved.contacts, motion, length,
-                      stops_of(unit, length), &moved, own->scratch, &failure)) {
+                      ends_at_event(unit, length), &moved, own->scratch, &failure)) {
         return unit_failed(unit, &failure);
     }
     unit->made = moved.reached;
@@ -334,17 +329,6 @@ static size_t weights_state_count(const Layout *layout)
     return 2 * (size_t)layout->sizes.weights;
 }
 
-static int weights_derivatives(Unit *unit, double *rates)
-{
-    const size_t count = (size_t)((const Balls *)unit->own)->count;
-    size_t k;
-    for (k = 0; k < count; k++) {
-        rates[k] = unit->memory[count + k];
-        rates[count + k] = weight_acceleration(unit, k);
-    }
-    return 0;
-}
-
 const Equations WEIGHTS_EQUATIONS = {
     .name = "BallBalancer", .own_size = sizeof(Balls), .memory_size = weights_memory_size,
     .fields = weights_fields,
@@ -352,5 +336,4 @@ const Equations WEIGHTS_EQUATIONS = {
     .begin = weights_begin, .step = weights_step_unit, .outputs = weights_outputs,
     .observe = weights_observe, .observe_torques = weights_observe_torques,
     .is_torque = unit_ends_with, .signals = weights_signals, .reach = weights_reach,
-    .slope = weights_slope, .states = weights_state_count, .nominals = {1.0, NOMINAL_ANGULAR_VELOCITY},
-    .derivatives = weights_derivatives};
+    .slope = weights_slope, .states = weights_state_count, .nominals = {1.0, NOMINAL_ANGULAR_VELOCITY}};

@@ -19,13 +19,14 @@ from autobalancer.harness.master import facts
 from autobalancer.harness.master.cosimulation import CoSimulation, doubling_steps
 from autobalancer.harness.master.recorder import recorded
 from autobalancer.harness.result.run import cosimulate
-from autobalancer.models.constants import REFUSED_ERROR
 from autobalancer.models.monolith import reference
 from autobalancer.models.reference.oscillator import forced_motion
 from autobalancer.models.steps.weights import advance
 from autobalancer.models.weights import Weights
 
 pytestmark = pytest.mark.slow
+
+GROSS = 0.3  # of the motion: no estimate that is right within three times tells anything of it
 
 QUICK = [
     "stiffness 1e2 and 1e14 N/m in one rotor", "damping ratio 1", "damping ratio 10000",
@@ -90,7 +91,7 @@ def test_given_steps_of_separate_units_are_noted_to_have_no_estimate():
         errors.append(deviation(result, right))
         assert (facts.NOT_ESTIMATED in result.events) == separate
     assert errors[0] < 1e-4
-    assert errors[1] > REFUSED_ERROR
+    assert errors[1] > GROSS
 
 
 def test_turns_behind_a_weight_do_not_loosen_its_step():
