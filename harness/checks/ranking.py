@@ -18,19 +18,19 @@ from .row import Row, Rows
 from .slow_root import MOST, WIDTH, decay_rows
 
 FINER = 0.01  # of a tolerance: of runs to compare with
-HALVED = 0.02  # of the settling time: errors of steps, and readings 1/8 of a revolution apart
+REPEATED = 0.02  # of the settling time: errors of steps, and times that are read 8 times a turn
 SOURCE = "Goncharov 2017, 5.4.3, Fig. 7"
 
 
 def check_ranking(
-    scene: Scene, most: int = MOST, starts: int = 200, halved: int = 4
+    scene: Scene, most: int = MOST, starts: int = 200, repeated: int = 4
 ) -> Iterator[Row]:
     """The fastest number, the order, decay rates, and what the tolerance leaves.
 
     Args:
         most: weights, from 2 on.
         starts: random ones for every number of weights.
-        halved: starts of every number that are repeated with a finer tolerance.
+        repeated: starts of every number that are repeated with a finer tolerance.
     """
     rows = Rows(scene.name, "goncharov_ranking")
     data = design(
@@ -43,7 +43,7 @@ def check_ranking(
     found = data.decays
     if any(one.dominant for one in found):
         yield from decay_rows(found, rows)
-    yield _halved(halved, data, rows)
+    yield _repeated(repeated, data, rows)
 
 
 def _order(data: Design, rows: Rows) -> Iterator[Row]:
@@ -70,7 +70,7 @@ def _order(data: Design, rows: Rows) -> Iterator[Row]:
     )
 
 
-def _halved(count: int, data: Design, rows: Rows) -> Row:
+def _repeated(count: int, data: Design, rows: Rows) -> Row:
     """Settling times of the first starts with a finer tolerance against those of the study."""
     coarse, work = [], []
     for choice in data.with_capacity:
@@ -90,4 +90,4 @@ def _halved(count: int, data: Design, rows: Rows) -> Row:
     measured, expected = times[:, both]
     finer = "settling time and that with a hundredth of the tolerance"
     quantity = f"{finer}, worst of {both.sum()} starts [s]"
-    return rows.number(quantity, expected, measured, HALVED, "the same starts, co-simulated")
+    return rows.number(quantity, expected, measured, REPEATED, "the same starts, co-simulated")

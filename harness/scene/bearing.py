@@ -117,7 +117,7 @@ class Bearing(Table):
 
 
 def with_tables(document: dict[str, Any], folder: Path) -> dict[str, Any]:
-    """A scene's document, the CSV files that its bearings name replaced by their rows.
+    """A scene's document in which the rows replace the CSV files that bearings name.
 
     Raises:
         SceneError: a file cannot be read, or is no table of a bearing.

@@ -20,7 +20,7 @@ class Balancer(Table):
     Attributes:
         model: the unit that steps it.
         driven: whether the unit is told the rotor's speed and acceleration.
-        follows: what it is told of its plane's place, for its clearance alone.
+        follows: inputs for the position of its plane, which only its clearance needs.
         records: outputs that a run records where nothing else is asked for.
         exchanges_force: whether it sends force; else its whole effect is its added mass.
         can_meet, can_stick: whether its force can jump, as weights collide, or stick and slip.

@@ -105,7 +105,7 @@ class Revolution(Closing):
 
     Args:
         scene: whose units.
-        steps: of separate FMUs a revolution; by default the scene's.
+        steps: communication steps per revolution of separate FMUs; default: the scene's.
         separate: couple separate FMUs in Python even where the scene can run as one file.
 
     Attributes:

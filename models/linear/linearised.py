@@ -98,7 +98,7 @@ class RotorParts:
         stiffness, damping: of both axes.
         half_stiffness, half_damping: by the conjugate.
         internal, gyroscopic: as in `LinearRotor`, with those of waves.
-        centrifugal: (n,) what waves pull by their displacement, over w^2 [kg].
+        centrifugal: (n,) force of the waves in proportion to their displacement, over w^2 [kg].
         rooted: (n,) damping of waves over the root of the speed; None where viscosity damps none.
         turning: the first four again as multiples of i; None where no support has cross terms.
     """

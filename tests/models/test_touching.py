@@ -119,7 +119,7 @@ OPENING = {"balls.angles": [3.4889123984477144, 3.994272908731872], "run.initial
     ],
 )
 def test_contact_moves_as_an_independent_integration_has_it(changes, shift):
-    """At rows of a tenth of a revolution, for several starts."""
+    """Compared ten times per revolution, for several starts."""
     scene = load_scene("contact_order").replace({**changes, "coupling.steps_per_rev": 10})
     names = ["rotor.x", "rotor.y", "balls.weight[1].angle", "balls.weight[2].angle"]
     turns, begin = scene.run.revolutions, np.array(scene.balancer[0].angles)

@@ -26,7 +26,7 @@ from .case import (
     uneven,
 )
 
-EXACT = 1e-8  # of the range: steps are exact, what is left is rounding in the steps' matrices
+EXACT = 1e-8  # of the range: separate FMUs err as little as rounding, one piece by less than this
 MOST_AS_FORCE = 100.0  # added mass per rotor's own that 40 steps per revolution can carry as force
 NEARLY_ALL_FORCE = (
     f"separate FMUs, 40 steps per revolution refused: time, gain; at 100 error below {LEFT_ALONE:g}"

@@ -68,7 +68,7 @@ class Fmi2Unit(ForeignUnit):
 
     def _is_terminated(self) -> bool:
         """Whether a step was discarded because the unit asks to end."""
-        if self.is_python:  # pythonfmu says so of every step that failed
+        if self.is_python:  # pythonfmu reports this status for every failed step
             return False
         try:
             return bool(self.fmu.getBooleanStatus(fmi2.fmi2Terminated))

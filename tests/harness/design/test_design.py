@@ -160,7 +160,7 @@ def test_a_rotor_below_its_critical_speed_is_refused():
 
 def test_ranking_rows_compare_first_and_order_and_the_tolerance():
     scene = load_scene("goncharov_balls").replace({"run.revolutions": 100})
-    rows = rows_of(check_ranking, scene, starts=6, most=3, halved=1)
+    rows = rows_of(check_ranking, scene, starts=6, most=3, repeated=1)
     named = {row.quantity.split(",")[0]: row for row in rows}
     first = named["balls: first to settle"]
     assert first.expected == "3"

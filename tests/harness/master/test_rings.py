@@ -84,7 +84,7 @@ def test_one_ring_on_two_supports_beside_another():
 
 
 def test_methods_agree_on_the_unstable_band():
-    """Eigenvalues of the models, the units over a revolution, and a proof in ball arithmetic."""
+    """The methods are `floquet`, `cosim` and `proved`."""
     scene = machine(**{"ring.viscosity": 0.0, "ring.wave_damping": 6.0, "rotor.damping": 40.0})
     found = scene.speeds(20.0, 250.0, "floquet,cosim,proved")
     floquet, cosim = found.methods["floquet"], found.methods["cosim"]
