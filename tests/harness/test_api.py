@@ -138,7 +138,7 @@ def test_every_method_of_the_reference_has_an_example(name):
     assert ">>> " in inspect.getdoc(methods()[name])
 
 
-@pytest.mark.parametrize("name", sorted({n for n in vars(Methods) if n[0] != "_"} - {"cite"}))
+@pytest.mark.parametrize("name", sorted({n for n in dir(Methods) if n[0] != "_"} - {"cite"}))
 def test_every_method_of_a_scene_says_what_it_refuses(name):
     assert "Raises:" in inspect.getdoc(getattr(ab.Scene, name))
 
