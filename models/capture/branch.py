@@ -94,15 +94,8 @@ def _branches(
     """Those of numbers (b, c) of weights near poles (b,), by rising pole."""
     own = near_poles(receptance, lag, poles.select(pole), speed, numbers)
     frequency = _grid(own)
-    points = frequency.shape[1]
     start = np.angle(poles.shapes[:, lag.planes]).astype(float)[pole]
-    lags, phases = lag.at(
-        receptance,
-        frequency.reshape(-1),
-        speed,
-        *(np.repeat(a, points, axis=0) for a in (numbers, start)),
-    )
-    lags, phases = lags.reshape(frequency.shape), phases.reshape(*frequency.shape, len(lag.groups))
+    lags, phases = lag.at(receptance, frequency, speed, numbers, start)
     peak, held, top = _peaks(frequency, lags, own)
     lower = np.append(0.0, poles.frequency)[pole]
     lowest = np.where(pole > 0, 0.5 * (lower + poles.frequency[pole]), 0.0)
@@ -122,7 +115,7 @@ def near_poles(
     """Natural frequencies (b,) while numbers (b, c) of weights are left behind."""
     found = poles
     for _ in range(_POLE_STEPS):
-        forward, _ = lag.others(found.frequency, speed, numbers)
+        forward = lag.others(found.frequency[:, None], speed, numbers, 1)[..., 0]
         found = receptance.moved(poles, forward)
     return found
 
@@ -188,13 +181,12 @@ def _peaks(frequency: Array, lags: Array, poles: Poles) -> tuple[Array, Array, I
 
 def _drop_twins(branches: Branches) -> None:
     """One peak that several poles share is that of the first of them."""
-    for row in range(1, len(branches.peak)):
-        before = branches.pole[:row] < branches.pole[row]
-        alike = before & (branches.numbers[:row] == branches.numbers[row]).all(axis=1)
-        with np.errstate(invalid="ignore"):
-            apart = np.abs(branches.peak[:row] - branches.peak[row])
-            if (alike & (apart <= _SAME_PEAK * branches.own.decay[row])).any():
-                branches.peak[row] = branches.lag[row] = np.nan
+    same = (branches.numbers[:, None] == branches.numbers).all(axis=2)
+    same &= branches.pole < branches.pole[:, None]
+    for row in np.flatnonzero(same.any(axis=1)).tolist():
+        apart = np.abs(branches.peak[same[row]] - branches.peak[row])
+        if (apart <= _SAME_PEAK * branches.own.decay[row]).any():
+            branches.peak[row] = branches.lag[row] = np.nan
 
 
 def _bracket(branches: Branches, row: int) -> tuple[float, float, Array] | None:
@@ -248,7 +240,7 @@ class _Crossing:
 
     def __init__(self, receptance: Receptance, lag: Lag, speed: float, numbers: Array) -> None:
         self._receptance, self._lag, self._speed = receptance, lag, speed
-        self._numbers = np.repeat(numbers, _AT_ONCE, axis=0)
+        self._numbers = numbers
 
     def between(self, low: Array, high: Array, phases: Array) -> tuple[Array, Array]:
         """Roots (r,) between points (r,), and the phases (r, c) there."""
@@ -256,16 +248,13 @@ class _Crossing:
         left = np.zeros((2, len(low)))
         for _ in range(_REFINEMENTS):
             w = low[:, None] + (high - low)[:, None] * places
-            start = np.repeat(phases, _AT_ONCE, axis=0)
-            lags, turned = self._lag.at(
-                self._receptance, w.reshape(-1), self._speed, self._numbers, start
-            )
-            excess = w + lags.reshape(w.shape) - self._speed
+            lags, turned = self._lag.at(self._receptance, w, self._speed, self._numbers, phases)
+            excess = w + lags - self._speed
             beyond = ~(excess[:, 1:] <= 0.0)
             at = np.where(beyond.any(axis=1), beyond.argmax(axis=1), _AT_ONCE - 2)
             low, high = w[rows, at], w[rows, at + 1]
             left = np.stack([excess[rows, at], excess[rows, at + 1]])
-            there = turned.reshape(*w.shape, -1)[rows, at]
+            there = turned[rows, at]
             phases = np.where(np.isnan(there), phases, there)
         with np.errstate(divide="ignore", invalid="ignore"):
             part = -left[0] / (left[1] - left[0])

@@ -168,10 +168,8 @@ def capture(assembly: Assembly, speed: float) -> Capture:
         raise ValueError(f"speed = {speed!r} rad/s: must be positive")
     drags = np.array([group.drag for group in groups])
     drags = drags if drags.all() else np.maximum(drags, 1.0 if not drags.any() else 1e-9)
-    receptance, lag = (
-        Receptance(assembly.loaded_rotor),
-        Lag(groups, drags, assembly.rotor.plane_count),
-    )
+    lag = Lag(groups, drags)
+    receptance = Receptance(assembly.loaded_rotor, lag.used)
     alone, share = _unbalance(assembly, speed)
     found = Capture(speed, groups, tuple(drags.tolist()), (), alone, share)
     poles = receptance.poles(speed)
@@ -250,13 +248,14 @@ def _amplitudes(
     """Half the long axes of the stations' motion (r, n) [m]."""
     at = np.where(np.isnan(w), 1.0, w)
     force = lag.moments(branches.numbers[rows]) * at[:, None] ** 2 * np.exp(1j * phases)
-    forces = np.zeros((len(rows), receptance.rotor.plane_count), complex)
+    forces = np.zeros((len(rows), len(lag.used)), complex)
     for k, plane in enumerate(lag.planes):
         forces[:, plane] += force[:, k]
     if not len(rows):
         return np.zeros((0, receptance.rotor.stations))
-    others = lag.others(at, branches.speed, branches.numbers[rows])
-    found = largest_displacement(receptance.displacements(at, branches.speed, forces, *others))
+    numbers = branches.numbers[rows]
+    others = lag.others(at[:, None], branches.speed, numbers, receptance.parts)[..., 0]
+    found = largest_displacement(receptance.displacements(at, branches.speed, forces, others))
     return np.where(np.isnan(w)[:, None], np.nan, found)
 
 
@@ -265,12 +264,12 @@ def brake_curve(assembly: Assembly, found: Capture, weights: int, frequency: Arr
 
     Which weights, and how they stand to each other, is as near the closest natural frequency.
     """
-    receptance = Receptance(assembly.loaded_rotor)
-    lag = Lag(found.groups, np.array(found.drags), assembly.rotor.plane_count)
+    lag = Lag(found.groups, np.array(found.drags))
+    receptance = Receptance(assembly.loaded_rotor, lag.used)
     at = np.array([one.frequency for one in found.natural])
     nearest = np.abs(frequency[:, None] - at).argmin(axis=1)
     numbers, phases = np.zeros((2, len(frequency), len(found.groups)))
     for k, one in enumerate(found.natural):
         there = next((m for m in one.motions if m.weights == weights), one.motions[-1])
         numbers[nearest == k], phases[nearest == k] = there.numbers, there.phases
-    return lag.at(receptance, frequency, found.speed, numbers, phases)[0]
+    return lag.at(receptance, frequency[:, None], found.speed, numbers, phases)[0][:, 0]

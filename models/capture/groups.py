@@ -27,11 +27,8 @@ import numpy as np
 from ..arrays import Array, Complex
 from ..assembly import Assembly, Mounted, weights_of
 from ..spacing import half_angle
+from .balance import balance, balance_two
 from .receptance import Receptance
-
-_NEWTON_STEPS = 12
-_BALANCED = 1e-9  # of the torque: what Newton's method leaves
-_LARGEST_TURN = 0.5  # rad by which it turns a group at once
 
 
 @dataclass(frozen=True)
@@ -115,13 +112,21 @@ class Lag:
     Args:
         groups: all of them.
         drags: (c,) of each group [N s/m], positive.
-        planes: number of the rotor's.
+
+    Attributes:
+        used: (p,) planes of the rotor that have weights.
+        planes: (c,) of each group, an index among these.
     """
 
-    def __init__(self, groups: tuple[Group, ...], drags: Array, planes: int) -> None:
-        self.groups, self.drags, self.plane_count = groups, drags, planes
-        self.planes = np.array([one.plane for one in groups])
+    def __init__(self, groups: tuple[Group, ...], drags: Array) -> None:
+        self.groups, self.drags = groups, drags
+        self.used, self.planes = np.unique([one.plane for one in groups], return_inverse=True)
         self._resistance = drags * np.array([one.radius**2 for one in groups])
+        self._counts = np.array([one.count for one in groups])
+        self._shares = np.array([one.mass / one.kappa for one in groups])
+        rates = drags / np.array([one.kappa * one.mass for one in groups])
+        place = np.eye(len(self.used))[self.planes]
+        self._rates = [(rate, place * (rates == rate)[:, None]) for rate in set(rates.tolist())]
 
     def at(
         self,
@@ -130,117 +135,66 @@ class Lag:
         speed: float | Array,
         numbers: Array,
         phases: Array,
-        planes: Complex | None = None,
     ) -> tuple[Array, Array]:
-        """`solve` with the other weights turning with the rotor.
+        """Lag (r, j) and angles (r, j, c) at which the torques of all groups balance.
 
         Args:
-            planes: `Receptance.of_planes` there, where it is known.
-        """
-        if planes is None:
-            planes = receptance.of_planes(frequency, speed)
-        g = receptance.between_planes(planes, *self.others(frequency, speed, numbers))
-        return self.solve(frequency, g, numbers, phases)
+            frequency: w (r, j).
+            speed: of the rotor, one or (r,).
+            numbers: (r, c) of weights left behind; the others turn with the rotor.
+            phases: (r, c) from which Newton's method begins.
 
-    def others(
-        self, frequency: Array, speed: float | Array, numbers: Array
-    ) -> tuple[Complex, Complex]:
-        """Force per displacement of a plane of weights that turn with the rotor, (b, p) [N/m].
+        Returns:
+            NaN where there is no such motion near these angles.
+        """
+        others = self.others(frequency, speed, numbers, receptance.parts)
+        g = receptance.between_planes(receptance.of_planes(frequency, speed), others)
+        pull, moments = numbers * self._resistance, self.moments(numbers)
+        size = (frequency * frequency) ** 2
+        if len(self.groups) == 1:
+            lag = size * -g[0, 0].imag * (moments**2 / pull)
+            return lag, np.broadcast_to(phases[:, None], (*lag.shape, 1))
+        at = g[self.planes[:, None], self.planes]
+        if len(self.groups) == 2:
+            lag, turned = balance_two(at, moments.T[..., None], pull.T[..., None])
+            angles = np.empty((*lag.shape, 2))
+            angles[..., 0] = phases[:, :1]
+            angles[..., 1] = np.where(np.isnan(turned), phases[:, 1:], phases[:, :1] + turned)
+            return size * lag, angles
+        torque = 1j * size * at * (moments.T[:, None] * moments.T)[..., None]
+        torque = np.moveaxis(torque.reshape(*torque.shape[:2], -1), -1, 0)
+        points = frequency.shape[1]
+        lag, angles = balance(torque, *(np.repeat(x, points, axis=0) for x in (pull, phases)))
+        return lag.reshape(frequency.shape), angles.reshape(*frequency.shape, -1)
+
+    def others(self, frequency: Array, speed: float | Array, numbers: Array, parts: int) -> Complex:
+        """Force per displacement of a plane of weights that turn with the rotor [N/m].
 
         They swing in the rotor at w - Om (at -w - Om for the backward part of the motion) and are
         held by their drag alone.
+
+        Args:
+            parts: 1: of the forward part of the motion; 2: then of the backward part.
+
+        Returns:
+            (p, r, j) or (2p, r, j).
         """
-        found = np.zeros((2, len(frequency), self.plane_count), complex)
-        relative = np.stack([frequency - speed, -frequency - speed])
-        relative[relative == 0.0] = 1.0
-        half = 0.5 * (frequency * frequency) ** 2 / relative
-        for k, one in enumerate(self.groups):
-            free = (one.count - numbers[:, k]) * (one.mass / one.kappa)
-            if free.any():
-                rate = self.drags[k] / (one.kappa * one.mass)
-                found[:, :, one.plane] += free * half / (1j * rate - relative)
-        return found[0], found[1]
+        om, half = np.reshape(speed, (-1, 1)), 0.5 * (frequency * frequency) ** 2
+        count = len(self.used)
+        found = np.zeros((parts * count, *frequency.shape), complex)
+        free = (self._counts - numbers) * self._shares
+        for rate, which in self._rates:
+            masses = (free @ which).T[..., None]
+            if masses.any():
+                # the force of the backward part acts on its conjugate
+                for part, sign in enumerate((1.0, -1.0)[:parts]):
+                    relative = sign * frequency - om
+                    relative += relative == 0.0
+                    force = half / (relative * (sign * 1j * rate - relative))
+                    found[part * count : (part + 1) * count] += masses * force
+        return found
 
     def moments(self, numbers: Array) -> Array:
         """Static moments (b, c) of bunched weights, by their numbers (b, c) [kg m]."""
         pairs = zip(self.groups, numbers.T, strict=True)
         return np.stack([group.bunched(column) for group, column in pairs], axis=1)
-
-    def solve(
-        self, frequency: Array, receptance: Complex, numbers: Array, phases: Array
-    ) -> tuple[Array, Array]:
-        """Lag (b,) and angles (b, c) at which the torques of all groups balance.
-
-        Args:
-            frequency: w (b,).
-            receptance: g (b, p, p) there.
-            numbers: (b, c) of weights left behind.
-            phases: (b, c) from which Newton's method begins.
-
-        Returns:
-            NaN where there is no such motion near these angles.
-        """
-        at = receptance[:, self.planes[:, None], self.planes[None, :]]
-        moment = self.moments(numbers)
-        torque = 1j * ((frequency * frequency) ** 2)[:, None, None] * at
-        torque = torque * (moment[:, :, None] * moment[:, None, :])
-        pull = numbers * self._resistance
-        if len(self.groups) == 1:
-            return torque[:, 0, 0].real / pull[:, 0], phases
-        if len(self.groups) == 2:
-            return _balance_two(torque, pull, phases)
-        return _balance(torque, pull, phases)
-
-
-def _balance_two(torque: Complex, pull: Array, phases: Array) -> tuple[Array, Array]:
-    """Of two groups in closed form: the first stays, of two angles that with the larger lag.
-
-    Torques over pulls are equal where a + p cos d + q sin d = 0, d the angle between the groups.
-    """
-    first, second = torque[:, 0, 0].real, torque[:, 1, 1].real
-    there, back = torque[:, 0, 1], torque[:, 1, 0]
-    u, v = pull[:, 1], pull[:, 0]
-    a = u * first - v * second
-    p, q = u * there.real - v * back.real, -u * there.imag - v * back.imag
-    size = np.hypot(p, q)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        apart, middle = np.arccos(-a / size), np.arctan2(q, p)
-        lags = [(first + (there * np.exp(1j * (middle + way * apart))).real) / v for way in (1, -1)]
-        further = lags[1] > lags[0]
-        lag, turned = np.where(further, lags[1], lags[0]), middle + np.where(further, -apart, apart)
-        alone = np.where(u > 0.0, second / u, first / v)
-    one = (u == 0.0) | (v == 0.0)
-    angles = phases.copy()
-    angles[:, 1] = np.where(one | np.isnan(turned), phases[:, 1], phases[:, 0] + turned)
-    return np.where(one, alone, lag), angles
-
-
-def _balance(torque: Complex, pull: Array, phases: Array) -> tuple[Array, Array]:
-    """Newton's method for the lag and the angles between groups; the first present one stays."""
-    rows, count = phases.shape
-    present = pull > 0.0
-    first = present.argmax(axis=1)
-    every = np.arange(rows)
-    angles = phases.copy()
-    turned = torque * np.exp(1j * (angles[:, None, :] - angles[:, :, None]))
-    lag = turned.real.sum(axis=(1, 2)) / pull.sum(axis=1)
-    size = np.abs(torque).sum(axis=(1, 2)) / count
-    for _ in range(_NEWTON_STEPS):
-        turned = torque * np.exp(1j * (angles[:, None, :] - angles[:, :, None]))
-        left = np.where(present, turned.real.sum(axis=2) - pull * lag[:, None], 0.0)
-        if not (np.abs(left).max(axis=1) > _BALANCED * size).any():
-            break
-        slope = -turned.imag
-        slope[:, range(count), range(count)] += turned.imag.sum(axis=2)
-        slope = np.where(present[:, :, None] & present[:, None, :], slope, np.eye(count))
-        slope[every, :, first] = -pull
-        try:
-            step = np.linalg.solve(slope, left[..., None])[..., 0]
-        except np.linalg.LinAlgError:
-            break
-        lag = lag - step[every, first]
-        step[every, first] = 0.0
-        largest = np.abs(step).max(axis=1, keepdims=True)
-        angles = angles - step * np.minimum(1.0, _LARGEST_TURN / np.maximum(largest, 1e-300))
-    settled = np.abs(left).max(axis=1) <= 1e2 * _BALANCED * size
-    return np.where(settled, lag, np.nan), angles

@@ -49,7 +49,7 @@ def drag_limit(branches: Branches, receptance: Receptance, lag: Lag) -> float:
     def excess(log_factor: float) -> float:
         """Logarithm of the limit at a drag over this drag."""
         nonlocal rows
-        there = Lag(lag.groups, math.exp(log_factor) * lag.drags, lag.plane_count)
+        there = Lag(lag.groups, math.exp(log_factor) * lag.drags)
         found = _ratios(at_drags(branches, receptance, there, rows))
         largest = float(found.max(initial=0.0))
         if _SMALL < largest < 1.0 / _SMALL:  # near the limit, others do not become it

@@ -16,6 +16,7 @@ from .receptance import Poles, Receptance
 
 _POINTS = 31  # between the neighbours of the highest of coarse points
 _TURN_OVER = 0.5  # half widths below a natural frequency within which phases turn over
+_THREE = np.array([[-1], [0], [1]])
 _AT_END = 12  # between the last point of a motion and the next one
 
 
@@ -25,22 +26,27 @@ def find_peaks(frequency: Array, lags: Array, away: Array) -> tuple[Array, Array
     Near a resonance 1/lag is a parabola.  Where the motion ends beside the highest point, that
     point is the maximum.
 
+    Args:
+        away: (b, j) or (j,).
+
     Returns:
         NaN where there is none within the row.
     """
     at = np.where(lags > 0.0, lags, 0.0)  # NaN: no motion
-    highest = (at[:, 1:-1] > at[:, :-2]) & (at[:, 1:-1] >= at[:, 2:]) & (at[:, :-2] > 0.0)
-    away = np.where(highest, away[:, 1:-1], np.inf)
+    before, middle = at[:, :-2], at[:, 1:-1]
+    highest = (middle > before) & (middle >= at[:, 2:]) & (before > 0.0)
+    away = np.where(highest, away[..., 1:-1], np.inf)
     top, every = away.argmin(axis=1) + 1, np.arange(len(lags))
-    found = np.isfinite(away[every, top - 1])
-    x = np.stack([frequency[every, top + k] for k in (-1, 0, 1)])
+    found = highest[every, top - 1] & (away[every, top - 1] < np.inf)
+    three = every, top + _THREE
+    x = frequency[three]
     with np.errstate(divide="ignore", invalid="ignore"):
-        y = 1.0 / np.stack([at[every, top + k] for k in (-1, 0, 1)])
-        left, right = (y[1] - y[0]) / (x[1] - x[0]), (y[2] - y[1]) / (x[2] - x[1])
+        y = 1.0 / at[three]
+        left, right = (y[1:] - y[:-1]) / (x[1:] - x[:-1])
         bend = (right - left) / (x[2] - x[0])
         place = 0.5 * (x[0] + x[1]) - 0.5 * left / bend
         height = 1.0 / (y[1] + (place - x[1]) * (left + bend * (place - x[0])))
-    smooth = np.isfinite(y).all(axis=0) & np.isfinite(place) & np.isfinite(height)
+        smooth = np.isfinite(y[0] + y[2] + place + height)
     place, height = np.where(smooth, place, x[1]), np.where(smooth, height, at[every, top])
     return np.where(found, place, np.nan), np.where(found, height, np.nan), top
 
@@ -67,7 +73,7 @@ def first_peaks(
     low, high = around
     low = np.minimum(low, np.maximum(poles.frequency - _TURN_OVER * poles.decay, lowest))
     w, lags, turned = _along(receptance, lag, low, high, _POINTS, speed, numbers, phases)
-    peak, held, top = find_peaks(w, lags, np.arange(_POINTS) + 0.0 * w)
+    peak, held, top = find_peaks(w, lags, np.arange(float(_POINTS)))
     ends = np.flatnonzero(~np.isnan(peak) & np.isnan(lags[range(len(w)), top + 1]))
     if len(ends):
         there = speed if np.ndim(speed) == 0 else np.asarray(speed)[ends]
@@ -95,7 +101,4 @@ def _along(
 ) -> tuple[Array, Array, Array]:
     """Evenly spread speeds (r, points) of the weights, lags there, and phases (r, points, c)."""
     w = low[:, None] + (high - low)[:, None] * np.linspace(0.0, 1.0, points)
-    numbers, phases = (np.repeat(each, points, axis=0) for each in (numbers, phases))
-    there = speed if np.ndim(speed) == 0 else np.repeat(speed, points)
-    lags, turned = lag.at(receptance, w.reshape(-1), there, numbers, phases)
-    return w, lags.reshape(w.shape), turned.reshape(*w.shape, -1)
+    return w, *lag.at(receptance, w, speed, numbers, phases)

@@ -20,7 +20,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..arrays import Array, Complex
+from ..arrays import Array, Complex, Indices
 from ..rotor import LinearRotor
 
 _STILL = 1e-6  # |Im|/|lambda| below it does not oscillate
@@ -48,46 +48,58 @@ class Poles(NamedTuple):
 
 
 class Receptance:
-    """Of a rotor that carries its balancers.
+    """Of a rotor that carries its balancers, between the planes of its weights.
+
+    The displacements (x, y) of the planes are written as a forward and a backward part,
+    F (1, -i) + B (1, i): a force that turns acts on the forward part alone, and weights that turn
+    with the rotor act on each part by itself.  Where both axes are alike the forward part is all
+    there is.  q = p such parts there, otherwise q = 2p, the forward ones first.
 
     Args:
-        rotor: n stations, p planes.
+        rotor: n stations.
+        planes: indices of p of its planes; default: all.
     """
 
-    def __init__(self, rotor: LinearRotor) -> None:
+    def __init__(self, rotor: LinearRotor, planes: Indices | None = None) -> None:
         self.rotor = rotor
         self.follows_speed = bool(rotor.gyroscopic.any() or rotor.internal_damping.any())
         self._mass, self._damping, self._stiffness = rotor.coefficients(0.0)
         _, damping, stiffness = rotor.coefficients(1.0)
         self._damping_by_speed = damping - self._damping
         self._stiffness_by_speed = stiffness - self._stiffness
-        planes, p = rotor.planes.astype(complex), rotor.plane_count
-        self._planes = planes if rotor.isotropic else np.kron(np.eye(2), planes)
-        turning = np.eye(p) if rotor.isotropic else np.vstack([np.eye(p), -1j * np.eye(p)])
-        self._turning = turning.astype(complex)
-        self._forces = self._planes.T @ self._turning
-        self._share = 1.0 if rotor.isotropic else 0.5
+        used = (rotor.planes if planes is None else rotor.planes[planes]).astype(complex)
+        self.plane_count = len(used)
+        one = np.eye(len(used))
+        turning = np.block([[one, one], [-1j * one, 1j * one]])
+        both = used if rotor.isotropic else np.kron(np.eye(2), used)
+        self._out = both if rotor.isotropic else 0.5 * turning.conj().T @ both
+        self._into = both.T if rotor.isotropic else both.T @ turning
+        self._forces = self._into[:, : len(used)]
+        self.parts = 1 if rotor.isotropic else 2
+        self._motion: tuple[float, Complex, Complex] | None = None
         self._kept: tuple[float, tuple[Complex, Complex] | None] | None = None
 
     def of_planes(self, frequency: Array, speed: float | Array) -> Complex:
-        """Receptance of the planes' displacements, (b, p, p) or, of x and y, (b, 2p, 2p) [m/N].
+        """Receptance (q, q, r, j) of the parts of the planes' displacements [m/N].
 
         Args:
-            frequency: w (b,).
-            speed: of the rotor, one or (b,).
+            frequency: w (r, j).
+            speed: of the rotor, one or (r,).
         """
+        shape = len(self._out), len(self._out), *frequency.shape
         one = 0.0 if not self.follows_speed else float(speed) if np.ndim(speed) == 0 else None
         if one is not None and (parts := self._parts(one)) is not None:
             rates, residues = parts
-            apart = 1j * frequency[:, None] - rates
+            apart = 1j * frequency.reshape(-1) - rates[:, None]
             apart[apart == 0.0] = np.finfo(float).tiny  # at a natural frequency without damping
-            found = (1.0 / apart) @ residues
-            return np.asarray(found.reshape(len(frequency), *(len(self._planes),) * 2))
-        moved = np.linalg.solve(self._dynamic(frequency, speed), self._planes.T[None])
-        return np.asarray(self._planes @ moved)
+            return np.asarray(residues @ (1.0 / apart)).reshape(shape)
+        speeds = np.broadcast_to(np.reshape(speed, (-1, 1)), frequency.shape)
+        dynamic = self._dynamic(frequency.reshape(-1), speeds.reshape(-1))
+        moved = self._out @ np.linalg.solve(dynamic, self._into[None])
+        return np.ascontiguousarray(np.moveaxis(moved, 0, -1)).reshape(shape)
 
     def _parts(self, speed: float) -> tuple[Complex, Complex] | None:
-        """Eigenvalues (m,) [1/s] and residues (m, p p) of the receptance, None where they fail.
+        """Eigenvalues (m,) [1/s] and residues (q q, m) of the receptance, None where they fail.
 
         Kept for one speed: many frequencies are looked at while the rotor turns at one.
         """
@@ -97,40 +109,46 @@ class Receptance:
 
     def _find_parts(self, speed: float) -> tuple[Complex, Complex] | None:
         size = len(self._mass)
-        rates, vectors = np.linalg.eig(self._first_order(np.array([speed]))[0])
+        rates, vectors = self._free(speed)
         if np.linalg.cond(vectors) > _WORST_VECTORS:
             return None
-        acting = np.zeros((2 * size, len(self._planes)), complex)
-        acting[size:] = np.linalg.solve(self._mass, self._planes.T)
+        acting = np.zeros((2 * size, len(self._out)), complex)
+        acting[size:] = np.linalg.solve(self._mass, self._into)
         left = np.linalg.solve(vectors, acting)
-        residues = np.einsum("pm,mq->mpq", self._planes @ vectors[:size], left)
-        return rates.astype(complex), residues.reshape(len(rates), -1)
+        residues = np.einsum("pm,mq->pqm", self._out @ vectors[:size], left)
+        return rates.astype(complex), residues.reshape(-1, len(rates))
 
-    def between_planes(self, planes: Complex, forward: Complex, backward: Complex) -> Complex:
-        """g (b, p, p) from `of_planes`, with weights that turn with the rotor.
+    def _free(self, speed: float) -> tuple[Complex, Complex]:
+        """Eigenvalues (m,) and eigenvectors (m, m) of the free motion, kept for one speed."""
+        if self._motion is None or self._motion[0] != speed:
+            self._motion = speed, *np.linalg.eig(self._first_order(np.array([speed]))[0])
+        return self._motion[1:]
+
+    def between_planes(self, planes: Complex, others: Complex) -> Complex:
+        """g (p, p, r, j) from `of_planes`, with weights that turn with the rotor.
 
         Args:
-            forward, backward: (b, p) force that such weights exert for the forward and the
-                backward part of a plane's motion, beyond that of their mass [N/m].
+            others: (q, r, j) force that such weights exert for each part of a plane's motion,
+                beyond that of their mass [N/m].
         """
-        found = planes
-        if forward.any():
-            own = self._as_matrix(forward, backward)
-            found = np.linalg.solve(np.eye(planes.shape[-1]) - planes @ own, planes)
-        return self._share * (self._turning.conj().T @ found @ self._turning)
+        count = self.plane_count
+        if not others.any():
+            return planes[:count, :count]
+        matrix = planes * -others
+        matrix.reshape(-1, *matrix.shape[2:])[:: len(matrix) + 1] += 1.0
+        return solve_first(matrix, planes[:, :count].copy())
 
     def displacements(
-        self,
-        frequency: Array,
-        speed: float,
-        forces: Complex,
-        forward: Complex,
-        backward: Complex,
+        self, frequency: Array, speed: float, forces: Complex, others: Complex
     ) -> Complex:
-        """x, y = Re(found e^{i w t}), (b, 2, n) [m], for forces (b, p) that turn at (b,) [N]."""
+        """x, y = Re(found e^{i w t}), (b, 2, n) [m], for forces (b, p) that turn at (b,) [N].
+
+        Args:
+            others: (q, b), as in `between_planes`.
+        """
         acting = (self._forces @ forces[..., None])[..., 0]
-        own = self._planes.T @ self._as_matrix(forward, backward) @ self._planes
-        dynamic = self._dynamic(frequency, speed) - own
+        own = (self._into * others.T[:, None, :]) @ self._out
+        dynamic = self._dynamic(frequency, np.full(len(frequency), speed)) - own
         found = np.linalg.solve(dynamic, acting[..., None])[..., 0]
         if self.rotor.isotropic:
             return np.stack([found, -1j * found], axis=1)
@@ -138,7 +156,7 @@ class Receptance:
 
     def poles(self, speed: float) -> Poles:
         """Natural frequencies at a speed of the rotor."""
-        values, vectors = np.linalg.eig(self.rotor.first_order(speed))
+        values, vectors = self._free(speed)
         vectors = vectors[: len(vectors) // 2].T
         found = values.imag > _STILL * np.abs(values)
         order = np.flatnonzero(found)[np.argsort(values[found].imag)]
@@ -146,29 +164,14 @@ class Receptance:
         inertia = -2.0 * values[order].imag[:, None, None] * self._mass + 1j * damping
         slopes = np.einsum("mi,mij,mj->m", modes.conj(), inertia, modes)
         shapes = modes @ self._forces.conj()
-        return Poles(values[order].imag, -values[order].real, shapes, slopes)
+        frequency, decay = values[order].imag.astype(float), -values[order].real.astype(float)
+        return Poles(frequency, decay, shapes, slopes)
 
     def moved(self, poles: Poles, forward: Complex) -> Poles:
-        """Natural frequencies with a force per forward displacement of the planes (m, p) [N/m]."""
-        work = self._share * (forward * np.abs(poles.shapes) ** 2).sum(axis=1)
+        """Natural frequencies with a force per forward displacement of the planes (p, m) [N/m]."""
+        work = (forward * (np.abs(poles.shapes) ** 2).T).sum(axis=0) / self.parts
         step = work / poles.slopes
-        found = poles._replace(frequency=poles.frequency + step.real, decay=poles.decay + step.imag)
-        return found
-
-    def _as_matrix(self, forward: Complex, backward: Complex) -> Complex:
-        """Forces of the planes by their displacements, shaped as `of_planes`."""
-        count = forward.shape[1]
-        if self.rotor.isotropic:
-            found = np.zeros((len(forward), count, count), complex)
-            found[:, range(count), range(count)] = forward
-            return found
-        back = backward.conj()
-        same, across = 0.5 * (forward + back), 0.5j * (forward - back)
-        found = np.zeros((len(forward), 2 * count, 2 * count), complex)
-        x, y = np.arange(count), np.arange(count) + count
-        found[:, x, x] = found[:, y, y] = same
-        found[:, x, y], found[:, y, x] = across, -across
-        return found
+        return poles._replace(frequency=poles.frequency + step.real, decay=poles.decay + step.imag)
 
     def rates(self, speeds: Array) -> Complex:
         """Eigenvalues (b, m) of the free motion at speeds (b,) of the rotor [1/s]."""
@@ -184,8 +187,31 @@ class Receptance:
         matrix[:, size:, size:] = -inverse @ (self._damping + om * self._damping_by_speed)
         return matrix
 
-    def _dynamic(self, frequency: Array, speed: float | Array) -> Complex:
-        w, om = frequency[:, None, None], np.reshape(speed, (-1, 1, 1))
-        damping = self._damping + om * self._damping_by_speed
-        stiffness = self._stiffness + om * self._stiffness_by_speed
-        return stiffness - w * w * self._mass + 1j * w * damping
+    def _dynamic(self, frequency: Array, speed: Array) -> Complex:
+        """Dynamic stiffness (b, n, n) at frequencies and speeds (b,)."""
+        w, om = frequency[:, None, None], speed[:, None, None]
+        damping, stiffness = self._damping, self._stiffness
+        if self.follows_speed:
+            damping = damping + om * self._damping_by_speed
+            stiffness = stiffness + om * self._stiffness_by_speed
+        return np.asarray(stiffness - w * w * self._mass + 1j * w * damping)
+
+
+def solve_first(matrix: Complex, right: Complex) -> Complex:
+    """The first p unknowns (p, p, ...) of many small systems (q, q, ...) with (q, p, ...).
+
+    Gauss without pivoting, element by element: for a handful of unknowns several times as fast as
+    LAPACK one by one.  Both arguments are overwritten.
+    """
+    wanted = right.shape[1]
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+        for k in range(len(matrix) - 1, -1, -1):
+            inverse = 1.0 / matrix[k, k]
+            rows = [i for i in range(max(k, wanted)) if i != k]
+            matrix[k, :k] *= inverse
+            right[k] *= inverse
+            for i in rows:
+                factor = matrix[i, k]
+                matrix[i, :k] -= factor * matrix[k, :k]
+                right[i] -= factor * right[k]
+    return right[:wanted]

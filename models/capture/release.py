@@ -14,6 +14,7 @@ from __future__ import annotations
 import math
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..arrays import Array, Complex, Indices
 from .branch import Branches, near_poles
@@ -22,6 +23,7 @@ from .peaks import find_peaks, first_peaks
 from .receptance import Poles, Receptance
 from .roots import find_roots
 
+Truths = NDArray[np.bool_]
 _FARTHEST = 10.0  # operating speeds up to which a release is looked for
 _BRACKETING = 30  # steps at most
 _STEP_OF_ALL, _STEP_OF_PART = 0.5, 0.25  # of a speed: peaks are followed from one to the next
@@ -30,6 +32,7 @@ _SMALLEST_PART = 0.01  # of such a step, where a peak is lost
 _SAME_SPEED = 1e-5  # relative
 _PART_NEAREST = 0.65  # of the rotor's speed: above it modes mix, and k < N cannot be followed
 _PART_FARTHEST = 2.0  # times the rotor's speed up to which k < N of several groups are followed
+_FAR_BEYOND = 2.0  # times this: a step goes there at once
 _NEAR = 0.5  # half widths about its former place within which a peak is looked for first
 _AROUND = np.array([-2.0, -1.2, -0.7, -0.4, -0.2, 0.0, 0.2, 0.4, 0.7, 1.2, 2.0])  # half widths
 
@@ -51,6 +54,8 @@ def release_speeds(branches: Branches, receptance: Receptance, lag: Lag, rows: A
         if len(lag.groups) > 1:
             limit[~all_left[at]] = _PART_FARTHEST * branches.speed
         largest = np.where(all_left[at], _STEP_OF_ALL, _STEP_OF_PART)
+        far = ~all_left[at] & (released[at] > _FAR_BEYOND * limit)
+        largest[far] = np.maximum(largest, limit / branches.speed - 1.0)[far]
         peaks = _MovingPeaks(branches, receptance, lag, rows[at])
         released[at] = _followed(peaks, limit, largest)
         released[at[~all_left[at] & (released[at] > limit)]] = math.nan
@@ -130,7 +135,7 @@ class _MovingPeaks:
             self._keep(speeds[~lost], rate[~lost], rows[~lost])
         return np.where(own.decay <= 0.0, speeds, excess)  # not let go before it is unstable
 
-    def _peaks(self, own: Poles, speeds: Array, rows: Indices) -> tuple[Array, Array, Indices]:
+    def _peaks(self, own: Poles, speeds: Array, rows: Indices) -> tuple[Array, Array, Truths]:
         """Place and height of peaks, NaN where there is none; and which are lost."""
         peak, held = np.full((2, len(rows)), np.nan)
         if len(self._lag.groups) > 1:
@@ -141,15 +146,13 @@ class _MovingPeaks:
             peak[at], held[at], lost[at] = self._far(own.select(at), speeds[at], rows[at])
         return peak, held, lost
 
-    def _far(self, own: Poles, speeds: Array, rows: Indices) -> tuple[Array, Array, Indices]:
+    def _far(self, own: Poles, speeds: Array, rows: Indices) -> tuple[Array, Array, Truths]:
         """The same in a wider range about the places where they are expected."""
-        numbers, points = self._numbers[rows], len(_AROUND)
+        numbers, phases = self._numbers[rows], self._phases[rows]
         offsets = self._offset[rows, None] + _AROUND
         w = own.frequency[:, None] + own.decay[:, None] * offsets
-        args = [np.repeat(a, points, axis=0) for a in (numbers, self._phases[rows])]
-        at = (w.reshape(-1), np.repeat(speeds, points))
-        lags = self._lag.at(self._receptance, *at, *args)[0].reshape(w.shape)
-        peak, held, top = find_peaks(w, lags, np.abs(_AROUND) + 0.0 * w)
+        lags, _ = self._lag.at(self._receptance, w, speeds, numbers, phases)
+        peak, held, top = find_peaks(w, lags, np.abs(_AROUND))
         lost = np.isnan(peak) & (own.decay > 0.0) & ~np.isnan(lags).any(axis=1)
         if len(self._lag.groups) > 1 and len(fine := np.flatnonzero(~np.isnan(peak))):
             centre = offsets[fine, top[fine]]

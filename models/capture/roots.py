@@ -12,6 +12,7 @@ from ..arrays import Array
 _STEPS = 30  # at most
 _SMOOTH = 5e-5  # relative accuracy of a root
 _AT_JUMP = 1e-3  # of a jump, which is found by halving
+_STEEP, _NEAR = 10.0, 0.02  # a slope within so small a part of a root that is a jump
 Function = Callable[[Array, NDArray[np.intp]], Array]
 
 
@@ -19,7 +20,8 @@ def find_roots(function: Function, a: Array, at_a: Array, b: Array, at_b: Array)
     """Roots (r,) between brackets (r,), by Chandrupatla 1997.
 
     Args:
-        function: values at points, for some rows; -x or less at a point x beyond a jump, and NaN
+        function: values at points, for some rows, with slopes of about 1; -x or less at a point x
+            beyond a jump, and NaN
             where it is not known.
         a, b, at_a, at_b: brackets, and the values there, of opposite signs.
 
@@ -53,7 +55,9 @@ def find_roots(function: Function, a: Array, at_a: Array, b: Array, at_b: Array)
 
 
 def _jumps(a: Array, at_a: Array, b: Array, at_b: Array) -> NDArray[np.bool_]:
-    return (at_a <= -a) | (at_b <= -b)
+    width = np.abs(b - a)
+    steep = np.abs(at_b - at_a) > _STEEP * width
+    return (at_a <= -a) | (at_b <= -b) | (steep & (width < _NEAR * np.abs(b)))
 
 
 def _part(a: Array, b: Array, c: Array, at_a: Array, at_b: Array, at_c: Array) -> Array:

@@ -11,7 +11,8 @@ import pytest
 
 from autobalancer.models.assembly import Assembly, Mounted
 from autobalancer.models.capture import capture
-from autobalancer.models.capture.groups import Lag, _balance, groups_of
+from autobalancer.models.capture.balance import balance, balance_two
+from autobalancer.models.capture.groups import Lag, groups_of
 from autobalancer.models.capture.receptance import Receptance
 from autobalancer.models.linear.modes import modes
 from autobalancer.models.rotor import LinearRotor
@@ -271,23 +272,18 @@ def test_balls_that_touch_brake_as_much_as_their_static_moment_says():
 
 
 def test_two_groups_in_closed_form_agree_with_newtons_method():
-    assembly = two_planes(0.01, second=1.3)
-    groups = groups_of(assembly)
     random = np.random.default_rng(3)
-    torque = random.normal(size=(40, 2, 2)) + 1j * random.normal(size=(40, 2, 2))
-    torque += 4.0 * np.eye(2)
-    pull = np.full((40, 2), [1.0, 1.3])
-    closed = _solve_two(groups, torque, pull)
-    newton, _ = _balance(torque, pull, closed[1] + 0.01)
-    both = ~np.isnan(newton) & ~np.isnan(closed[0])
+    at = random.normal(size=(2, 2, 40)) + 1j * random.normal(size=(2, 2, 40))
+    at -= 4.0j * np.eye(2)[..., None]
+    moments, pull = np.array([[1.0], [1.1]]), np.array([[1.0], [1.3]])
+    lag, turned = balance_two(at, moments, pull)
+    torque = np.moveaxis(1j * at * (moments[:, None] * moments), -1, 0)
+    start = np.stack([np.zeros(40), turned + 0.01], axis=1)
+    newton, angles = balance(torque, np.repeat(pull.T, 40, axis=0), start)
+    both = ~np.isnan(newton) & ~np.isnan(lag)
     assert both.sum() > 20
-    assert newton[both] == pytest.approx(closed[0][both], rel=1e-6)
-
-
-def _solve_two(groups, torque, pull):
-    from autobalancer.models.capture.groups import _balance_two
-
-    return _balance_two(torque, pull, np.zeros((len(torque), len(groups))))
+    assert newton[both] == pytest.approx(lag[both], rel=1e-6)
+    assert np.cos(angles[both, 1] - turned[both]) == pytest.approx(1.0, abs=1e-9)
 
 
 def test_three_balancers_on_a_flexible_shaft_satisfy_their_balance_of_torques():
@@ -307,22 +303,23 @@ def test_three_balancers_on_a_flexible_shaft_satisfy_their_balance_of_torques():
     found = capture(assembly, 12.0)
     (_, m), *_ = [pair for pair in found.motions if pair[1].weights == 6]
     w = m.frequency
-    lag = Lag(groups_of(assembly), np.array(found.drags), 4)
+    lag = Lag(groups_of(assembly), np.array(found.drags))
     loaded = assembly.loaded_rotor
     mass, damping, stiffness = loaded.real_coefficients(12.0)
     dynamic = stiffness - w * w * mass + 1j * w * damping
     numbers = np.array([m.numbers], float)
-    lags, phases = lag.at(Receptance(loaded), np.array([w]), 12.0, numbers, m.phases[None])
-    assert w + lags[0] == pytest.approx(12.0, rel=1e-6)
+    receptance = Receptance(loaded, lag.used)
+    lags, phases = lag.at(receptance, np.array([[w]]), 12.0, numbers, m.phases[None])
+    assert w + lags[0, 0] == pytest.approx(12.0, rel=1e-6)
     force = np.zeros(2 * 4, complex)
-    for place, phase in zip(places, phases[0], strict=True):
+    for place, phase in zip(places, phases[0, 0], strict=True):
         turning = 2 * 0.02 * 0.3 * w * w * np.exp(1j * phase)
         force[place] += turning
         force[4 + place] += -1j * turning
     moved = np.linalg.solve(dynamic, force)
     time = np.linspace(0.0, math.tau / w, 400, endpoint=False)
     x = (moved[:, None] * np.exp(1j * w * time)).real * -(w**2)
-    for place, phase, device in zip(places, phases[0], devices, strict=True):
+    for place, phase, device in zip(places, phases[0, 0], devices, strict=True):
         angle = w * time + phase
         pull = -0.02 * np.mean(x[4 + place] * np.cos(angle) - x[place] * np.sin(angle))
         assert -pull == pytest.approx(device.drag * 0.3 * (12.0 - w), rel=1e-6)

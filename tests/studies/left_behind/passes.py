@@ -1,9 +1,10 @@
 """Run-ups of machines of which the closed form says that no weights can be left behind.
 
-`python -m tests.studies.left_behind.passes [MACHINES] [STARTS]` draws machines of every kind with
-1.02 to 3 times the drag of the closed form, runs each up from random angles within 20 to 100
-periods of the lowest natural frequency by `integrate.c`, and counts weights that are left behind.
-A run-up that ends with weights behind the rotor is continued: they may still be on their way.
+`python -m tests.studies.left_behind.passes [MACHINES] [STARTS] [FIRST] [SEED]` draws machines of
+every kind with 1.02 to 3 times the drag of the closed form, runs each up from random angles within
+20 to 100 periods of the lowest natural frequency by `integrate.c`, and counts weights that are left
+behind.  A run-up that ends with weights behind the rotor is continued: they may still be on their
+way.  A machine depends on its number alone, so the parts 0 to 99 and 100 to 199 are the whole.
 """
 
 from __future__ import annotations
@@ -11,6 +12,7 @@ from __future__ import annotations
 import math
 import os
 import sys
+from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 
@@ -22,6 +24,7 @@ from autobalancer.models.linear.modes import modes
 from .draw import KINDS, Drawn, draw
 from .machine import library, run
 
+SEED = 5
 HELD = 60.0  # turns at the speed, and 60 kappa m/h
 APART = 1e-4  # relative: drags of weights that are alike
 STIFFEST = 10.0  # rate of the drag over the speed: steeper ones need shorter steps
@@ -63,21 +66,28 @@ def left_behind(machine: Drawn, speed: float, lowest: float, seed: int) -> bool:
     return bool((windows[-LATE:, 2::3].mean(axis=0) < BEHIND * speed).any())
 
 
-def study(machines: int, starts: int, seed: int = 5) -> list[tuple[str, int]]:
-    """By machine its kind and the number of run-ups with weights left behind."""
+def study(
+    machines: int, starts: int, first: int = 0, seed: int = SEED
+) -> Iterator[tuple[int, str, int]]:
+    """By machine its number, its kind and the number of run-ups with weights left behind."""
     library()
-    random = np.random.default_rng(seed)
-    drawn = [(k, *suitable(k, random)) for k in (KINDS[i % len(KINDS)] for i in range(machines))]
-    jobs = [(m, w, low, s) for _, m, w, low in drawn for s in range(starts)]
     with ThreadPoolExecutor(os.cpu_count()) as pool:
-        found = np.reshape(list(pool.map(lambda job: left_behind(*job), jobs)), (machines, starts))
-    return [(row[0], int(n)) for row, n in zip(drawn, found.sum(axis=1), strict=True)]
+        for number in range(first, first + machines):
+            kind = KINDS[number % len(KINDS)]
+            drawn = suitable(kind, np.random.default_rng([seed, number]))
+            found = pool.map(lambda k, drawn=drawn: left_behind(*drawn, k), range(starts))
+            yield number, kind, sum(found)
 
 
 def main() -> None:
     given = [int(argument) for argument in sys.argv[1:]]
-    machines, starts = [*given, *(200, 20)[len(given) :]]
-    rows = study(machines, starts)
+    machines, starts, first, seed = [*given, *(200, 20, 0, SEED)[len(given) :]]
+    rows = []
+    for number, kind, behind in study(machines, starts, first, seed):
+        rows.append((kind, behind))
+        if behind or number % 20 == 19:
+            total = sum(n for _, n in rows)
+            print(f"machine {number}, {kind}: {behind} of {starts}; {total} so far", flush=True)
     for kind in KINDS:
         counts = [n for name, n in rows if name == kind]
         print(f"{kind}: {sum(counts)} of {starts * len(counts)} run-ups with weights left behind")
