@@ -86,3 +86,11 @@ def test_a_speed_far_beyond_the_top_speed_takes_steps_of_bounded_turn(hosted):
     turned = 0.5 * 1e9 * 1e-2**2
     (steps,) = host.get("coupling.steps")
     assert steps >= turned / 800.0
+
+
+@pytest.mark.parametrize("start", ["station[1].x0", "station[2].vx0"])
+def test_events_that_follow_each_other_too_closely_end_with_a_message(hosted, start):
+    """Motion far beyond what dry friction can stop changes its way within rounding of the time."""
+    host = hosted(load_scene("bristol_friction"), {f"rotor.{start}": 1e200})
+    said = host.refused(lambda: [host.step(1e-3) for _ in range(5)])
+    assert "events follow each other too closely" in said

@@ -169,3 +169,22 @@ def test_a_state_of_one_file_brings_the_unbalance_of_its_time_back(packaging, tm
     host.slave.freeFMUState(state)
     host.free()
     assert moved[0] == moved[1]
+
+
+@pytest.mark.parametrize("steps", [0, 3])
+@pytest.mark.parametrize(
+    "name", ["bristol_friction", "contact_order", "run_up", "small_turbine", "washing_machine_ring"]
+)
+def test_a_new_instance_goes_on_from_a_state_of_one_file_with_the_same_bits(instance, name, steps):
+    """It has made no machine yet, and must know of dry friction and impacts at its first step."""
+    host = instance(load_scene(name)).begin()
+    new = instance(load_scene(name))
+    for _ in range(steps):
+        host.step(1e-3)
+    state = host.slave.serializeFMUState(host.slave.getFMUState())
+    new.slave.setFMUState(new.slave.deserializeFMUState(state))
+    new.time = host.time
+    for _ in range(3):
+        host.step(1e-3)
+        new.step(1e-3)
+        assert new.outputs() == host.outputs()

@@ -51,6 +51,7 @@ static void declare_one_piece(Fields *fields, const Composite *c)
     fields_whole(fields, "one_piece.leaves", &one_piece->leaves, 1, -1.0, 1.0);
     fields_within(fields, "one_piece.collocated, .next_length", &one_piece->collocated, 2, 0.0, LONGEST_STEP);
     fields_whole(fields, "one_piece.collocated_steps", &one_piece->collocated_steps, 1, 0.0, MOST_COUNTED);
+    fields_whole(fields, "one_piece.crowded", &one_piece->crowded, 1, 0.0, MOST_CROWDED);
     fields_whole(fields, "one_piece.wait, .patience", &one_piece->wait, 2, 0.0, MOST_PATIENCE);
 }
 

@@ -17,6 +17,7 @@
 enum { MOST_PATIENCE = 64 }; /* steps by series before collocation is tried again */
 enum { SPEED_OF_MOTOR = 2 }; /* of the outputs that its unit computes: behind it all are of its state alone */
 
+enum { MOST_CROWDED = 1000 }; /* steps in a row between events that follow each other too closely */
 enum { MOST_LOOKS = 4096 }; /* of a step: MOST_TURN has fewer */
 
 /* In a unit's memory; doubles alone. */
@@ -38,6 +39,7 @@ typedef struct {
     double collocated; /* length of the step's polynomial by collocation, in the machine's time; 0: it has a series */
     double next_length; /* that the last such step suggests for the next one; 0: none has been taken */
     double collocated_steps; /* so many so far */
+    double crowded;    /* steps in a row that are hardly longer than rounding of the time */
     double wait, patience; /* steps by series until collocation is tried again, and how many are waited for */
 } OnePiece;
 

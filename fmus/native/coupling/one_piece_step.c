@@ -7,6 +7,7 @@
 
 enum { FEWEST_LOOKS_OF_STEP = 8, LOOKS_OF_PASS = 64, MOST_EVENTS_AT_ONCE = 30 };
 #define SHORTEST_STEP 1e-15   /* of the time, and of the machine's unit of it */
+#define CROWDED_STEP 1e-14    /* of the same: an event that follows so soon is hardly apart from the last */
 #define SHORTEST_LENGTH 1e-12 /* of a step to a corner: less is none */
 
 /* Ends of a line of the motor's torque, in the machine's time; the outer ones go on for ever. */
@@ -53,6 +54,9 @@ int one_piece_begin_anew(Unit *unit)
     const Composite *c = unit->own;
     const Clock *clock = &c->course->clock;
     OnePiece *one_piece = &c->course->one_piece;
+    if (!c->pieces.is_made && one_piece_make(unit)) {
+        return 1;
+    }
     if (one_piece->stands == 0.0) {
         const bool ends = one_piece->event != NO_EVENT && clock->shown >= clock->time;
         if (ends ? finish(unit) : one_piece_place(unit)) {
@@ -151,6 +155,9 @@ static int begin_next(Unit *unit)
         c->pieces.is_begun = false;
         return 0;
     }
+    if (!c->pieces.is_made && one_piece_make(unit)) { /* the state is a restored one */
+        return 1;
+    }
     if (c->course->one_piece.stands == 0.0 && finish(unit)) {
         return 1;
     }
@@ -196,6 +203,15 @@ static int open_step(Unit *unit, double *length, double *end)
     return 0;
 }
 
+/* 1 where too many steps in a row have been as short as this one. */
+static int is_crowded(const Composite *c, double length)
+{
+    OnePiece *one_piece = &c->course->one_piece;
+    const double time = absolute(c->course->clock.begin) + c->pieces.step.per_rate;
+    one_piece->crowded = length <= CROWDED_STEP * time ? one_piece->crowded + 1.0 : 0.0;
+    return one_piece->crowded >= MOST_CROWDED;
+}
+
 int one_piece_prepare(Unit *unit, double *angle, bool *is_wanted)
 {
     Pieces *pieces = &((Composite *)unit->own)->pieces;
@@ -221,6 +237,9 @@ int one_piece_step(Unit *unit)
     }
     course->clock.time = end;
     course->clock.length = end - course->clock.begin; /* rounded as the time is */
+    if (is_crowded(c, course->clock.length)) {
+        return 1;
+    }
     turned = machine_turned(&c->pieces.step, one_piece_order(c), length);
     one_piece->looks =
         larger(FEWEST_LOOKS_OF_STEP, nearest(absolute(turned) / TAU * FEWEST_LOOKS + 0.5));

@@ -295,6 +295,15 @@ static int goes_on_as(fmi2Component c, const Kind *kind, const Serialised *befor
     return same;
 }
 
+/* An instance that was brought so far goes on as a new one that takes its state. */
+static void check_twin(const Kind *kind, unsigned far, const Serialised *state)
+{
+    fmi2Component twin = instance(kind);
+    bring(twin, kind, far);
+    check(far < 2 || goes_on_as(twin, kind, state), "a state goes on in a new instance as where it was saved");
+    two.release(twin);
+}
+
 /* Call all that may be called with a state that was accepted. */
 static void use(fmi2Component c, const Kind *kind, double time)
 {
@@ -323,16 +332,17 @@ static void state_case(int number)
     Serialised forged, before;
     fmi2FMUstate state = NULL;
     double outputs[OUTPUTS], time;
-    unsigned changes = 1 + (unsigned)(number / kind_count) % 2, k;
+    unsigned changes = 1 + (unsigned)(number / kind_count) % 2, far, k;
     begin_case(number);
     random_state = (uint64_t)number * 2 + 1;
-    bring(c, kind, drawn(8));
+    bring(c, kind, far = drawn(8));
     forged = serialised(c);
     if (drawn(2)) {
         live = instance(kind);
-        bring(live, kind, drawn(8));
+        bring(live, kind, far = drawn(8));
     }
     before = serialised(live);
+    check_twin(kind, far, &before);
     for (k = 0; k < changes; k++) {
         forge(&forged, kind);
     }
