@@ -27,14 +27,15 @@ def option() -> Any:
     return field(default=0, metadata={"words": (0, 1), "of": (), "silent": 0, "native": True})
 
 
-def count(default: int, of: tuple[str, ...] = ()) -> Any:
+def count(default: int, of: tuple[str, ...] = (), native: bool = True) -> Any:
     """A whole number, at least 1; when `of` is given, of these kinds of the unit only.
 
-    With 0 for a default it may be 0: the unit has none, the option is not written down, and Python
-    units take no other value.
+    With 0 for a default it may be 0: the unit has none, the option is not written down, and, where
+    it is `native`, Python units take no other value.
     """
     known: dict[str, Any] = {"words": (), "of": of, "least": min(1, default)}
-    return field(default=default, metadata=known | ({} if default else {"silent": 0, "native": 1}))
+    optional = {"silent": 0} | ({"native": 1} if native else {})
+    return field(default=default, metadata=known | ({} if default else optional))
 
 
 @dataclass(frozen=True)

@@ -1,4 +1,4 @@
-"""Forces at supports and feet, of a steady motion that turns with the rotor."""
+"""Forces of supports and feet on what they stand on, by the motion of a rotor's stations."""
 
 from __future__ import annotations
 
@@ -7,10 +7,51 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .arrays import Complex
+from .arrays import Array, Complex
 from .rotor import LinearRotor
+from .supports import Support
 
 _BAND = math.sqrt(2.0)  # damping of the band's edges, twice the ratio
+
+
+@dataclass(frozen=True, eq=False)
+class ForceRows:
+    """The force (F_x, F_y) of a support or foot: stiffness q + damping q', q (2, n) = x, y.
+
+    Attributes:
+        name: of the support.
+        stiffness, damping: (2, 2, n) force along x, y by motion along x, y of the stations
+            [N/m, N s/m]; zero where `table` has them.
+        displacement: (2, n) across it by that of the stations, along x and y.
+        table: number from 0, among the bearings that change with the speed, of its own; below 0:
+            it is no such bearing.
+    """
+
+    name: str
+    stiffness: Array
+    damping: Array
+    displacement: Array
+    table: int = -1
+
+
+def force_rows(rotor: LinearRotor) -> list[ForceRows]:
+    """Of every support and foot that has a force of its own, bearings first."""
+    found, tables = [], 0
+    for k, support in enumerate(rotor.supports, start=1):
+        if support.across:
+            found.append(_rows(support, f"support[{k}]", tables))
+            tables += support.table is not None
+    return found
+
+
+def _rows(support: Support, name: str, tables: int) -> ForceRows:
+    along = np.array([0, support.across - 1])  # rows that are the displacement along x and y
+    stiffness, damping = (
+        np.stack([block[axis][:, along[axis]] @ support.rows for axis in (0, 1)])
+        for block in (support.stiffness, support.damping)
+    )
+    table = -1 if support.table is None else tables
+    return ForceRows(support.name or name, stiffness, damping, support.rows[along], table)
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,21 +75,17 @@ class Force:
 
 
 def forces(rotor: LinearRotor, motion: Complex, speed: float) -> list[Force]:
-    """The force of every bearing and foot.
+    """The force of every bearing and foot, of a steady motion that turns with the rotor.
 
     Args:
         motion: (2, n) complex amplitudes of x and y of the stations [m].
         speed: of the rotor [rad/s].
     """
     found = []
-    for k, support in enumerate(rotor.at(speed).supports, start=1):
-        if support.across:
-            along = [0, 1], [0, support.across - 1]  # axes, and rows along them
-            d = motion @ support.rows.T  # (2, s)
-            dynamic = support.stiffness + 1j * speed * support.damping
-            force = np.einsum("abij,bj->ai", dynamic, d)
-            name = support.name or f"support[{k}]"
-            found.append(Force(name, d[along], force[along]))
+    for one in force_rows(rotor.at(speed)):
+        dynamic = one.stiffness + 1j * speed * one.damping
+        force = np.einsum("abj,bj->a", dynamic, motion)
+        found.append(Force(one.name, (one.displacement * motion).sum(axis=1), force))
     return found
 
 

@@ -8,7 +8,9 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from ...models.arrays import Array
 from ...models.constants import SAME_PLACE
+from ...models.forces import force_rows
 from ...models.rotor import LinearRotor
 from .parameters import RotorSizes
 
@@ -98,6 +100,37 @@ def matrices(values: Values, sizes: RotorSizes) -> LinearRotor:
         deflection=rows("bending_row", max(1, n - 2)),
     )
 
+
+def forces_of_rotor(values: Values, sizes: RotorSizes, rotor: LinearRotor) -> Array:
+    """Rows (2 f, 4 n) of F_x, F_y of every support, by displacements, then velocities of the
+    stations, x and y alternating."""
+    rows = [(one.stiffness, one.damping) for one in force_rows(rotor)]
+    return _force_matrix(np.array(rows))
+
+
+def forces_of_matrices(values: Values, sizes: RotorSizes, rotor: LinearRotor) -> Array:
+    """The same from the parameters of supports, then feet."""
+    numbers, stations = range(1, len(sizes.forces) + 1), range(1, sizes.stations + 1)
+    rows = [
+        [[[[values[f"force_{what}_{to}{by}[{k},{j}]"] for j in stations] for by in "xy"]
+          for to in "xy"] for what in ("stiffness", "damping")]
+        for k in numbers
+    ]  # fmt: skip
+    return _force_matrix(np.reshape(np.array(rows), (len(rows), 2, 2, 2, sizes.stations)))
+
+
+def _force_matrix(rows: Array) -> Array:
+    """From (f, 2, 2, 2, n): stiffness or damping, force along x or y, by motion along x or y."""
+    count, n = rows.shape[0], rows.shape[-1]
+    return rows.transpose(0, 2, 1, 4, 3).reshape(2 * count, 4 * n)
+
+
+FORCES = {
+    "planar": forces_of_rotor,
+    "two_support": forces_of_rotor,
+    "flexible": forces_of_rotor,
+    "matrices": forces_of_matrices,
+}
 
 ROTORS = {
     "planar": planar,

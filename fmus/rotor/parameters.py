@@ -26,6 +26,15 @@ GIVEN: dict[str, tuple[str, float, str]] = {
     "gyroscopic": ("kg", 0.0, "Gyroscopic matrix, multiplied by the speed"),
 }  # fmt: skip
 
+# of the force of a support or foot by the motion of a station: unit and description
+FORCES: dict[str, tuple[str, str]] = {
+    f"force_{what}_{to}{by}": (unit, f"Force of a support, then foot, along {to} by the {motion} "
+                               f"of a station along {by}")
+    for what, unit, motion in (("stiffness", "N/m", "displacement"),
+                               ("damping", "N.s/m", "velocity"))
+    for to in "xy" for by in "xy"
+}  # fmt: skip
+
 # of a bearing over the speed, in each row of its table: unit and description
 TABLED: dict[str, tuple[str, str]] = {
     f"table_{what}_{to}{by}": (unit, f"Force along {to} by the {motion} along {by}")
@@ -45,6 +54,7 @@ class RotorSizes(Sizes):
         tables, speeds: bearings that change with the speed, and rows of their tables.
         shaft: how a flexible rotor's is given: "uniform" (bending stiffness) or "compliance" (a
             matrix).
+        supports, feet: of a rotor by its matrices, those whose forces are outputs.
     """
 
     kind: str = one_of("planar", "two_support", "flexible", "matrices")
@@ -55,6 +65,17 @@ class RotorSizes(Sizes):
     sliders: int = count(0)
     tables: int = count(0, of=("matrices",))
     speeds: int = count(0, of=("matrices",))
+    supports: int = count(0, of=("matrices",), native=False)
+    feet: int = count(0, of=("matrices",), native=False)
+
+    @property
+    def forces(self) -> list[str]:
+        """Supports, then feet, whose forces are outputs."""
+        known = {"planar": 1, "two_support": 2, "flexible": 2}.get(self.kind, self.supports)
+        if known > 2:
+            raise ValueError(f"supports = {known}: a rotor has at most 2")
+        supports = [f"support[{k}]" for k in range(1, known + 1)]
+        return supports + [f"foot[{k}]" for k in range(1, self.feet + 1)]
 
 
 def planar(sizes: RotorSizes) -> list[Variable]:
@@ -162,6 +183,20 @@ def matrices(sizes: RotorSizes) -> list[Variable]:
         *(parameter(f"bending_row[{j},{k}]", 0.0, "1", "Bending of the shaft by a station's motion")
           for j in bends for k in numbers),
         *_tables(sizes),
+        *_forces(sizes),
+    ]  # fmt: skip
+
+
+def _forces(sizes: RotorSizes) -> list[Variable]:
+    """What the forces of supports, then feet, follow from."""
+    numbers, stations = range(1, len(sizes.forces) + 1), range(1, sizes.stations + 1)
+    table = "Number of the table of the bearing over the speed that it is of; 0: none"
+    station = "Number of the station whose sliders are in it; 0: none"
+    return [
+        *(parameter(f"force[{k}].{name}", 0.0, "1", text, minimum=0.0)
+          for k in numbers for name, text in (("table", table), ("station", station))),
+        *(parameter(f"{name}[{k},{j}]", 0.0, unit, text)
+          for k in numbers for j in stations for name, (unit, text) in FORCES.items()),
     ]  # fmt: skip
 
 

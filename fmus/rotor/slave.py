@@ -14,7 +14,7 @@ from ...models.steps.propagator import step_matrix
 from ...models.steps.variable_speed import Drive, VariableSpeedStep
 from ..python.slave import Slave
 from .angle import total, turned
-from .kinds import ROTORS
+from .kinds import FORCES, ROTORS
 from .parameters import RotorSizes
 from .variables import ROTOR
 
@@ -41,6 +41,7 @@ class RotorOnSupports(Slave):
         if gravity:
             self.rotor.sag(0.0)  # refuses supports that carry nothing
         self.turning = self.sizes.frame == "rotor"
+        self.forces = FORCES[self.sizes.kind](values, self.sizes, self.rotor)
 
     def begin(self) -> None:
         first = self.layout.parameters.stop - 4 * self.sizes.stations - 1
@@ -62,7 +63,12 @@ class RotorOnSupports(Slave):
         angle, motion = total(self.memory[:3]), self._motion()
         places, bending = self.rotor.planes @ motion[0], self.rotor.deflection @ motion[0]
         largest = float(np.abs(bending).max(initial=0.0))
-        self.real[self.layout.observed] = [angle, *_pairs(motion), *_pairs(places), largest]
+        # by displacements, then velocities of the stations, x and y alternating
+        forces = (self.forces @ np.array(self.memory[3:])).tolist()
+        self.real[self.layout.observed] = [
+            *(angle, *_pairs(motion), *_pairs(places), largest),
+            *forces,
+        ]
 
     def _motion(self) -> Complex:
         """Displacements and velocities of the stations, (2, n)."""

@@ -58,6 +58,7 @@ def variables(sizes: RotorSizes) -> list[Variable]:
         ),
         *_observed(stations, planes, of_kind),
         *_friction_forces(sizes),
+        *_forces(sizes, of_kind),
         *torque_outputs(
             (*drive, *forces), (*changing, *forces, *slopes), names,
             "Torque of unbalance and internal damping on the shaft",
@@ -130,6 +131,23 @@ def _friction_forces(sizes: RotorSizes) -> list[Variable]:
         for k in range(1, sizes.sliders + 1)
         for axis in "xy"
     ]  # fmt: skip
+
+
+def _forces(sizes: RotorSizes, own: list[Variable]) -> list[Variable]:
+    """On what supports and feet stand on."""
+    numbers, motion = range(1, sizes.stations + 1), ("", "v")
+    starts = tuple(
+        f"{station(j, sizes.stations)}{what}{axis}0" for j in numbers for what in motion
+        for axis in "xy"
+    )  # fmt: skip
+    # all of them: where a station, support or table is decides which motion the force is of
+    begins = (*(v.name for v in own), *(v.name for v in friction(sizes)), *starts)
+    text = "Force of springs, dampers and friction on what it stands on, along {}"
+    return [
+        observed(f"{name}.force_{axis}", "N", text.format(axis), begins)
+        for name in sizes.forces
+        for axis in "xy"
+    ]
 
 
 def _displacement(name: str, description: str, begins: tuple[str, ...]) -> Variable:

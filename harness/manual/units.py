@@ -16,7 +16,7 @@ SIZES: dict[str, list[dict[str, Any]]] = {
         {},
         {"kind": "two_support", "stations": 2, "unbalances": 1},
         {"kind": "flexible", "stations": 3, "unbalances": 1},
-        {"kind": "matrices", "unbalances": 1},
+        {"kind": "matrices", "unbalances": 1, "supports": 1, "feet": 1},
         {"sliders": 1},
     ],
 }

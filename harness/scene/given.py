@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ...models.forces import force_rows
 from ...models.rotor import LinearRotor
 from .feeds import Start
 
@@ -23,7 +24,7 @@ def matrix_start(rotor: LinearRotor, planes: Sequence[int], acting: Acting) -> S
         acting: its unbalances; the unit has at least one.
     """
     nothing = [(0.0, 0.0, np.zeros(rotor.stations))]
-    values = _tables(rotor)
+    values = _tables(rotor) | _forces(rotor)
     rotor = rotor.without_tables
     for name, matrix in _matrices(rotor):
         values |= _entries(name, matrix)
@@ -58,6 +59,17 @@ def _tables(rotor: LinearRotor) -> Start:
         for what, blocks in (("stiffness", stiffness), ("damping", damping)):
             for (k, i, j), value in np.ndenumerate(blocks):
                 values[f"table_{what}_{'xy'[i]}{'xy'[j]}[{t},{k + 1}]"] = float(value)
+    return values
+
+
+def _forces(rotor: LinearRotor) -> Start:
+    """What the forces of supports and feet follow from."""
+    values: Start = {}
+    for number, one in enumerate(force_rows(rotor), start=1):
+        values[f"force[{number}].table"] = float(one.table + 1)
+        for what, rows in (("stiffness", one.stiffness), ("damping", one.damping)):
+            for (i, j, k), value in np.ndenumerate(rows):
+                values[f"force_{what}_{'xy'[i]}{'xy'[j]}[{number},{k + 1}]"] = float(value)
     return values
 
 

@@ -101,6 +101,11 @@ class Matrices(RotorTable):
         x, y = (getattr(rotor, name) for name in names)
         return tuple((float(x[k, k]), float(y[k, k])) for k in points)
 
+    @property
+    def _forces(self) -> dict[str, int]:
+        """None: supports are in the matrices, and have no force of their own."""
+        return {}
+
     def start(self, planes: Sequence[int]) -> Start:
         """Parameters of the unit."""
         return self._matrix_start(planes)

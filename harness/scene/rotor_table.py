@@ -363,6 +363,7 @@ class RotorTable(Table):
             "unbalances": len(self.acting()) or 1,
             **self._sliders,
             **self._tables,
+            **(self._forces if self.takes_matrices else {}),
         }
 
     def start(self, planes: Sequence[int]) -> Start:
@@ -382,7 +383,9 @@ class RotorTable(Table):
         given = matrix_start(self.build(), planes, self.acting())
         sliders = {k: v for k, v in fed(self).items() if k.startswith("slider[")}
         for n, slider in enumerate(self.friction, start=1):
-            sliders[f"slider[{n}].support"] = float(self.supports[slider.support - 1])
+            station = float(self.supports[slider.support - 1])
+            sliders[f"slider[{n}].support"] = station
+            sliders[f"force[{slider.support}].station"] = station
         return given | sliders
 
     def build(self) -> LinearRotor:
@@ -436,6 +439,11 @@ class RotorTable(Table):
             return {}
         speeds, tables = self.build().tables
         return {"tables": len(tables), "speeds": len(speeds)}
+
+    @property
+    def _forces(self) -> dict[str, int]:
+        """The build options of supports and feet whose forces are outputs."""
+        return {"supports": len(self.supports), "feet": sum(len(b.feet) for b in self.bodies)}
 
     def _with_friction(self, rotor: LinearRotor) -> LinearRotor:
         """The same rotor with the sliders in its supports, and with its bodies."""

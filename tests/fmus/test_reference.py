@@ -131,6 +131,12 @@ ROTORS: dict[str, tuple[Callable, list[list[float]]]] = {
     "two_support": (two_support, [[2 / 3, 1 / 3], [1 / 3, 2 / 3]]),
     "flexible": (flexible, [[0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]),
 }
+# spring, damper and station of every support
+SUPPORTS: dict[str, list[tuple[float, float, int]]] = {
+    "planar": [(8e4, 40.0, 0)],
+    "two_support": [(2e5, 150.0, 0), (2e5, 150.0, 1)],
+    "flexible": [(2e5, 150.0, 0), (2e5, 150.0, 2)],
+}
 
 
 def rotor(kind: str) -> tuple[list[dict], list[dict]]:
@@ -175,6 +181,9 @@ def rotor(kind: str) -> tuple[list[dict], list[dict]]:
             "flexible": lambda q: q[1] - (q[0] + q[2]) / 2.0,
         }
         found["bending"] = abs(middle[kind](state[:n]))
+        for s, (spring, damper, at) in enumerate(SUPPORTS[kind], 1):
+            force = spring * state[at] + damper * state[n + at]
+            found[f"support[{s}].force_x"], found[f"support[{s}].force_y"] = force.real, force.imag
         # the unbalance is a mass on the first plane that drags behind
         found["torque"], found["der(torque)"] = -2e-4 * a[0].imag, -2e-4 * jerk[0].imag
         return found

@@ -34,6 +34,7 @@ CASES: list[tuple[str, dict[str, Any]]] = [
         {"kind": "flexible", "stations": 5, "planes": 2, "shaft": "compliance", "frame": "fixed"},
     ),
     ("RotorOnSupports", {"kind": "matrices", "stations": 2, "planes": 3, "unbalances": 2}),
+    ("RotorOnSupports", {"kind": "matrices", "stations": 3, "supports": 2, "feet": 3}),
 ]
 NATIVE: list[tuple[str, dict[str, Any]]] = [  # without a Python unit
     ("Motor", {"points": 4}),

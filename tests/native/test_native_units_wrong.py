@@ -15,6 +15,7 @@ ERROR = 3
 LIQUID, BALLS, ROTOR = "LiquidBalancer", "BallBalancer", "RotorOnSupports"
 TWO = {"kind": "two_support", "stations": 2, "planes": 1}
 FLEXIBLE = {"kind": "flexible", "stations": 4, "planes": 1}
+FEET = {"kind": "matrices", "stations": 2, "supports": 1, "feet": 1}
 
 
 TOGETHER = [  # every value is allowed by itself
@@ -28,6 +29,8 @@ TOGETHER = [  # every value is allowed by itself
     (BALLS, {}, {"weight_radius": 0.01, "weight[2].angle0": 0.3}, "weights overlap by 0.103"),
     (ROTOR, {"sliders": 1}, {"slider[1].support": 2.0}, r"slider[1].support = 2.0: must be 1"),
     (ROTOR, TWO | {"sliders": 1}, {"slider[1].support": 1.5}, "support = 1.5: must be 1 or 2"),
+    (ROTOR, FEET, {"force[2].table": 1.0}, "force[2].table = 1.0: must be a whole number, 0 to 0"),
+    (ROTOR, FEET, {"force[1].station": 3.0}, "must be a whole number, 0 to 2"),
     (ROTOR, {"sliders": 2}, {"slider[1].limit_x": 1.0, "slider[2].limit_x": 2.0},
      "sliders: two rigid ones at one support and axis are one with the sum of their limits"),
 ]  # fmt: skip
@@ -109,10 +112,10 @@ def test_several_wrong_values_are_all_named_and_none_is_set(fmus, packaging):
         (lambda h: h.slave.setReal([0], [1.0]), "mass: fixed once initialisation has ended"),
         (lambda h: h.set({"plane[1].a_xi": 1.0}), "plane[1].a_xi: outputs cannot be set"),
         (lambda h: h.set({"bending": 1.0}), "bending: outputs cannot be set"),
-        (lambda h: h.slave.getReal([0, 43, 44]), "value references [43, 44]: unknown, there are 0 "
-         "to 42"),
+        (lambda h: h.slave.getReal([0, 45, 46]), "value references [45, 46]: unknown, there are 0 "
+         "to 44"),
         (lambda h: h.slave.setReal([99], [1.0]), "value references [99]: unknown, there are 0 to "
-         "42"),
+         "44"),
         (lambda h: h.slave.getBoolean([0]), "value references [0]: unknown, there are none"),
         (lambda h: h.slave.getInteger([0]), "the unit has Reals and Booleans only"),
         (lambda h: h.slave.setInteger([0], [1]), "the unit has Reals and Booleans only"),

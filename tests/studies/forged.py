@@ -40,7 +40,7 @@ UNITS = (
     ("RotorOnSupports", {"planes": 2}),
     ("RotorOnSupports", {"kind": "two_support", "stations": 2, "planes": 1, "sliders": 2}),
     ("RotorOnSupports", {"kind": "flexible", "stations": 4, "planes": 2, "shaft": "compliance"}),
-    ("RotorOnSupports", {"kind": "matrices", "stations": 3, "planes": 2}),
+    ("RotorOnSupports", {"kind": "matrices", "stations": 3, "planes": 2, "supports": 1, "feet": 1}),
     ("LiquidBalancer", {}),
     ("BallBalancer", {"weights": 3}),
     ("BallBalancer", {"weights": 4, "unequal": 1}),

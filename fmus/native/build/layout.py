@@ -18,7 +18,7 @@ from typing import Any
 from ....models import constants as shared
 from ...catalogue import sized_unit
 from ...composite.variables import COMPOSITE
-from ...rotor.parameters import GIVEN, TABLED
+from ...rotor.parameters import FORCES, GIVEN, TABLED
 from ...unit import SizedUnit
 from ...variables import Layout, Variable
 from ...xml.archive import source
@@ -42,10 +42,17 @@ _REPEATS = {
     "table_speed": "SIZE_SPEEDS",
     "table_row": "SIZE_TABLE_ROWS",
     **dict.fromkeys(TABLED, "SIZE_TABLE_SPEEDS"),
+    "force": "SIZE_FORCES",
+    **dict.fromkeys(FORCES, "SIZE_FORCE_ROWS"),
+    "foot": "SIZE_FEET",
 }
+_FORCES_OF_SUPPORTS = tuple(f"support[#].force_{axis}" for axis in "xy")
 _SEVERAL = 3  # of everything, so that a block is seen to repeat
 _PLANAR = {"planes": _SEVERAL, "sliders": _SEVERAL, "stations": 1}
 _ROTOR = {**_PLANAR, "stations": 5, "unbalances": _SEVERAL}
+
+_GIVEN = {**_ROTOR, "kind": "matrices", "tables": _SEVERAL, "speeds": _SEVERAL}
+_GIVEN |= {"supports": 2, "feet": _SEVERAL}
 
 # what the C library holds: unit, and options of the sizes looked at
 TABLES: tuple[tuple[str, dict[str, Any]], ...] = (
@@ -53,7 +60,7 @@ TABLES: tuple[tuple[str, dict[str, Any]], ...] = (
     ("RotorOnSupports", {**_ROTOR, "kind": "two_support", "stations": 2}),
     ("RotorOnSupports", {**_ROTOR, "kind": "flexible", "shaft": "uniform"}),
     ("RotorOnSupports", {**_ROTOR, "kind": "flexible", "shaft": "compliance"}),
-    ("RotorOnSupports", {**_ROTOR, "kind": "matrices", "tables": _SEVERAL, "speeds": _SEVERAL}),
+    ("RotorOnSupports", _GIVEN),
     ("LiquidBalancer", {}),
     ("RingBalancer", {}),
     ("BallBalancer", {"weights": _SEVERAL, "unequal": 1}),
@@ -210,6 +217,8 @@ def _blocks(unit: str, options: dict[str, Any]) -> list[_Block]:
 
 def _repeat(pattern: str, always: bool) -> str:
     """What a variable is repeated by; `always`: it also stands there without options."""
+    if pattern in _FORCES_OF_SUPPORTS:
+        return "SIZE_SUPPORTS"
     word = re.search(r"(\w+)\[#", pattern)
     if not word:
         return "SIZE_ONE" if always else "SIZE_SLIDING"

@@ -230,6 +230,7 @@ static int stand_for(Unit *unit, OutputKind kind)
     case OUTPUTS_ARE_PLACES:
         return one_piece_observe_places(unit);
     case OUTPUTS_OF_STATE:
+        *rotor_speed_now(c->parts->unit) = composite_speed_now(unit);
         return one_piece_place(unit) || one_piece_place_followers(unit, c->parts->unit->memory + MOTION, unit->time);
     default:
         return one_piece_signals(unit);

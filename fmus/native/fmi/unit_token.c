@@ -8,11 +8,11 @@
 enum { WORD_SIZE = 32, DIGITS = 16, SIGNATURE = 2 * DIGITS + 1 };
 
 /* Sizes of a unit: products of four of them fit an int. */
-enum { SIZE_COUNT = 9 };
+enum { SIZE_COUNT = 11 };
 static const Count SIZES[SIZE_COUNT] = {
     {"stations", 1, 1000}, {"planes", 1, 1000},  {"unbalances", 1, 10000}, {"weights", 1, 10000},
     {"sliders", 1, 1000},  {"points", 2, 10000}, {"unequal", 1, 1},       {"tables", 1, 1000},
-    {"speeds", 2, 10000}};
+    {"speeds", 2, 10000},  {"supports", 1, 2},   {"feet", 1, 1000}};
 
 /* -- a unit and its sizes --------------------------------------------------------------------- */
 
@@ -76,7 +76,7 @@ static int read_size(const char *key, const char *value, Sizes *sizes, Text *rea
 {
     int *const places[SIZE_COUNT] = {&sizes->stations, &sizes->planes, &sizes->unbalances, &sizes->weights,
                                      &sizes->sliders,  &sizes->points, &sizes->unequal,    &sizes->tables,
-                                     &sizes->speeds};
+                                     &sizes->speeds,   &sizes->supports, &sizes->feet};
     int k;
     for (k = 0; k < SIZE_COUNT; k++) {
         if (text_equal(SIZES[k].key, key)) {
@@ -95,6 +95,16 @@ static bool exists(const Table *table, const Sizes *sizes)
            !(text_equal(table->kind, "two_support") && n != 2) &&
            !(text_equal(table->kind, "flexible") && n < 2) &&
            layout_count(table, sizes, MOST_REALS) <= MOST_REALS;
+}
+
+/* The supports of a kind that has as many in every size; those of given matrices are an option. */
+static void set_supports(const char *kind, Sizes *sizes)
+{
+    if (text_equal(kind, "planar")) {
+        sizes->supports = 1;
+    } else if (text_equal(kind, "two_support") || text_equal(kind, "flexible")) {
+        sizes->supports = 2;
+    }
 }
 
 /* The table of a unit's variables and its sizes by its token's options; 1 with what is wrong. */
@@ -120,6 +130,7 @@ static int read_options(const char *token, const Table **table, Sizes *sizes, Te
         }
     }
     *table = at ? table_of(unit, kind, shaft) : NULL;
+    set_supports(kind, sizes);
     if (!*table || !exists(*table, sizes)) {
         text_put(reason, *table ? "has a size in which this unit does not exist"
                                 : "names a unit that this library does not have");
@@ -130,7 +141,7 @@ static int read_options(const char *token, const Table **table, Sizes *sizes, Te
 
 int token_read(const char *token, const Table **table, Sizes *sizes, Text *reason)
 {
-    const Sizes none = {1, 1, 1, 1, 0, 2, 0, 2, 0, 0};
+    const Sizes none = {1, 1, 1, 1, 0, 2, 0, 2, 0, 0, 0, 0};
     *sizes = none;
     text_format(reason, "identity '%s': ", token ? token : "");
     if (!token || strlen(token) >= TOKEN_SIZE) {

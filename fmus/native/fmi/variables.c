@@ -42,6 +42,12 @@ static size_t repeats(int repeat, const Sizes *sizes)
         return (size_t)sizes->points;
     case SIZE_SPEEDS:
         return sizes->tables ? (size_t)sizes->speeds : 0;
+    case SIZE_SUPPORTS:
+        return (size_t)sizes->supports;
+    case SIZE_FEET:
+        return (size_t)sizes->feet;
+    case SIZE_FORCES:
+        return (size_t)(sizes->supports + sizes->feet);
     case SIZE_TRIANGLE:
         return free * (free + 1) / 2;
     case SIZE_SQUARE:
@@ -56,6 +62,8 @@ static size_t repeats(int repeat, const Sizes *sizes)
         return (size_t)sizes->tables * stations;
     case SIZE_TABLE_SPEEDS:
         return (size_t)sizes->tables * (size_t)sizes->speeds;
+    case SIZE_FORCE_ROWS:
+        return (size_t)(sizes->supports + sizes->feet) * stations;
     default:
         return 1;
     }

@@ -132,6 +132,7 @@ static int flexible(Unit *unit)
             return 1;
         }
         values.supports[j] = station + 1;
+        own->support_stations[j] = station;
     }
     symmetric(real + shaft, given ? bent : 0, compliance);
     values.stations = z;
@@ -237,5 +238,5 @@ int rotor_of_parameters(Unit *unit)
     own->rotor = linear_rotor_in(own->rotor_memory, own->stations, own->planes);
     own->rotor.gravity[0] = gravity[0];
     own->rotor.gravity[1] = gravity[1];
-    return set_matrices(unit) || set_sliders(unit);
+    return set_matrices(unit) || set_sliders(unit) || rotor_set_forces(unit);
 }

@@ -61,6 +61,11 @@ const double *rotor_matrix(Unit *unit, double speed, double step)
     return kept->matrix;
 }
 
+double *rotor_speed_now(const Unit *unit)
+{
+    return unit->memory + MOTION + 4 * ((const Rotor *)unit->own)->stations;
+}
+
 double *rotor_slider_states(const Unit *unit)
 {
     return unit->memory + MOTION + 4 * ((const Rotor *)unit->own)->stations + 2;

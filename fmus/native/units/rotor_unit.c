@@ -52,6 +52,9 @@ static int rotor_allocate(Unit *unit)
     own->unbalances = sizes->unbalances;
     own->turning = !sizes->fixed_frame;
     own->slider_count = 2 * sizes->sliders;
+    own->force_count = sizes->supports + sizes->feet;
+    own->forces = unit_allocate(unit, (size_t)own->force_count, sizeof(Force));
+    own->force_rows = doubles(unit, (size_t)own->force_count * stations * BEARING_NUMBERS, &missing);
     own->sliders = unit_allocate(unit, (size_t)own->slider_count, sizeof(Slider));
     own->ports = unit_allocate(unit, planes, sizeof(int));
     own->slider_states = doubles(unit, 2 * (size_t)own->slider_count, &missing);
@@ -73,7 +76,7 @@ static int rotor_allocate(Unit *unit)
         own->kept[k].of.added_mass = doubles(unit, planes, &missing);
         own->kept[k].matrix = doubles(unit, matrix, &missing);
     }
-    return missing || !own->sliders || !own->ports;
+    return missing || !own->sliders || !own->ports || !own->forces;
 }
 
 static int rotor_parameters(Unit *unit)
@@ -135,9 +138,8 @@ static int rotor_step_unit(Unit *unit, double length)
 
 static int rotor_outputs(Unit *unit)
 {
-    const Rotor *own = unit->own;
-    unit->memory[MOTION + 4 * own->stations] = rotor_inputs(unit)[0];
-    unit->memory[MOTION + 4 * own->stations + 1] = 0.0;
+    rotor_speed_now(unit)[0] = rotor_inputs(unit)[0];
+    rotor_speed_now(unit)[1] = 0.0;
     return rotor_outputs_now(unit, unit->real + unit->layout.computed.first);
 }
 
@@ -171,6 +173,7 @@ static void rotor_observe(Unit *unit)
     for (k = 0; k < own->slider_count; k++) {
         *out++ = rotor_slider_states(unit)[2 * k + HOLDS];
     }
+    rotor_observe_forces(unit, out);
 }
 
 static void rotor_observe_torques(Unit *unit)

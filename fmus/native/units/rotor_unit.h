@@ -35,6 +35,12 @@ typedef struct {
     double *matrix;
 } Kept;
 
+/* A force of a support or foot: the bearing over the speed that it is of, and the station whose sliders
+   are in it, from 0; below 0: none. */
+typedef struct {
+    int bearing, station;
+} Force;
+
 typedef struct {
     int kind, stations, planes, unbalances, turning;
     LinearRotor rotor;
@@ -59,6 +65,10 @@ typedef struct {
     int slider_count; /* two for each of the unit's: along x and y */
     Slider *sliders;
     double *slider_states; /* as they are after what was propagated last */
+    int force_count;
+    Force *forces;
+    double *force_rows;     /* (count, n, BEARING_NUMBERS) by the motion of the stations */
+    int support_stations[2]; /* of a flexible rotor, from 0 */
     double reached;  /* length of the step as far as it came: it ends behind an event of a slider [s] */
 } Rotor;
 
@@ -76,6 +86,13 @@ int rotor_of_parameters(Unit *unit);
 
 void rotor_given_starts(const Layout *layout, double *real);
 int rotor_of_matrices(Unit *unit);
+
+/* -- rotor_forces.c ---------------------------------------------------------------------- */
+
+/* Make the forces from the parameters, after all else; 0, or 1 with the reason. */
+int rotor_set_forces(Unit *unit);
+/* Forces x and y of supports, then feet, as the motion and the speed in the memory are. */
+void rotor_observe_forces(const Unit *unit, double *out);
 
 /* -- rotor_matrices.c ---------------------------------------------------------------------- */
 
@@ -100,6 +117,8 @@ void rotor_apply(Rotor *own, const double *matrix);
    in fixed axes, x and y alternating; the acceleration is less gravity's, which every body on the rotor
    feels: what an accelerometer would read. */
 int rotor_propagate(Unit *unit, double step);
+/* Where the memory holds the speed that the outputs belong to. */
+double *rotor_speed_now(const Unit *unit);
 /* Directions and forces of the sliders in the unit's memory. */
 double *rotor_slider_states(const Unit *unit);
 /* Bring own->taylor up to date with the masses that the planes carry now; 1 with the reason. */
