@@ -21,7 +21,7 @@ from ...models.constants import (
     MOST_HALVINGS,
     STEEP_FORCE_CHANGE,
 )
-from ..errors import SceneError, SimulationError
+from ..errors import SimulationError
 from ..scene import Scene
 from .compared import Compared, compared_motion
 from .coupled import Coupled
@@ -59,17 +59,12 @@ class CoSimulation(Coupled):
 
     Raises:
         UnitError: an FMU is missing, corrupt, or of a different build.
-        SceneError: the scene has a motor or a coupling that only one file has.
+        SceneError: a tolerance is asked of a scheme or an order that cannot keep it.
     """
 
     def __init__(self, scene: Scene, *, fmus: Path | None = None) -> None:
         self.scene, self.order, self._fmus = scene, scene.coupling.order, fmus
         refuse_loose_tolerance(scene)
-        if scene.operation.motor:
-            raise SceneError(
-                f"{scene.name}: operation.motor: a motor is coupled in C alone: run the scene as "
-                "one file, without separate units"
-            )
         self.profile = scene.profile()
         self.plan = plan(scene)
         self.runtime = runtime(scene.coupling.units)
@@ -222,10 +217,11 @@ def doubling_steps(system: System, step: float, halvings: int = 0) -> list[float
     """
     if system.order == 0 or not system.coupled:
         return [step]
-    largest, slope = np.abs(system.forces.now).max(axis=0).tolist()
-    change = step * slope
-    if change > STEEP_FORCE_CHANGE * largest > 0.0:
-        steep = math.ceil(math.log2(change / (FIRST_CHANGE * largest)))
-        halvings = max(halvings, min(MOST_HALVINGS, steep))
+    for kind in system.kinds:
+        largest, slope = np.abs(system.forces.now[kind]).max(axis=0).tolist()
+        change = step * slope
+        if change > STEEP_FORCE_CHANGE * largest > 0.0:
+            steep = math.ceil(math.log2(change / (FIRST_CHANGE * largest)))
+            halvings = max(halvings, min(MOST_HALVINGS, steep))
     first = math.ldexp(step, -halvings)
     return [first, *(math.ldexp(step, -k) for k in range(halvings, 0, -1))]

@@ -6,6 +6,7 @@ Everything that couples or exports the units reads it.
 from __future__ import annotations
 
 import cmath
+import math
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Any, Literal, NamedTuple
@@ -21,7 +22,7 @@ from .names import components, plane, readable, stations
 from .schedule import end_time, step_size
 
 ROTOR, MOTOR = "rotor", "motor"
-Kind = Literal["signal", "value", "mass"]
+Kind = Literal["signal", "value", "mass", "torque", "spin"]
 
 
 @dataclass(frozen=True)
@@ -48,6 +49,11 @@ class UnitPlan:
         return "speed" in self.start
 
     @property
+    def has_contacts(self) -> bool:
+        """Whether its weights can touch or stick; they support no change of w' within a step."""
+        return any(self.start.get(key) for key in ("weight_radius", "rolling_resistance"))
+
+    @property
     def file_name(self) -> str:
         """Name of the FMU file it is built as, such as `BallBalancer-weights-3.fmu`."""
         return "-".join([self.model, *(f"{k}-{v}" for k, v in sorted(self.sizes.items()))]) + ".fmu"
@@ -66,7 +72,8 @@ class Connection:
 
     Attributes:
         kind: `signal` has two components and slopes, `value` is one number at every communication
-            point, `mass` is one number at the start.
+            point, `mass` is one number at the start.  `torque` is one number with its slope;
+            `spin` is one number with slopes, and the speed comes with it.
     """
 
     source: Port
@@ -78,18 +85,19 @@ class Connection:
 class Plan:
     """Units and connections of a scene: the rotor first, the balancers in order, and a motor.
 
-    A motor has no connections: it is coupled in the scene's one file alone.
-
     Attributes:
         planes: of the rotor's unit on which the balancers are, from 1, by their names.
         pushed: of the rotor's unit on which forces from outside act, by kind and number of the
             place.
+        spin_scale: makes a force of an angular acceleration, so that one measure compares both:
+            sqrt(I M) of the inertia that turns and the mass of the loaded rotor [kg m].
     """
 
     units: tuple[UnitPlan, ...]
     connections: tuple[Connection, ...]
     planes: Mapping[str, int]
     pushed: Mapping[tuple[str, int], int] = field(default_factory=dict)
+    spin_scale: float = 1.0
 
     @property
     def files(self) -> tuple[str, ...]:
@@ -161,11 +169,13 @@ def plan(scene: Scene) -> Plan:
         for balancer in scene.balancer
         for connection in _connections(balancer, number[balancer.label])
     ]
-    units = [rotor, *balancers]
+    units, scale = [rotor, *balancers], 1.0
     if motor:
+        scale = math.sqrt(motor.inertia * float(loaded.mass.sum()))
+        connections += _shaft(units)
         units.append(_motor(motor, scene.run.initial.angle))
     places = {place: planes.index(at) + 1 for place, at in pushed.items()}
-    return Plan(tuple(units), tuple(connections), number, places)
+    return Plan(tuple(units), tuple(connections), number, places, scale)
 
 
 def _with_pushed(scene: Scene) -> tuple[Rotor, dict[tuple[str, int], int]]:
@@ -232,6 +242,14 @@ def _motor(motor: Motor, angle: float) -> UnitPlan:
     }
     start = {"inertia": motor.inertia, **line, "angle0": angle, "speed0": motor.start}
     return UnitPlan(MOTOR, "Motor", {"points": len(motor.points)}, start)
+
+
+def _shaft(units: Iterable[UnitPlan]) -> Iterator[Connection]:
+    """Of a motor with all that it drives."""
+    for unit in units:
+        if unit.driven:
+            yield Connection(Port(unit.name, "torque"), Port(MOTOR, "torque"), "torque")
+            yield Connection(Port(MOTOR, "acceleration"), Port(unit.name, "acceleration"), "spin")
 
 
 def _connections(balancer: Balancer, number: int) -> Iterator[Connection]:

@@ -7,6 +7,7 @@ signals (`forces`, `accelerations`) with `accept` at the end of a step.
 from __future__ import annotations
 
 import math
+import sys
 from collections.abc import Mapping
 from ctypes import c_void_p
 from dataclasses import dataclass
@@ -16,7 +17,8 @@ import numpy as np
 from ..errors import SimulationError
 from .fmu import Fmu, Variables
 from .names import components, signals
-from .plan import ROTOR, Plan
+from .plan import MOTOR, ROTOR, Plan
+from .shaft import Shaft
 from .signals import Cubics, Knots, Signals
 
 
@@ -44,7 +46,9 @@ class System:
 
     Attributes:
         exchanges: balancers that exchange force, in order.
-        forces: of the exchanges; `force_names` as well.
+        shaft: the motor with all that it drives; None at a prescribed speed.
+        forces: of the exchanges, and of the shaft its acceleration; `force_names` as well.
+        kinds: rows of `forces` that measure the same thing.
         accelerations: of every plane that exchanges force.
         most: modulus of the largest force that is taken for one [N].
     """
@@ -54,7 +58,13 @@ class System:
         self.rotor = units[ROTOR]
         self._connect_planes()
         self.members = [self.rotor, *(e.unit for e in self.exchanges)]
+        self.shaft = Shaft(plan, units, order) if MOTOR in units else None
+        if self.shaft:
+            self.force_names.append(self.shaft.name)
+            self.members.append(self.shaft.motor)
         self.forces = Signals(len(self.force_names))
+        rows = [range(len(self.exchanges)), range(len(self.exchanges), len(self.force_names))]
+        self.kinds = [slice(each.start, each.stop) for each in rows if each]
         self._states = [c_void_p() for _ in self.members]  # null: not saved yet
         self._follow_places()
         driven = [units[one.name] for one in plan.units if one.driven]
@@ -63,7 +73,7 @@ class System:
     @property
     def coupled(self) -> bool:
         """Whether there is a loop: something is assumed for a step and answered at its end."""
-        return bool(self.exchanges)
+        return bool(self.force_names)
 
     @property
     def has_no_past(self) -> bool:
@@ -124,6 +134,8 @@ class System:
 
     def rotor_pass(self, forces: Cubics, time: float, step: float) -> Knots:
         """Step the rotor under the cubics of `forces`; accelerations of the planes."""
+        if self.shaft:
+            self.shaft.write(forces[-1], step)
         if not self.exchanges:
             self.rotor.step(time, step)
             return self.accelerations.now
@@ -139,6 +151,8 @@ class System:
             exchange.inputs.vectors[:] = accelerations[exchange.plane][: self.order + 1]
             exchange.unit.exchange(exchange.inputs, exchange.outputs, time, step)
             ends.append(self._knots(exchange.outputs))
+        if self.shaft:
+            ends.append(self.shaft.step(time, step))
         return np.concatenate(ends) if ends else self.forces.now
 
     def balancer_answer(self, accelerations: Cubics) -> Knots:
@@ -149,10 +163,14 @@ class System:
             exchange.unit.send(exchange.inputs)
             exchange.unit.fetch(exchange.outputs)
             knots.append(self._knots(exchange.outputs))
+        if self.shaft:
+            knots.append(self.shaft.answer())
         return np.concatenate(knots)
 
     def rotor_answer(self, forces: Cubics) -> Knots:
         """What `accelerations` become of units in initialisation mode under forces."""
+        if self.shaft:
+            self.shaft.write(forces[-1])
         self._sum_forces(forces)
         self.rotor.send(self._forces)
         self.rotor.fetch(self._accelerations)
@@ -161,7 +179,7 @@ class System:
 
     def _sum_forces(self, forces: Cubics) -> None:
         self._force_rows[:] = 0.0
-        for exchange, cubic in zip(self.exchanges, forces, strict=True):
+        for exchange, cubic in zip(self.exchanges, forces, strict=False):  # behind them the shaft
             self._force_rows[exchange.plane] += cubic[: self.order + 1]
 
     def _knots(self, group: Variables) -> Knots:
@@ -196,8 +214,11 @@ class System:
         Raises:
             SimulationError: a force is beyond `most`, or no number: a step repeats its own error.
         """
-        for value, name in zip(forces[:, 0].tolist(), self.force_names, strict=True):
-            if not abs(value) <= self.most:
+        for k, (value, name) in enumerate(
+            zip(forces[:, 0].tolist(), self.force_names, strict=True)
+        ):
+            # what the shaft's acceleration can be nobody knows ahead
+            if not abs(value) <= (self.most if k < len(self.exchanges) else sys.float_info.max):
                 raise SimulationError(
                     f"coupling steps of {step:.3g} s are too long at t = {time:g} s: {name} is "
                     "beyond all that the scene can make of it: the coupling diverges; use "
@@ -205,6 +226,8 @@ class System:
                 )
         self.accelerations.accept(accelerations, step)
         self.forces.accept(forces, step)
+        if self.shaft:
+            self.shaft.accept()
 
     def drop_past(self) -> None:
         """Drop what the signals did before now: it says nothing of what comes."""
@@ -223,3 +246,5 @@ class System:
             units = [(self.units[source.unit], source.variable) for source in sources]
             rotor[target.variable] = sum(u.get(u.group([mass]))[0] for u, mass in units)
         self.rotor.restart(rotor)
+        if self.shaft:
+            self.shaft.restart()

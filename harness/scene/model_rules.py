@@ -8,8 +8,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from .run import UNCORRECTED
-
 if TYPE_CHECKING:
     from ...models.rotor import LinearRotor
     from .scene import Scene
@@ -113,14 +111,11 @@ def _under_a_motor(scene: Scene, rotor: LinearRotor) -> Iterator[str]:
             f"operation.motor.inertia = {motor.inertia:g} kg m^2: must be above {least:.6g}, "
             "the unbalance's own: squared static moment over mass"
         )
-    coupling = scene.coupling
-    if coupling.scheme in UNCORRECTED:
+    if scene.coupling.scheme == "compensated":
         yield (
-            f'coupling.scheme = "{coupling.scheme}": does not support operation.motor: must be '
-            '"auto" or "iterated"'
+            'coupling.scheme = "compensated": does not support operation.motor: must be "auto", '
+            '"iterated", "gauss-seidel" or "jacobi"'
         )
-    if coupling.order < 3:
-        yield f"coupling.order = {coupling.order}: does not support operation.motor: must be 3"
 
 
 def _never_turned(scene: Scene) -> Iterator[str]:

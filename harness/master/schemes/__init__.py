@@ -17,6 +17,7 @@ from .compensated import Compensated
 from .explicit import Scheme
 from .gauss_seidel import GaussSeidel
 from .iterated import Iterated
+from .iterated_with_shaft import IteratedWithShaft
 from .jacobi import Jacobi
 
 
@@ -47,4 +48,6 @@ def choose(
     given = coupling.tolerance is None and corrections is None
     if given and coupling.scheme == "auto" and gain <= WEAK_LOOP:
         corrections = 1
+    if system.shaft:
+        return IteratedWithShaft(jacobian, step, system.order, corrections, rounding)
     return Iterated(jacobian, step, system.order, corrections, rounding)

@@ -2,9 +2,12 @@
 
 import numpy as np
 import pytest
+from scipy.interpolate import CubicSpline
 
-from autobalancer.harness import Scene, cosimulate
+from autobalancer.harness import Scene, cosimulate, load_scene
 from autobalancer.harness.errors import SceneError
+from autobalancer.harness.master.cosimulation import CoSimulation
+from autobalancer.harness.master.recorder import Recorder
 from tests.studies.truth.judge import deviations, motion
 
 pytestmark = pytest.mark.slow
@@ -179,8 +182,6 @@ def integral(times, values):
 WRONG = [
     ({"operation.motor.inertia": 1e-6}, "operation.motor.inertia = 1e-06 kg m^2: must be above"),
     ({"coupling.scheme": "compensated"}, "does not support operation.motor"),
-    ({"coupling.scheme": "jacobi"}, 'coupling.scheme = "jacobi": .* must be "auto" or "iterated"'),
-    ({"coupling.order": 1}, "coupling.order = 1: does not support operation.motor: must be 3"),
     ({"operation.motor.table": [[0.0, 1.0], [9.0, 0.0]]}, "give either table, or stall_torque"),
 ]
 
@@ -200,6 +201,93 @@ def test_weights_of_finite_size_that_do_not_meet_move_as_points():
         assert found[name][-1] == pytest.approx(exact[name][-1], rel=1e-6)
 
 
-def test_separate_units_are_not_coupled_with_a_motor():
-    with pytest.raises(SceneError, match=r"operation\.motor: .*as one file"):
-        cosimulate(Scene.from_document(SCENE), separate=True)
+def differences(run, fine):
+    """Largest difference of every signal from the finer run, of its largest value, or in rad."""
+    found = {}
+    for name, values in run.signals.items():
+        expected = CubicSpline(fine.time, fine[name])(run.time)
+        size = 1.0 if name.endswith("angle") else np.abs(expected).max()
+        found[name] = np.abs(values - expected).max() / size
+    return found
+
+
+def in_one_piece(scene, record):
+    """The machine in one piece, at points that are close together."""
+    plain = {"coupling.scheme": None, "coupling.order": None, "coupling.tolerance": None}
+    steps = {"coupling.steps_per_rev": 400, "coupling.corrections": None}
+    fine = cosimulate(scene.replace({**plain, **steps}), record=record)
+    assert fine.series_order > 0
+    return fine
+
+
+@pytest.mark.parametrize("kind", ["planar", "two_support", "flexible", "offset", "sommerfeld"])
+def test_separate_units_with_a_motor_move_as_the_machine_in_one_piece(kind):
+    """The master predicts and corrects the shaft's acceleration; in one piece there is no loop."""
+    if kind == "sommerfeld":
+        scene = load_scene("sommerfeld").replace({"run.revolutions": 20})
+    elif kind == "offset":
+        scene = scene_of("planar").replace({"balls.track_offset_xi": 1e-3})
+    else:
+        scene = scene_of(kind).replace({"operation.gravity": 9.81})
+    scene = scene.replace({"coupling.steps_per_rev": None, "coupling.tolerance": 1e-5})
+    first = "rotor." if len(scene.rotor.stations) == 1 else "rotor.station[1]."
+    record = [f"{first}x", f"{first}y", "motor.speed", "motor.angle"]
+    record += [f"{scene.balancer[0].label}.weight[{k}].angle" for k in (1, 2)]
+    run = cosimulate(scene, record=record, separate=True)
+    found = differences(run, in_one_piece(scene, record))
+    assert max(found.values()) <= min(1e-5, 3.0 * run.estimated_error), found
+
+
+def test_separate_units_state_their_error_where_the_characteristic_has_corners():
+    table = [[0.0, 1.0], [30.0, 4.0], [160.0, 0.0], [200.0, -2.0]]
+    line = dict.fromkeys(["operation.motor.stall_torque", "operation.motor.no_load_speed"])
+    scene = scene_of("planar").replace({"operation.motor.table": table, **line})
+    scene = scene.replace({"coupling.steps_per_rev": None, "coupling.tolerance": 1e-4})
+    record = ["rotor.x", "rotor.y", "motor.speed", "balls.weight[1].angle"]
+    run = cosimulate(scene, record=record, separate=True)
+    found = differences(run, in_one_piece(scene, record))
+    assert max(found.values()) <= 1e-4, found
+    assert max(found.values()) <= 3.0 * max(run.estimated_error, 1e-5), found
+
+
+@pytest.mark.parametrize(("scheme", "order"), [("gauss-seidel", 3), ("jacobi", 3)])
+def test_explicit_schemes_follow_a_motor_with_their_order(scheme, order):
+    """A rotor alone: only the shaft's acceleration is assumed for a step.
+
+    The schemes extrapolate it by cubics, whose error at the end of the step is of order 4; the
+    speed's is then at least of order 3.
+    """
+    scene = Scene.from_document({**SCENE, "balancer": []})
+    fine = in_one_piece(scene, ["motor.speed"])
+    errors = []
+    for steps in (100, 200):
+        given = {"coupling.scheme": scheme, "coupling.steps_per_rev": steps}
+        run = cosimulate(scene.replace(given), record=["motor.speed"], separate=True)
+        errors.append(differences(run, fine)["motor.speed"])
+    assert errors[1] <= errors[0] / 2**2.7 or errors[1] <= 1e-9, errors
+
+
+def test_weights_that_touch_come_closer_to_one_piece_in_finer_steps():
+    """They are told the mean of the shaft's acceleration over a step."""
+    [balls] = SCENE["balancer"]
+    scene = Scene.from_document({**SCENE, "balancer": [{**balls, "weight_radius": 0.005}]})
+    record = ["rotor.x", "rotor.y", "motor.speed", "balls.weight[1].angle"]
+    fine, errors = in_one_piece(scene, record), []
+    for steps in (100, 400):
+        given = scene.replace({"coupling.tolerance": None, "coupling.steps_per_rev": steps})
+        run = cosimulate(given, record=record, separate=True)
+        errors.append(max(differences(run, fine).values()))
+    assert errors[1] <= errors[0] / 3.0
+    assert errors[1] <= 1e-4
+
+
+def test_a_motor_s_scene_begins_again_with_its_speed():
+    scene = scene_of("planar").replace({"run.revolutions": 1.0})
+    with CoSimulation(scene) as cosim:
+        ends = []
+        for _ in range(2):
+            cosim.start()
+            recorder = Recorder(cosim.units, ["motor.speed", "rotor.x"])
+            cosim.record(recorder, None)
+            ends.append({name: values.tolist() for name, values in recorder.columns()[1].items()})
+    assert ends[0] == ends[1]
