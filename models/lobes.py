@@ -1,21 +1,15 @@
 """Races that are not round: where weights come to rest, and what vibration they leave.
 
-The centre of a weight at the angle th in the rotor is at rho e^{i th} from the middle of its race,
-
-    rho(th) = R + sum eps_n cos n(th - th_n):
-
-n = 1 a race off centre (to first order), 2 an oval, 3 and more lobes.  With zeta the displacement
+The path rho e^{i th} of a weight's centre is that of `race`.  With zeta the displacement
 of the middle in axes that turn with the rotor at constant w, and q = (rho' + i rho) e^{i th},
 
-    m Re(q* a) + (kappa - 1) m |q|^2 th'' + b |q|^2 th' = 0,
+    m Re(q* a) + (kappa - 1) m |q| (|q| th')' + b |q|^2 th' = 0,
     a = zeta'' + q th'' + q' th'^2 + 2 i w (zeta' + q th') - w^2 (zeta + rho e^{i th})
 
 for each weight, and the rotor receives -sum m a.  At rest in the rotor
 
     (K - M w^2 + i c w) zeta - w^2 sum m (zeta + rho e^{i th}) = U w^2,
     rho' Re(zeta e^{-i th}) + rho Im(zeta e^{-i th}) + rho rho' = 0.
-
-The inertia of rolling is that of leading order in eps.
 """
 
 from __future__ import annotations
@@ -31,6 +25,7 @@ from scipy.optimize import root
 
 from .arrays import Array
 from .assembly import Assembly
+from .race import Lobes, path
 from .weights import Weights
 
 _STARTS = 60
@@ -39,21 +34,6 @@ _CREEP_TIMES, _LEAST_SLOPE = 60.0, 1e-7  # time constants, of the largest lobe o
 _SOLVED = 1e-9  # of the largest terms
 _NEAR = 1e-6  # rad: the same motion
 _MOVED = 1e-6  # rad, and of the radius: for derivatives
-
-
-@dataclass(frozen=True)
-class Lobes:
-    """A harmonic of a race.
-
-    Attributes:
-        order: n, number of lobes.
-        amplitude: eps, half of the peak-to-valley of that order [m].
-        angle: of a lobe in the rotor [rad].
-    """
-
-    order: int
-    amplitude: float
-    angle: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -96,13 +76,7 @@ class Race:
 
     def path(self, angles: Array) -> tuple[Array, Array, Array]:
         """rho and its first two derivatives (N,) [m]."""
-        found = [np.full_like(angles, self.weights.track_radius), 0.0 * angles, 0.0 * angles]
-        for one in self.lobes:
-            at, n = one.order * (angles - one.angle), one.order
-            found[0] = found[0] + one.amplitude * np.cos(at)
-            found[1] = found[1] - n * one.amplitude * np.sin(at)
-            found[2] = found[2] - n * n * one.amplitude * np.cos(at)
-        return found[0], found[1], found[2]
+        return path(self.weights.track_radius, self.lobes, angles)[:3]
 
     @property
     def alone(self) -> float:
@@ -133,6 +107,7 @@ class Race:
         matrix[1, at] = matrix[at, 1] = one.mass * q.imag
         matrix[at, at] = one.kappa * one.mass * np.abs(q) ** 2
         right[at] = -one.mass * (rest * q.conj()).real - one.drag * np.abs(q) ** 2 * turning
+        right[at] -= (one.kappa - 1.0) * one.mass * slope * (bend + rho) * turning**2
         found = np.linalg.solve(matrix, right)
         return np.concatenate([state[2:4], found[:2], turning, found[2:]])
 

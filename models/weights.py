@@ -7,12 +7,17 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
+import numpy as np
+
+from .arrays import Array
+from .race import Lobes, path
+
 KAPPA = {"balls": 7.0 / 5.0, "rollers": 3.0 / 2.0, "pendulums": 1.0}
 
 
 @dataclass(frozen=True)
 class Weights:
-    """N weights on one circular track, alike or each with its own mass, drag and radius.
+    """N weights on one track, alike or each with its own mass, drag and radius.
 
     Attributes:
         count: number N of weights.
@@ -22,6 +27,7 @@ class Weights:
         kappa: 7/5 ball, 3/2 roller, 1 pendulum (`KAPPA`).
         radius: of a body that rolls, r [m].
         masses, drags, radii: (N,) of each, where they differ.
+        race: lobes of a track that is not round; of a circle none.
     """
 
     count: int
@@ -33,6 +39,7 @@ class Weights:
     masses: tuple[float, ...] = ()
     drags: tuple[float, ...] = ()
     radii: tuple[float, ...] = ()
+    race: tuple[Lobes, ...] = ()
 
     @property
     def unequal(self) -> bool:
@@ -49,7 +56,7 @@ class Weights:
             )
         )  # fmt: skip
         return tuple(
-            Weights(1, mass, self.track_radius, drag, self.kappa, radius)
+            Weights(1, mass, self.track_radius, drag, self.kappa, radius, race=self.race)
             for mass, drag, radius in zip(*columns, strict=True)
         )
 
@@ -64,6 +71,19 @@ class Weights:
                 f"{what}: only for equal weights, and those of this balancer differ; give single "
                 "values of mass, drag and weight_radius"
             )
+
+    def refuse_lobes(self, what: str) -> None:
+        """Raise ValueError where the race is not round, for what is of circles.
+
+        Args:
+            what: is refused, such as "Goncharov's slow root".
+        """
+        if self.race:
+            raise ValueError(f"{what}: only for round tracks, and that of this balancer has lobes")
+
+    def arms(self, angles: Array) -> Array:
+        """Distance of weights at `angles` [rad] from the track's centre [m]."""
+        return path(self.track_radius, self.race, np.asarray(angles, float))[0]
 
     @property
     def added_mass(self) -> float:

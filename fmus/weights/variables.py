@@ -38,10 +38,12 @@ class WeightSizes(Sizes):
     Attributes:
         weights: their number.
         unequal: 1: each has a mass, drag and radius of its own.
+        lobes: kinds of lobes of a race that is not round.
     """
 
     weights: int = count(2)
     unequal: int = option()
+    lobes: int = count(0)
 
 
 def variables(sizes: WeightSizes) -> list[Variable]:
@@ -57,7 +59,8 @@ def variables(sizes: WeightSizes) -> list[Variable]:
                   minimum=0.0, above=what != "drag", native=True)
         for what, all_of in _OWN.items() for k in numbers if sizes.unequal
     ]  # fmt: skip
-    begins += tuple(ratio.name for ratio in ratios)
+    lobes = [v for k in range(1, sizes.lobes + 1) for v in _lobe(f"race[{k}]")]
+    begins += tuple(v.name for v in (*ratios, *lobes))
     masses = tuple(r.name for r in ratios if r.name.endswith("mass_ratio"))
     # seen in the rotor's axes the force does not depend on the rotor's angle
     drive = (*(() if sizes.frame == "rotor" else ("angle",)), "speed", SPIN[0])
@@ -71,6 +74,7 @@ def variables(sizes: WeightSizes) -> list[Variable]:
         ),
         *(parameter(name, 0.0, "rad/s", f"Speed of the weight {_START}") for name in speeds),
         *ratios,
+        *lobes,
         *signal_inputs(a, "acceleration", "Acceleration of the track's centre"),
         plain_input("angle", 0.0, "rad", "Angle of the rotor at the start of the step"),
         *spin_inputs(),
@@ -80,9 +84,20 @@ def variables(sizes: WeightSizes) -> list[Variable]:
         output(
             "added_mass", "kg", "Mass N m to be carried by the rotor", begins=(*_CARRIED, *masses)
         ),
-        *_observed(angles, speeds, masses),
+        *_observed(angles, speeds, (*masses, *(v.name for v in lobes))),
         *torque_outputs(values, slopes, begins, _TORQUE),
     ]
+
+
+def _lobe(name: str) -> list[Variable]:
+    """What says one kind of lobes of a race."""
+    return [
+        parameter(f"{name}.lobes", 2.0, "1", "Number n of lobes around the race: 2 an oval",
+                  minimum=1.0, native=True),
+        not_negative(f"{name}.amplitude", 0.0, "m", "Amplitude: half of the peak-to-valley",
+                     native=True),
+        parameter(f"{name}.angle", 0.0, "rad", "Angle of a lobe in the rotor", native=True),
+    ]  # fmt: skip
 
 
 def _parameters() -> list[Variable]:

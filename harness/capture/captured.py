@@ -169,6 +169,7 @@ def captured(scene: Scene, speed: float | None = None) -> Captured:
             "not support a table over the speed: give stiffness and damping at one speed"
         )
     scene.refuse_friction("the closed form of weights that are left behind is that")
+    scene.refuse_lobes("the closed form of weights that are left behind is that")
     found = capture(scene.assembly(), scene.profile().end if speed is None else speed)
     kinds = {one.kind for one in holders}
     given = all(group.drag > 0.0 for group in found.groups)

@@ -11,6 +11,8 @@ from pydantic import Field, model_validator
 
 from ...models.assembly import Mounted
 from ...models.papers.capacity import capacity, moment_range
+from ...models.race import MOST_LOBES
+from ...models.race import Lobes as RaceLobes
 from ...models.rotor import LinearRotor
 from ...models.spacing import fits, half_angle, largest_radius, touching
 from ...models.weights import KAPPA, Weights
@@ -26,6 +28,7 @@ from .quantities import (
     NotNegative,
     Positive,
     Real,
+    Table,
     Whole,
     each_of,
     refusal,
@@ -34,6 +37,21 @@ from .quantities import (
 
 _OWN = {"mass": "mass", "drag": "drag", "weight_radius": "radius"}  # key, and name in the unit
 MOST_WEIGHTS = 10_000  # a slip of the keyboard, not a balancer
+
+
+class Lobes(Table):
+    """One order of a race that is not round, its own cosine of the angle in the rotor."""
+
+    lobes: Annotated[Whole, Field(ge=1, le=MOST_LOBES), Feeds()]
+    """Around the race: 2 is an oval, 3 and more waviness, 1 a race off centre to first order."""
+    amplitude: Annotated[NotNegative, SI("m"), Feeds()]
+    """Half of the peak-to-valley of this order."""
+    angle: Annotated[Angle, SI("rad"), Feeds()] = 0.0
+    """Of a lobe, where the race is farthest out, in the rotor."""
+
+    def build(self) -> RaceLobes:
+        """The lobes, for the models."""
+        return RaceLobes(self.lobes, self.amplitude, self.angle)
 
 
 class WeightBalancer(Balancer):
@@ -61,6 +79,9 @@ class WeightBalancer(Balancer):
     """Of the track's centre from the plane's, in the rotor."""
     track_offset_eta: Annotated[Real, SI("m"), Feeds()] = 0.0
     """Of the track's centre from the plane's, in the rotor."""
+    race: Annotated[tuple[Lobes, ...], Feeds("race[{n}].")] = ()
+    """Lobes of a track that is not round, `[{lobes = 2, amplitude = "20 um", angle = "30 deg"}]`;
+    [what they leave](../how-to/design.md); default: a circle."""
     angles: Annotated[tuple[Angle, ...], SI("rad"), Feeds("weight[{n}].angle0")] = ()
     """In the rotor, one a weight; default: evenly spread."""
     speeds: Annotated[tuple[Real, ...], SI("rad/s"), Feeds("weight[{n}].speed0")] = ()
@@ -76,6 +97,15 @@ class WeightBalancer(Balancer):
         for key in _OWN:
             if given := each_of(getattr(self, key)):
                 refuse_other_length(key, given, self.count, "weight")
+        bent = math.fsum(one.build().bend for one in self.race)
+        if bent >= self.track_radius:
+            raise refusal(
+                "race",
+                f"bends inwards: the sum of (lobes^2 - 1) amplitude is {bent:.6g} m, must be less "
+                f"than track_radius = {self.track_radius!r} m",
+            )
+        if self.race and self.rolling_resistance:
+            raise refusal("rolling_resistance", "must be 0 on a race with lobes, or leave it out")
         if self.weight_radius is not None:
             self._refuse_overlap(each_of(self.weight_radius) or [self.weight_radius] * self.count)
         elif self.restitution > 0.0:
@@ -168,7 +198,8 @@ class WeightBalancer(Balancer):
 
     def sizes(self) -> dict[str, Any]:
         """What the unit is built for."""
-        return {"weights": self.count} | ({"unequal": 1} if self.unequal else {})
+        lobes = {"lobes": len(self.race)} if self.race else {}
+        return {"weights": self.count} | ({"unequal": 1} if self.unequal else {}) | lobes
 
     def start(self, loaded_rotor: LinearRotor) -> Start:
         """Parameters and start values of the unit.
@@ -190,9 +221,18 @@ class WeightBalancer(Balancer):
     def device(self) -> Weights:
         """The weights, for the models."""
         radius = self.weight_radius or 0.0
-        own = (each_of(getattr(self, key)) for key in _OWN)
+        masses, drags, radii = (each_of(getattr(self, key)) for key in _OWN)
         return Weights(
-            self.count, self.mass, self.track_radius, self.drag, self.kappa, radius, *own
+            self.count,
+            self.mass,
+            self.track_radius,
+            self.drag,
+            self.kappa,
+            radius,
+            masses,
+            drags,
+            radii,
+            tuple(one.build() for one in self.race),
         )
 
     def build(self) -> Mounted:

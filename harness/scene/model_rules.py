@@ -91,6 +91,8 @@ def _native_alone(scene: Scene) -> Iterator[str]:
                 yield f"balancer[{i}].{key}"
         if getattr(balancer, "offset", 0):
             yield f"balancer[{i}].track_offset"
+        if getattr(balancer, "race", ()):
+            yield f"balancer[{i}].race"
 
 
 def _under_a_motor(scene: Scene, rotor: LinearRotor) -> Iterator[str]:

@@ -258,6 +258,15 @@ class Scene(Described):
                 "friction is not; run the scene instead, or leave friction out"
             )
 
+    def refuse_lobes(self, what: str) -> None:
+        """Raise SceneError where a race has lobes, for what is of round races."""
+        for balancer in self.balancer:
+            if getattr(balancer, "race", ()):
+                raise SceneError(
+                    f"{self.path or self.name}: {balancer.label}.race: {what} of round races; "
+                    "leave the lobes out, or run the scene instead"
+                )
+
     def refuse_changes(self, what: str) -> None:
         """Raise SceneError where the unbalance changes during the run."""
         if self.operation.unbalance_changes:

@@ -74,6 +74,7 @@ def speeds(
         SimulationError: a co-simulation cannot be completed correctly, and no other method answers.
     """
     scene.refuse_unrest("speeds")
+    scene.refuse_lobes("speeds are those")
     scene.refuse_friction("boundaries of balancing are those")
     low, high = (si_number(end, "rad/s", "range:") for end in range)
     if not 0.0 < low < high <= LARGEST:

@@ -89,6 +89,7 @@ class MainMotion(Closing):
 
     def __init__(self, scene: Scene, *, separate: bool = False) -> None:
         scene.refuse_unrest("a main motion")
+        scene.refuse_lobes("main motions are those")
         self.units = Revolution(scene, separate=separate)
         try:
             self._accuracy = SEPARATE if self.units.is_separate else IN_ONE_FILE

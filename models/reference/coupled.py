@@ -44,6 +44,7 @@ class Monolith:
         self._devices = [one for m in assembly.weights for one in weights_of(m).each]
         plain = self.stations == 1 and bool((rotor.planes == 1.0).all())
         plain = plain and not rotor.gyroscopic.any() and not self.lagrange.offset.any()
+        plain = plain and self.lagrange.round
         plain = plain and not (rotor.crossed or rotor.waves or self.lagrange.tables)
         self.rhs: RightHandSide = self.scalar_rhs() if plain else self.array_rhs
 

@@ -10,12 +10,24 @@ more station.
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 
 from ..arrays import Array
 from ..assembly import Assembly, weights_of
+from ..race import path
 from ..weights import Weights
+
+
+class _Place(NamedTuple):
+    """On a race: rho, rho' and rho'', l = |rho' + i rho| and l'; each (..., N) [m]."""
+
+    rho: Array
+    slope: Array
+    bend: Array
+    length: Array
+    stretched: Array
 
 
 class Lagrange:
@@ -37,6 +49,9 @@ class Lagrange:
             [(d.mass, d.track_radius, d.drag, d.kappa, d.radius) for _, d in each]
         ).reshape(-1, 5).T  # fmt: skip
         square = self.mass * self.radius**2
+        self.races = [one.race for _, one in each]
+        self.round = not any(self.races)
+        self.rolling, self.size, self.slowing = (kappa - 1.0) * self.mass, size, drag
         self.offset = np.array([m.offset for m, _ in each], complex)
         self.turned_inertia = kappa * square
         self.drag = drag * self.radius**2
@@ -45,7 +60,7 @@ class Lagrange:
         turns = np.hstack([np.zeros((self.weights, 2 * n)), np.eye(self.weights)])
         # a body that rolls turns by (1 + r/R) w - phi', times R/r; kappa - 1 = J/(m r^2)
         rolls = np.hstack([turns, -1.0 - (size / self.radius)[:, None]])
-        self.inertia = rolls.T @ (((kappa - 1.0) * square)[:, None] * rolls)
+        self.inertia = rolls.T @ (((kappa - 1.0) * square)[:, None] * rolls) * float(self.round)
         self.inertia[:n, :n] = self.inertia[n : 2 * n, n : 2 * n] = loaded
         rows = rotor.planes[[m.plane for m, _ in each]].reshape(-1, n)
         self.path = np.zeros((self.weights, len(self.inertia)), complex)
@@ -62,16 +77,31 @@ class Lagrange:
         phi, rates = y[..., 4 * n : 4 * n + self.weights], y[..., 4 * n + self.weights :]
         z, v, turn = x + 1j * yy, v_x + 1j * v_y, np.exp(1j * angle)
         centre, arm, u = self.offset * turn, self.radius * np.exp(1j * phi), rotor.unbalance * turn
+        along, carried, bent = 1j * arm, 1j * centre, rates**2 * arm
+        race = None if self.round else self._races(phi - angle)
+        if race is not None:
+            p, theta = np.exp(1j * phi), rates - w
+            along, carried = (race.slope + 1j * race.rho) * p, 1j * centre - race.slope * p
+            bent = p * (race.rho * rates**2 - race.bend * theta**2)
+            bent = bent - 2j * p * race.slope * theta * rates
         # velocity of a weight, vx + i vy, by the velocities of the coordinates
-        path = np.broadcast_to(self.path, (*y.shape[:-1], *self.path.shape)).copy()
-        path[..., here, 2 * n + here], path[..., -1] = 1j * arm, 1j * centre
-        momentum = np.swapaxes(self.mass[:, None] * path.conj(), -1, -2)
-        inertia = self.inertia + (momentum @ path).real
+        way = np.broadcast_to(self.path, (*y.shape[:-1], *self.path.shape)).copy()
+        way[..., here, 2 * n + here], way[..., -1] = along, carried
+        momentum = np.swapaxes(self.mass[:, None] * way.conj(), -1, -2)
+        inertia = self.inertia + (momentum @ way).real
         inertia[..., -1, :n] -= u.imag
         inertia[..., -1, n : 2 * n] += u.real
         inertia[..., : 2 * n, -1] = inertia[..., -1, : 2 * n]
-        force = (momentum @ (w * w * centre + rates**2 * arm)[..., None])[..., 0].real
+        force = (momentum @ (w * w * centre + bent)[..., None])[..., 0].real
         sheared, lag = (v - 1j * w * z) @ rotor.internal_damping.T, self.drag * (rates - w)
+        if race is not None:
+            lag = self.slowing * race.length**2 * (rates - w)
+            # a body that rolls turns by ((l + r) w - l phi')/r
+            rolls = np.zeros((*y.shape[:-1], self.weights, way.shape[-1]))
+            rolls[..., here, 2 * n + here], rolls[..., -1] = race.length, -race.length - self.size
+            spun = np.swapaxes(self.rolling[:, None] * rolls, -1, -2)
+            inertia = inertia + spun @ rolls
+            force = force - (spun @ (race.stretched * (rates - w) ** 2)[..., None])[..., 0]
         push = w * w * u - sheared + 1j * w * (v @ rotor.gyroscopic.T)
         force[..., :n] += push.real - x @ rotor.stiffness_x.T - v_x @ rotor.damping_x.T
         force[..., n : 2 * n] += push.imag - yy @ rotor.stiffness_y.T - v_y @ rotor.damping_y.T
@@ -99,6 +129,17 @@ class Lagrange:
         force[..., 2 * n : -1] -= lag
         force[..., -1] += lag.sum(axis=-1) + (z.conj() * sheared).sum(axis=-1).imag
         return inertia, force
+
+    def _races(self, theta: Array) -> _Place:
+        """Where weights at angles (..., N) in the rotor are on races that are not round."""
+        columns = [
+            path(radius, lobes, theta[..., k])
+            for k, (radius, lobes) in enumerate(zip(self.radius, self.races, strict=True))
+        ]
+        rho, slope, bend, _ = (np.stack(column, axis=-1) for column in zip(*columns, strict=True))
+        length = np.hypot(slope, rho)
+        stretched = slope * (bend + rho) / length
+        return _Place(rho, slope, bend, length, stretched)
 
     def _here(self, rows: Array, w: Array | float) -> Array:
         """A bearing's (..., 2, 2) at speeds (..., 1) from the rows (r, 2, 2) of its table."""

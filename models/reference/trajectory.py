@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from ..arrays import Array
 from ..assembly import Assembly, Mounted
 from ..liquid import Liquid
+from ..race import path
 from ..ring import Ring
 from ..weights import Weights
 
@@ -70,9 +71,9 @@ class Trajectory:
         mounted = self._mounted(balancer)
         device = mounted.device
         assert isinstance(device, Weights)
-        masses = np.array([one.mass for one in device.each])
-        arms = np.exp(1j * self.theta[balancer]) @ masses
-        return device.track_radius * arms + masses.sum() * mounted.offset
+        masses, theta = np.array([one.mass for one in device.each]), self.theta[balancer]
+        moment: NDArray[np.complex128] = (device.arms(theta) * np.exp(1j * theta)) @ masses
+        return moment + masses.sum() * mounted.offset
 
     def plane_acceleration(self, plane: int) -> NDArray[np.complex128]:
         """Acceleration of a plane (from 0), less gravity, in the rotor frame, (T,) [m/s^2]."""
@@ -98,12 +99,15 @@ class Trajectory:
                 device.added_mass * self.plane_acceleration(mounted.plane)
                 - device.liquid_mass * pulled
             )
-        phi1 = self.angle_rate[balancer] + self.speed[:, None]
-        phi2 = self.angle_acceleration[balancer] + self.angular_acceleration[:, None]
+        theta, theta1 = self.theta[balancer], self.angle_rate[balancer]
+        theta2 = self.angle_acceleration[balancer]
+        phi1, phi2 = theta1 + self.speed[:, None], theta2 + self.angular_acceleration[:, None]
         masses = np.array([one.mass for one in device.each])
-        arms = ((phi1**2 - 1j * phi2) * np.exp(1j * self.theta[balancer])) @ masses
+        rho, slope, bend, _ = path(device.track_radius, device.race, theta)
+        pulls = rho * (phi1**2 - 1j * phi2)
+        pulls -= bend * theta1**2 + slope * (theta2 + 2j * theta1 * phi1)
         whirl = self.speed**2 - 1j * self.angular_acceleration
-        return device.track_radius * arms + masses.sum() * mounted.offset * whirl
+        return (pulls * np.exp(1j * theta)) @ masses + masses.sum() * mounted.offset * whirl
 
     def signal(self, name: str) -> Array:
         """A signal over time, (T,), by the name the units give it.

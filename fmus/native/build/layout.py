@@ -33,6 +33,7 @@ _REPEATS = {
     "weight": "SIZE_WEIGHTS",
     "slider": "SIZE_SLIDERS",
     "point": "SIZE_POINTS",
+    "race": "SIZE_LOBES",
     "corner": "SIZE_POINTS",
     "compliance": "SIZE_TRIANGLE",
     **dict.fromkeys(GIVEN, "SIZE_SQUARE"),
@@ -63,7 +64,7 @@ TABLES: tuple[tuple[str, dict[str, Any]], ...] = (
     ("RotorOnSupports", _GIVEN),
     ("LiquidBalancer", {}),
     ("RingBalancer", {}),
-    ("BallBalancer", {"weights": _SEVERAL, "unequal": 1}),
+    ("BallBalancer", {"weights": _SEVERAL, "unequal": 1, "lobes": _SEVERAL}),
     ("Motor", {"points": _SEVERAL}),
     ("Composite", {"planes": _SEVERAL, "corners": _SEVERAL, "unbalances": _SEVERAL}),
     ("Composite", {"planes": _SEVERAL, "kind": "motor"}),
@@ -200,7 +201,7 @@ def _layout(unit: str, **options: Any) -> Layout:
 def _blocks(unit: str, options: dict[str, Any]) -> list[_Block]:
     """Variables of a unit in order, those that repeat together in one block."""
     turning, fixed = (_layout(unit, frame=frame, **options).reals for frame in ("rotor", "fixed"))
-    left_out = ("sliders", "unequal")
+    left_out = ("sliders", "unequal", "lobes")
     smooth = _layout(unit, frame="rotor", **{k: v for k, v in options.items() if k not in left_out})
     blocks: list[_Block] = []
     index = 1  # of the variable before

@@ -6,12 +6,38 @@
 static const char TOO_LARGE[] = "weight_radius = %v m: %u weights do not fit on a track of radius %v m, the "
                                 "largest that fit have %6 m";
 
+/* FINE, or what is no lobe; a race bends inwards nowhere. */
+static int check_lobes(const Weights *weights, Failure *failure)
+{
+    double bent = 0.0;
+    int k;
+    for (k = 0; k < weights->lobes; k++) {
+        const double *lobe = weights->lobe + 3 * k, n = lobe[0];
+        if (!(n >= 1.0 && n <= MOST_LOBES && n == nearest(n))) {
+            return fail(failure, "race[%u].lobes = %v: must be a whole number from 1 to %u", (unsigned long)(k + 1), n,
+                        (unsigned long)MOST_LOBES);
+        }
+        bent += (n > 1.0 ? n * n - 1.0 : 1.0) * lobe[1];
+    }
+    if (!(bent < weights->track_radius)) {
+        return fail(failure, "race: the sum of (lobes^2 - 1) amplitude is %6 m, must be less than track_radius = %v m: the "
+                    "race would bend inwards", bent, weights->track_radius);
+    }
+    return FINE;
+}
+
 /* FINE, or what does not fit together; the variables' own limits hold. */
 static int check_options(const Track *track, Failure *failure)
 {
     const double radius = track->weights.track_radius, size = track->weight_radius;
     const int count = track->weights.count;
     int k;
+    if (check_lobes(&track->weights, failure)) {
+        return failure->code;
+    }
+    if (track->weights.lobes && track->rolling_resistance > 0.0) {
+        return fail(failure, "rolling_resistance = %v: must be 0 on a race with lobes", track->rolling_resistance);
+    }
     if (track->restitution > 1.0) {
         return fail(failure, "restitution = %v: must be within 0 to 1", track->restitution);
     }

@@ -8,6 +8,7 @@
 #include "base/failure.h"
 #include "weights/weights.h"
 
+enum { MOST_LOBES = 1000 }; /* around a race */
 #define TOUCHING_ANGLE 1e-11 /* rad: neighbours this close collide together */
 
 /* Weights on a track, with the options that a scene may switch on. */

@@ -13,11 +13,12 @@ int one_piece_allocate(Unit *unit)
     Composite *c = unit->own;
     Pieces *pieces = &c->pieces;
     const Sizes *sizes = &c->parts->unit->layout.sizes;
-    int weights = 0, tracks = 0, rings = 0, stations, k;
+    int weights = 0, tracks = 0, lobes = 0, rings = 0, stations, k;
     for (k = 1; k < c->parts_without_motor; k++) {
         const Balls *balls = part_balls(c->parts + k);
         weights += balls ? balls->count : 0;
         tracks += balls != NULL;
+        lobes = balls && c->parts[k].unit->layout.sizes.lobes > lobes ? c->parts[k].unit->layout.sizes.lobes : lobes;
         rings += part_ring(c->parts + k) != NULL;
     }
     stations = sizes->stations + rings;
@@ -36,8 +37,8 @@ int one_piece_allocate(Unit *unit)
     pieces->key = unit_allocate(unit, pieces->key_count, sizeof(double));
     pieces->wanted = unit_allocate(unit, pieces->key_count, sizeof(double));
     return !pieces->planned_outputs || !pieces->plan || !pieces->looked_at || !pieces->places || !pieces->waves || !pieces->key || !pieces->wanted ||
-           machine_allocate(unit, &pieces->step, stations, weights, tracks) ||
-           machine_allocate(unit, &pieces->instant, stations, weights, tracks) ||
+           machine_allocate(unit, &pieces->step, stations, weights, tracks, lobes) ||
+           machine_allocate(unit, &pieces->instant, stations, weights, tracks, lobes) ||
            (rings && machine_allocate_rings(unit, &pieces->step, rings, tracks)) ||
            (rings && machine_allocate_rings(unit, &pieces->instant, rings, tracks)) ||
            collocation_allocate(unit, &pieces->collocation, stations, weights) || one_piece_allocate_phases(unit);
@@ -182,7 +183,8 @@ static double first_displacement(const Composite *c)
         largest = larger(largest, hypotenuse(pair_x(heavy), pair_y(heavy)) / stiffness);
     }
     for (k = 0; k < m->weight_count; k++) {
-        moment = larger(moment, m->weights[k].moment);
+        const struct SeriesRace *race = m->weights[k].race;
+        moment = larger(moment, race ? race->mass * race->radius : m->weights[k].moment);
     }
     if (softest > mass * speed * speed) { /* supports hold it */
         moment *= mass * speed * speed / softest;

@@ -76,6 +76,23 @@ static void tell_spin(const Composite *c)
     }
 }
 
+/* Tell weights on a race with lobes what they push with: contacts between them are in it. */
+static void give_push(const Composite *c, const Part *part)
+{
+    const Machine *m = &c->pieces.instant;
+    Balls *balls = part_balls(part);
+    int k, track = 0;
+    if (!balls || !balls->race) {
+        return;
+    }
+    for (k = 1; c->parts + k < part; k++) {
+        track += part_balls(c->parts + k) != NULL;
+    }
+    race_sum(m->weights + m->tracks[track].first, balls->count, m->spin, m->tracks[track].offset, m->speed[0], m->rate,
+             balls->given, balls->given_torque);
+    balls->is_given = true;
+}
+
 /* Outputs of a balancer on its plane. */
 static int show_balancer(Unit *unit, const Part *part)
 {
@@ -88,6 +105,7 @@ static int show_balancer(Unit *unit, const Part *part)
         memset(input, 0, SIGNAL_ORDERS * sizeof(Complex));
         memcpy(input, &knot, sizeof knot);
     }
+    give_push(c, part);
     inner->time = unit->time;
     inner->start = unit->start;
     return inner->equations->outputs(inner) && composite_part_failed(unit, part);

@@ -29,7 +29,7 @@ static int allocate_blocks(Unit *unit, Loaded *loaded)
     const size_t tracks = (size_t)m->track_count, weights = (size_t)m->weight_count;
     loaded->shape_size = (SHAPE_SIZE + SHAPE_OF_TRACK * tracks) * sizeof(int);
     loaded->shape = unit_allocate(unit, 1, loaded->shape_size);
-    loaded->constants = unit_allocate(unit, BLOCKS + BLOCKS_OF_TRACK * tracks + weights, sizeof(NumberBlock));
+    loaded->constants = unit_allocate(unit, BLOCKS + BLOCKS_OF_TRACK * tracks + BLOCKS_OF_WEIGHT * weights, sizeof(NumberBlock));
     loaded->state = unit_allocate(unit, BLOCKS, sizeof(NumberBlock));
     loaded->results = unit_allocate(unit, BLOCKS, sizeof(NumberBlock));
     return !loaded->shape || !loaded->constants || !loaded->state || !loaded->results;
@@ -90,7 +90,11 @@ static int expand_together(const BatchRun *const *runs, const Loaded *const *loa
     int lane;
     if (!held->lanes) {
         const Machine *m = machine_of(runs[0]);
-        held->lanes = lanes_allocate(runs[0]->unit, m->stations, m->weight_count, m->track_count);
+        int k, lobes = 0;
+        for (k = 0; k < m->track_count; k++) {
+            lobes = m->tracks[k].lobes > lobes ? m->tracks[k].lobes : lobes;
+        }
+        held->lanes = lanes_allocate(runs[0]->unit, m->stations, m->weight_count, m->track_count, lobes);
         if (!held->lanes) {
             return 1;
         }

@@ -40,6 +40,8 @@ static size_t repeats(int repeat, const Sizes *sizes)
         return sizes->sliders > 0;
     case SIZE_POINTS:
         return (size_t)sizes->points;
+    case SIZE_LOBES:
+        return (size_t)sizes->lobes;
     case SIZE_SPEEDS:
         return sizes->tables ? (size_t)sizes->speeds : 0;
     case SIZE_SUPPORTS:

@@ -4,6 +4,7 @@
 
 #define SIDE_BY_SIDE
 
+#define machine_advance_weight lane_machine_advance_weight
 #define machine_allocate lane_machine_allocate
 #define machine_constants lane_machine_constants
 #define machine_coupled lane_machine_coupled
@@ -18,10 +19,23 @@
 #define machine_take_pull lane_machine_take_pull
 #define machine_take_weight lane_machine_take_weight
 #define machine_times_speed lane_machine_times_speed
+#define machine_weight_force lane_machine_weight_force
+#define series_race_advance lane_series_race_advance
+#define series_race_allocate lane_series_race_allocate
+#define series_race_finish lane_series_race_finish
+#define series_race_inertia lane_series_race_inertia
+#define series_race_known lane_series_race_known
+#define series_race_push lane_series_race_push
+#define series_race_start lane_series_race_start
+#define series_race_swept lane_series_race_swept
+#define series_race_take lane_series_race_take
+#define series_race_torque lane_series_race_torque
+#define series_race_turning lane_series_race_turning
 #define series_weight_advance lane_series_weight_advance
 #define series_weight_finish lane_series_weight_finish
 #define series_weight_force lane_series_weight_force
 #define series_weight_start lane_series_weight_start
+#define series_weight_take lane_series_weight_take
 #define shaft_push lane_shaft_push
 #define shaft_take lane_shaft_take
 

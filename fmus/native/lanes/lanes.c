@@ -4,6 +4,7 @@
 #include "lanes/lanes.h"
 #include "machine/allocate.c"
 #include "machine/blocks.c"
+#include "machine/race_series.c"
 #include "machine/series.c"
 #include "machine/shaft_series.c"
 #include "machine/unknowns.c"
@@ -14,12 +15,12 @@ struct Lanes {
     NumberBlock *constants, *state, *results;
 };
 
-Lanes *lanes_allocate(Unit *unit, int stations, int weights, int tracks)
+Lanes *lanes_allocate(Unit *unit, int stations, int weights, int tracks, int lobes)
 {
     Lanes *lanes = unit_allocate(unit, 1, sizeof *lanes);
-    const size_t blocks = BLOCKS + BLOCKS_OF_TRACK * (size_t)tracks + (size_t)weights;
+    const size_t blocks = BLOCKS + BLOCKS_OF_TRACK * (size_t)tracks + BLOCKS_OF_WEIGHT * (size_t)weights;
     int k;
-    if (!lanes || machine_allocate(unit, &lanes->machine, stations, weights, tracks)) {
+    if (!lanes || machine_allocate(unit, &lanes->machine, stations, weights, tracks, lobes)) {
         return NULL;
     }
     lanes->constants = unit_allocate(unit, blocks, sizeof(NumberBlock));

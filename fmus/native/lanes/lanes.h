@@ -21,8 +21,8 @@ typedef struct {
     int is_new; /* whether constants are others than last time in this lane */
 } LaneMachine;
 
-/* Memory for machines of such sizes, in `unit`; NULL where there is none. */
-Lanes *lanes_allocate(Unit *unit, int stations, int weights, int tracks);
+/* Memory for machines of such sizes, as machine_allocate has it; NULL where there is none. */
+Lanes *lanes_allocate(Unit *unit, int stations, int weights, int tracks, int lobes);
 /* Expand as machine_expand does, one to LANES machines of one shape. */
 void lanes_expand(Lanes *lanes, const LaneMachine *machines, int count, int order);
 

@@ -15,7 +15,7 @@ static Number *counted_numbers(Unit *unit, size_t count, int *missing)
     return made;
 }
 
-int machine_allocate(Unit *unit, Machine *machine, int stations, int weights, int tracks)
+int machine_allocate(Unit *unit, Machine *machine, int stations, int weights, int tracks, int lobes)
 {
     enum { COEFFICIENTS = MOST_ORDER + 3 };
     const size_t n = (size_t)stations, width = n + ((size_t)weights + 1) / 2, square = n * n;
@@ -52,15 +52,19 @@ int machine_allocate(Unit *unit, Machine *machine, int stations, int weights, in
     machine->right = counted_numbers(unit, unknowns, &missing);
     machine->tracks = unit_allocate(unit, (size_t)tracks, sizeof(MachineTrack));
     machine->weights = unit_allocate(unit, (size_t)weights, sizeof(SeriesWeight));
-    if (missing || !machine->tracks || !machine->weights) {
+    machine->races = unit_allocate(unit, (size_t)weights, sizeof *machine->races);
+    if (missing || !machine->tracks || !machine->weights || !machine->races) {
         return 1;
     }
     for (k = 0; k < tracks; k++) {
         machine->tracks[k].pull = counted_pairs(unit, COEFFICIENTS, &missing);
+        machine->tracks[k].lobe = counted_numbers(unit, LOBE_NUMBERS * (size_t)lobes, &missing);
     }
     for (k = 0; k < weights; k++) {
         machine->weights[k].unit = counted_pairs(unit, COEFFICIENTS, &missing);
         machine->weights[k].rate = counted_pairs(unit, COEFFICIENTS, &missing);
+        machine->races[k] = lobes ? series_race_allocate(unit, lobes) : NULL;
+        missing |= lobes && !machine->races[k];
     }
     return missing;
 }

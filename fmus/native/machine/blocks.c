@@ -24,12 +24,13 @@ void machine_shape(const Machine *m, int *shape)
         *shape++ = m->tracks[k].first;
         *shape++ = m->tracks[k].end;
         *shape++ = m->tracks[k].is_off;
+        *shape++ = m->tracks[k].lobes;
     }
 }
 
 void machine_reshape(Machine *m, const int *shape)
 {
-    int k;
+    int k, w;
     m->stations = shape[0];
     m->weight_count = shape[1];
     m->track_count = shape[2];
@@ -42,6 +43,15 @@ void machine_reshape(Machine *m, const int *shape)
         m->tracks[k].first = *shape++;
         m->tracks[k].end = *shape++;
         m->tracks[k].is_off = *shape++;
+        m->tracks[k].lobes = *shape++;
+        for (w = m->tracks[k].first; w < m->tracks[k].end; w++) {
+            struct SeriesRace *race = m->tracks[k].lobes ? m->races[w] : NULL;
+            m->weights[w].race = race;
+            if (race) {
+                race->lobes = m->tracks[k].lobes;
+                race->lobe = m->tracks[k].lobe;
+            }
+        }
     }
 }
 
@@ -64,9 +74,12 @@ int machine_constants(const Machine *m, NumberBlock *blocks)
         next = add_block(next, m->tracks[k].row, n);
         next = add_block(next, &m->tracks[k].offset, 2);
         next = add_block(next, &m->tracks[k].mass, 1);
+        next = add_block(next, m->tracks[k].lobe, LOBE_NUMBERS * (size_t)m->tracks[k].lobes);
     }
     for (k = 0; k < m->weight_count; k++) {
+        const struct SeriesRace *race = m->weights[k].race;
         next = add_block(next, &m->weights[k].moment, WEIGHT_NUMBERS);
+        next = add_block(next, race ? &race->mass : NULL, race ? RACE_NUMBERS : 0);
     }
     return (int)(next - blocks);
 }

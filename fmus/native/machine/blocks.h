@@ -10,7 +10,7 @@ typedef struct {
     size_t count;
 } NumberBlock;
 
-enum { BLOCKS = 10, BLOCKS_OF_TRACK = 3 }; /* at most, and one for each weight */
-enum { SHAPE_SIZE = 8, SHAPE_OF_TRACK = 3 };
+enum { BLOCKS = 10, BLOCKS_OF_TRACK = 4, BLOCKS_OF_WEIGHT = 2 }; /* at most */
+enum { SHAPE_SIZE = 8, SHAPE_OF_TRACK = 4 };
 
 #endif

@@ -114,18 +114,6 @@ void machine_take_liquid(Machine *machine, const double *row, double mass)
     }
 }
 
-static void take_weight(SeriesWeight *made, const Weights *one, double per_rate)
-{
-    const double radius = one->track_radius;
-    made->moment = one->mass * radius;
-    made->share = one->mass / one->kappa;
-    made->lever = 1.0 / (one->kappa * radius);
-    made->damping_rate = weights_damping_rate(one) * per_rate;
-    made->roll = (one->kappa - 1.0) * (radius + one->radius);
-    made->inertia = made->roll * one->mass * (radius + one->radius);
-    made->torque = one->drag * radius * radius * per_rate;
-}
-
 void machine_take_weights(Machine *machine, const double *row, const Track *track)
 {
     MachineTrack *made = machine->tracks + machine->track_count++;
@@ -141,10 +129,17 @@ void machine_take_weights(Machine *machine, const double *row, const Track *trac
     made->row = row;
     made->offset = pair_of(track->offset.re, track->offset.im);
     made->is_off = track->offset.re != 0.0 || track->offset.im != 0.0;
+    made->lobes = track->weights.lobes;
+    copy_doubles(LOBE_NUMBERS * (size_t)made->lobes, track->weights.lobe, made->lobe);
     made->mass = weights_added_mass(&track->weights);
     for (k = 0; k < count; k++) {
         const Weights one = weights_single(&track->weights, k);
-        take_weight(machine->weights + made->first + k, &one, machine->per_rate);
+        SeriesWeight *weight = machine->weights + made->first + k;
+        series_weight_take(weight, &one, machine->per_rate);
+        weight->race = made->lobes ? machine->races[made->first + k] : NULL;
+        if (weight->race) {
+            series_race_take(weight, &one, made->lobe, machine->per_rate);
+        }
     }
     machine->weight_count = made->end;
     machine->width = machine->stations + (made->end + 1) / 2;
@@ -166,7 +161,7 @@ void machine_take_motor(Machine *machine, const Motor *motor)
         const Pair offset = track->offset;
         drive->inertia += track->mass * (pair_x(offset) * pair_x(offset) + pair_y(offset) * pair_y(offset));
         for (j = track->first; j < track->end; j++) {
-            drive->inertia += machine->weights[j].inertia;
+            drive->inertia += machine->weights[j].race ? 0.0 : machine->weights[j].inertia;
         }
     }
 }

@@ -13,7 +13,7 @@
        I w' + Im((U E)* A) + sum of m R (Im((e E)* p'') - (kappa - 1) (R + r) phi'')
            = L(w) + Im(q* C_i (v - i w q)) + sum of b R^2 (phi' - w)
 
-   Filimonikhina 2017 (4), Dubovik 2006 (3), (5); models/reference/lagrange.py has the same apart from this.
+   Races that are not round: race_series.h.  Filimonikhina 2017 (4), Dubovik 2006 (3), (5); models/reference/lagrange.py has the same apart from this.
    All are polynomials in q, v, p, E, phi', w, so that the coefficients of their series follow one from the
    other, each by one solution with the same matrix: M and I less what the weights take with them.
 
@@ -25,12 +25,12 @@
 #include "base/pair.h"
 #include "fmi/unit.h"
 #include "machine/blocks.h"
+#include "machine/race_series.h"
 #include "machine/weights_series.h"
 #include "rotor/motor.h"
 #include "units/rotor_unit.h"
 #include "units/weights_unit.h"
 
-enum { LEAST_ORDER = 8, MOST_ORDER = 36 };
 #define LONGEST_STEP 12.0     /* rad of the rotor at about its fastest speed: of a step */
 #define MOST_TURN 800.0       /* rad of the rotor in a step, at any speed */
 #define SMALLEST_TERM 1e-40   /* of the tolerance: a term that is nothing */
@@ -41,6 +41,8 @@ typedef struct {
     const Number *row; /* (n,) of its plane */
     Pair offset;       /* of the track's centre from the plane's, in the rotor [m] */
     int is_off;        /* whether that is not 0 */
+    int lobes;         /* of a race that is not round; */
+    Number *lobe;      /* (lobes, LOBE_NUMBERS) in races as they are */
     Number mass;       /* of all its weights [kg] */
     Pair *pull;        /* (K + 1,) series of -i (s A + e E'') */
     Pair known;        /* of the coefficient to come, what does not wait for w': e E'' */
@@ -75,6 +77,7 @@ typedef struct {
     Pair gravity;
     MachineTrack *tracks;
     SeriesWeight *weights;
+    struct SeriesRace **races; /* (N,) their memory where a race may have lobes */
     MachineDrive drive;
     /* coefficients of order 0 to K, later ones behind */
     Pair *motion;       /* (K + 1, width) displacements; angles of two weights in the rotor */
@@ -97,8 +100,8 @@ typedef struct {
 
 /* -- allocate.c --------------------------------------------------------------------------------- */
 
-/* Memory for a machine of these sizes, in `unit`; 1 where there is none. */
-int machine_allocate(Unit *unit, Machine *machine, int stations, int weights, int tracks);
+/* Memory for a machine of these sizes, on races with at most so many lobes, in `unit`; 1 where there is none. */
+int machine_allocate(Unit *unit, Machine *machine, int stations, int weights, int tracks, int lobes);
 
 /* -- build.c ----------------------------------------------------------------------------------- */
 
@@ -143,8 +146,11 @@ Number machine_coupled(const Machine *machine, const MachineTrack *track, const 
 void machine_set_carrier(Machine *machine);
 /* Complete the pull of a track from the solution of order k; its acceleration less what was known. */
 Pair machine_take_pull(Machine *machine, MachineTrack *track, int k);
-/* Complete a weight with its phi'' of order k. */
-void machine_take_weight(Machine *machine, int weight, int k, Number acceleration, Number speed_gained);
+/* Complete a weight with its phi'' of order k, and the pull of its track. */
+void machine_take_weight(Machine *machine, int weight, int k, Number acceleration, Number speed_gained, Pair pull);
+/* What is known of a weight before the solution of order k: 'turned' and 'free'; its force on the track by that. */
+void machine_advance_weight(Machine *machine, const MachineTrack *track, int weight, int k, Number carried);
+Pair machine_weight_force(const SeriesWeight *weight, int k);
 
 /* -- shaft_series.c ----------------------------------------------------------------------------- */
 

@@ -15,12 +15,17 @@ static double pressed(const Machine *m, const MachineTrack *track, const SeriesW
 
 /* -- the matrix ------------------------------------------------------------------------------ */
 
-/* The rows of a group: means of those of its weights. */
+/* The rows of a group: means of those of its weights.  Their shares change along a race that is not round. */
 static void fill_rows(const Machine *m, PhaseGroup *group)
 {
     const struct Phase *phase = m->phase;
     const int size = m->unknowns;
     int j, i, w = group->first;
+    group->share = m->weights[w].share;
+    for (j = 1, w = phase->weights[w].ahead; j < group->size; j++, w = phase->weights[w].ahead) {
+        group->share += m->weights[w].share;
+    }
+    w = group->first;
     for (i = 0; i < size; i++) {
         group->row[i] = group->action[i] = 0.0;
     }
@@ -202,8 +207,7 @@ void phase_push_weights(Machine *m, int k, Pair spun_twice)
         for (w = track->first; w < track->end; w++) {
             PhaseWeight *own = phase->weights + w;
             SeriesWeight *weight = m->weights + w;
-            const double speed = pair_at(m->velocity[k * m->width + n + w / 2], w % 2);
-            series_weight_advance(weight, k, track->pull, track->known, speed, carried);
+            machine_advance_weight(m, track, w, k, carried);
             own->free = weight->free;
             if (own->grip > 0.0) {
                 own->load[k] = known_load(track, weight, own->radius, k);
@@ -216,7 +220,7 @@ void phase_push_weights(Machine *m, int k, Pair spun_twice)
         const MachineTrack *track = m->tracks + t;
         Pair force = pair_both(0.0);
         for (w = track->first; w < track->end; w++) {
-            force = pair_sum(force, series_weight_force(m->weights + w));
+            force = pair_sum(force, machine_weight_force(m->weights + w, k));
         }
         for (i = 0; i < n; i++) {
             m->right[2 * i] += track->row[i] * pair_x(force);
@@ -288,7 +292,7 @@ static void take_track(Machine *m, MachineTrack *track, int k)
     for (w = track->first; w < track->end; w++) {
         PhaseWeight *own = phase->weights + w;
         const SeriesWeight *weight = m->weights + w;
-        const Pair along = pair_times(pull, weight->unit[0]);
+        const Pair along = pair_times(pull, weight->along);
         double pulled = pair_x(along) + pair_y(along);
         if (m->drive.motor) {
             pulled -= weight->roll * m->right[2 * m->stations];
@@ -319,7 +323,7 @@ void phase_take(Machine *m, int k, double speed_gained)
         }
         sum = group->rests ? carried : sum / group->share;
         for (j = 0, w = group->first; j < group->size; j++, w = phase->weights[w].ahead) {
-            machine_take_weight(m, w, k, sum, speed_gained);
+            machine_take_weight(m, w, k, sum, speed_gained, m->tracks[phase->weights[w].track].pull[k]);
         }
     }
 }

@@ -176,10 +176,8 @@ static void push_weights(Machine *m, int k, Pair spun_twice)
         Pair force = pair_zero();
         track->known = track->is_off ? pair_product(track->offset, spun_twice) : force;
         for (w = track->first; w < track->end; w++) {
-            SeriesWeight *weight = m->weights + w;
-            const Number speed = pair_at(m->velocity[k * m->width + n + w / 2], w % 2);
-            series_weight_advance(weight, k, track->pull, track->known, speed, carried);
-            force = pair_sum(force, series_weight_force(weight));
+            machine_advance_weight(m, track, w, k, carried);
+            force = pair_sum(force, machine_weight_force(m->weights + w, k));
         }
         for (i = 0; i < n; i++) {
             m->right[2 * i] += track->row[i] * pair_x(force);
@@ -217,12 +215,12 @@ static void take_weights(Machine *m, int k, Number speed_gained)
         const Pair a = machine_take_pull(m, track, k); /* the rest is in 'free' already */
         for (w = track->first; w < track->end; w++) {
             SeriesWeight *weight = m->weights + w;
-            const Pair along = pair_times(pair_turned_back(a), weight->unit[0]);
+            const Pair along = pair_times(pair_turned_back(a), weight->along);
             Number pulled = pair_x(along) + pair_y(along);
             if (m->drive.motor) {
                 pulled -= weight->roll * m->right[2 * n];
             }
-            machine_take_weight(m, w, k, weight->free - weight->lever * pulled, speed_gained);
+            machine_take_weight(m, w, k, weight->free - weight->lever * pulled, speed_gained, track->pull[k]);
         }
     }
 }
@@ -244,8 +242,12 @@ void machine_start(Machine *m, Number angle)
     for (t = 0; t < m->track_count; t++) {
         for (w = m->tracks[t].first; w < m->tracks[t].end; w++) {
             SeriesWeight *weight = m->weights + w;
-            weight->rate[0] = pair_both(m->speed[0] + pair_at(m->velocity[n + w / 2], w % 2));
-            series_weight_start(weight, angle + pair_at(m->motion[n + w / 2], w % 2));
+            const Number turned = pair_at(m->motion[n + w / 2], w % 2), rate = pair_at(m->velocity[n + w / 2], w % 2);
+            weight->rate[0] = pair_both(m->speed[0] + rate);
+            series_weight_start(weight, angle + turned);
+            if (weight->race) {
+                series_race_start(weight, turned, rate, m->speed[0]);
+            }
         }
     }
     for (i = 0; i < n; i++) {

@@ -52,6 +52,10 @@ void shaft_push(Machine *m, int k)
         const MachineTrack *track = m->tracks + t;
         for (w = track->first; w < track->end; w++) {
             const SeriesWeight *weight = m->weights + w;
+            if (weight->race) {
+                torque += series_race_torque(weight, k, m->spin, track->offset, track->known);
+                continue;
+            }
             const Number back = track->is_off ? off_centre(m, track, weight, k) : number_of(0.0);
             torque += weight->torque * pair_at(m->velocity[k * m->width + n + w / 2], w % 2) +
                       weight->moment * (weight->roll * weight->free - back);

@@ -3,12 +3,31 @@
 
 Number machine_coupled(const Machine *m, const MachineTrack *track, const SeriesWeight *weight, int unknown)
 {
-    const Pair p = weight->unit[0];
+    const Pair p = weight->along;
     if (unknown < 2 * m->stations) {
         return track->row[unknown / 2] * (unknown % 2 ? pair_x(p) : -pair_y(p));
     }
     /* Re((e E)* p) */
     return pair_crossed(p, pair_turned(pair_product(track->offset, m->spin[0]))) - weight->roll;
+}
+
+/* Add what weights on races that are not round have on the row of the shaft. */
+static void add_races(const Machine *m, Number *shaft)
+{
+    const int n = m->stations;
+    int t, w, j;
+    for (t = 0; t < m->track_count; t++) {
+        const MachineTrack *track = m->tracks + t;
+        for (w = track->first; w < track->end && track->lobes; w++) {
+            const SeriesWeight *weight = m->weights + w;
+            const Pair swept = series_race_swept(weight);
+            for (j = 0; j < n; j++) {
+                shaft[2 * j] += track->row[j] * pair_x(swept);
+                shaft[2 * j + 1] += track->row[j] * pair_y(swept);
+            }
+            shaft[2 * n] += series_race_inertia(weight, pair_product(track->offset, m->spin[0]));
+        }
+    }
 }
 
 void machine_set_carrier(Machine *m)
@@ -28,6 +47,7 @@ void machine_set_carrier(Machine *m)
             a[2 * n * size + 2 * j + 1] = pair_y(pulled);
         }
         a[2 * n * size + 2 * n] = m->drive.inertia;
+        add_races(m, a + 2 * n * size);
     }
 }
 
@@ -46,11 +66,33 @@ Pair machine_take_pull(Machine *m, MachineTrack *track, int k)
     return pair_difference(a, track->known);
 }
 
-void machine_take_weight(Machine *m, int w, int k, Number acceleration, Number speed_gained)
+void machine_take_weight(Machine *m, int w, int k, Number acceleration, Number speed_gained, Pair pull)
 {
     SeriesWeight *weight = m->weights + w;
     series_weight_finish(weight, k, acceleration, m->per + k + 1);
+    if (weight->race) {
+        const Number spun = speed_gained * (double)(k + 1);
+        series_race_finish(weight, k, acceleration, spun, m->drive.motor ? spun : number_of(0.0), pull);
+    }
     pair_set(&m->velocity[(k + 1) * m->width + m->stations + w / 2], w % 2, pair_x(weight->rate[k + 1]) - speed_gained);
+}
+
+void machine_advance_weight(Machine *m, const MachineTrack *track, int w, int k, Number carried)
+{
+    SeriesWeight *weight = m->weights + w;
+    const Number speed = pair_at(m->velocity[k * m->width + m->stations + w / 2], w % 2);
+    if (weight->race) {
+        const Turning rotor = {m->speed, m->speed_order};
+        series_race_advance(weight, k, track->known, speed, carried, rotor);
+    } else {
+        series_weight_advance(weight, k, track->pull, track->known, speed, carried);
+    }
+}
+
+Pair machine_weight_force(const SeriesWeight *weight, int k)
+{
+    return weight->race ? pair_scaled(series_race_known(weight, k), -weight->race->mass)
+                        : series_weight_force(weight);
 }
 
 Pair machine_times_speed(const Machine *m, const Pair *series, int stride, int k)

@@ -2,10 +2,23 @@
 
 #include "base/elementary.h"
 
+void series_weight_take(SeriesWeight *made, const Weights *one, double per_rate)
+{
+    const double radius = one->track_radius;
+    made->moment = number_of(one->mass * radius);
+    made->share = number_of(one->mass / one->kappa);
+    made->lever = number_of(1.0 / (one->kappa * radius));
+    made->damping_rate = number_of(weights_damping_rate(one) * per_rate);
+    made->roll = number_of((one->kappa - 1.0) * (radius + one->radius));
+    made->inertia = made->roll * one->mass * (radius + one->radius);
+    made->torque = number_of(one->drag * radius * radius * per_rate);
+}
+
 void series_weight_start(SeriesWeight *weight, Number angle)
 {
     weight->unit[0] = pair_direction(angle);
     weight->unit[1] = pair_times(pair_turned(weight->unit[0]), weight->rate[0]);
+    weight->along = weight->unit[0];
 }
 
 /* Im(a p*) is the sum of both numbers of (-i a) p. */

@@ -4,10 +4,16 @@
 
 #include "base/number.h"
 #include "base/pair.h"
+#include "weights/weights.h"
 
+enum { LEAST_ORDER = 8, MOST_ORDER = 36 };
 enum { WEIGHT_NUMBERS = 7 }; /* which say a weight, in SeriesWeight */
 
-/* A weight of mass m at radius R, in units of a machine's time. */
+/* A weight of mass m at radius R, in units of a machine's time.
+
+   On a race that is not round (race_series.h) its motion by phi' has the length l and not R: moment is then
+   m R (l/R)^2, share m/kappa (l/R)^2 and roll (kappa - 1) (R/l) (l + r) plus what the race carries along, as at
+   the start of the series; `along` is p, turned and times R/l. */
 typedef struct {
     Number moment;       /* m R [kg m] */
     Number share;        /* m/kappa [kg] */
@@ -16,6 +22,8 @@ typedef struct {
     Number roll;         /* (kappa - 1) (R + r): how far w' carries it along [m] */
     Number inertia;      /* (kappa - 1) m (R + r)^2, on the shaft [kg m^2] */
     Number torque;       /* b R^2, on the shaft by its speed on the track */
+    Pair along;          /* the way it moves by phi', a quarter turn back */
+    struct SeriesRace *race; /* NULL: the race is round */
     Pair *unit;  /* (K + 3,) series of p = e^{i phi}, fixed axes */
     Pair *rate;  /* (K + 2,) of phi', twice */
     /* of the coefficient to come: */
@@ -23,6 +31,8 @@ typedef struct {
     Number free; /* phi'' on a track that is held from here on */
 } SeriesWeight;
 
+/* A weight in a unit of time of per_rate s. */
+void series_weight_take(SeriesWeight *weight, const Weights *one, double per_rate);
 /* Set p and p' at the start from the angle and phi', which is in `rate`. */
 void series_weight_start(SeriesWeight *weight, Number angle);
 /* The parts of order k that are known before the acceleration of that order: 'turned' and 'free'.

@@ -38,6 +38,10 @@ static int weights_allocate(Unit *unit)
     own->count = unit->layout.sizes.weights;
     own->scratch = unit_allocate(unit, track_scratch(own->count), sizeof(double));
     own->turned = unit_allocate(unit, 2 * (size_t)own->count, sizeof(Turned));
+    if (unit->layout.sizes.lobes) {
+        own->race = race_allocate(unit, own->count, unit->layout.sizes.lobes);
+        return !own->race || !own->scratch || !own->turned;
+    }
     return !own->scratch || !own->turned;
 }
 
@@ -74,6 +78,8 @@ static int weights_parameters(Unit *unit)
     track->weights.drag = real[DRAG];
     track->weights.each =
         unit->layout.sizes.unequal ? real + FIRST_ANGLE + 2 * (size_t)own->count : NULL;
+    track->weights.lobes = unit->layout.sizes.lobes;
+    track->weights.lobe = real + FIRST_ANGLE + (unit->layout.sizes.unequal ? 5 : 2) * (size_t)own->count;
     track->weight_radius = real[WEIGHT_RADIUS];
     track->restitution = real[RESTITUTION];
     track->mobility = real[MOBILITY];
@@ -89,6 +95,10 @@ static int weights_parameters(Unit *unit)
     if (track_prepare(track, &failure)) {
         return unit_failed(unit, &failure);
     }
+    if (own->race) {
+        race_take(own->race, track);
+    }
+    own->is_given = false;
     own->stop_at_contact = flag(unit, "stop_at_contact") && unit->may_end_early;
     own->carried = flag(unit, "inertia_as_force") ? 0.0 : weights_added_mass(&track->weights);
     own->sent = weights_added_mass(&track->weights) - own->carried;
@@ -110,6 +120,20 @@ static int weights_begin(Unit *unit)
     return 0;
 }
 
+/* Force of weights on a race with lobes, without that of the race's offset, and their torque, each with its slope. */
+static void find_push(const Unit *unit, const Instant *plane, Complex *force, double *torque)
+{
+    const Balls *own = unit->own;
+    Instant centre = *plane;
+    if (own->is_given) {
+        memcpy(force, own->given, sizeof own->given);
+        memcpy(torque, own->given_torque, sizeof own->given_torque);
+        return;
+    }
+    shift_signal(centre.motion, 2, own->track.offset, centre.spin.speed, centre.spin.rates);
+    race_answer(own->race, unit->memory, unit->memory + own->count, &centre, force, torque, NULL);
+}
+
 /* Residual force of the weights on the rotor and its slope in its frame, without pulses; 1 with the
    reason. */
 static int find_reaction(Unit *unit, const Instant *plane, Complex *force)
@@ -118,6 +142,13 @@ static int find_reaction(Unit *unit, const Instant *plane, Complex *force)
     const size_t count = (size_t)own->count;
     const double *angles = unit->memory;
     Failure failure;
+    if (own->race) {
+        double torque[2];
+        find_push(unit, plane, force, torque);
+        shift_signal(force, 2, complex_scaled(-weights_added_mass(&own->track.weights), own->track.offset),
+                     plane->spin.speed, plane->spin.rates);
+        return 0;
+    }
     if (track_reaction(&own->track, angles, angles + count, angles + 2 * count, plane,
                        force, own->turned, own->scratch, &failure)) {
         return unit_failed(unit, &failure);
@@ -232,7 +263,15 @@ static int weights_step_unit(Unit *unit, double length)
     double *angles = unit->memory, *speeds = unit->memory + own->count;
     CentreMotion motion = find_centre_motion(unit, length);
     Failure failure;
-    if (own->track.eventful) {
+    if (own->race && own->track.eventful) {
+        return unit_fail(unit, "weight_radius = %v m: weights on a race with lobes touch in one file alone; leave it out, or "
+                         "build the whole machine as one file", unit->real[WEIGHT_RADIUS]);
+    }
+    if (own->race) {
+        if (race_advance(own->race, angles, speeds, &motion, length, &failure)) {
+            return unit_failed(unit, &failure);
+        }
+    } else if (own->track.eventful) {
         if (step_with_events(unit, &motion, length)) {
             return 1;
         }
@@ -270,6 +309,10 @@ static void weights_observe_torques(Unit *unit)
     Complex pulse_acceleration, force[2];
     const Instant plane = find_plane_motion(unit, &pulse_acceleration);
     Failure failure;
+    if (own->race) {
+        find_push(unit, &plane, force, out);
+        return;
+    }
     if (find_reaction(unit, &plane, force) ||
         track_torque(&own->track, angles, speeds, speeds + own->count, &plane, force, out,
                      own->scratch, &failure)) {
@@ -303,6 +346,10 @@ static double weight_acceleration(const Unit *unit, size_t k)
     Instant now = find_plane_motion(unit, &pulse_acceleration);
     double turned[2];
     shift_signal(now.motion, 2, own->track.offset, now.spin.speed, now.spin.rates);
+    if (own->race) {
+        race_answer(own->race, unit->memory, unit->memory + own->count, &now, NULL, NULL, own->scratch);
+        return own->scratch[k];
+    }
     weights_unhindered(&one, angle, angle + own->count, &now, turned);
     return turned[0];
 }

@@ -6,6 +6,7 @@
 
 #include "contact/motion.h"
 #include "fmi/unit.h"
+#include "units/weights_race.h"
 
 enum { SIGNALS = 2 };
 
@@ -24,6 +25,10 @@ typedef struct {
     Quadrature quadrature;
     Turned *turned; /* (N, 2) by the weights' angles */
     double *scratch;
+    RaceSeries *race; /* where the race has lobes, else NULL */
+    bool is_given;    /* whether the whole machine has told what they push with: */
+    Complex given[2]; /* force as of race_answer, */
+    double given_torque[2];
 } Balls;
 
 /* -- weights_motion.c ---------------------------------------------------------------------- */

@@ -61,13 +61,28 @@ static Complex unit_of(Turned *turned, const double *angles, int k)
     return turned_by(turned ? turned + 2 * k : NULL, angles[k]);
 }
 
+double weights_track_radius(const Weights *weights, double angle)
+{
+    double rho = weights->track_radius;
+    int n;
+    for (n = 0; n < weights->lobes; n++) {
+        const double *lobe = weights->lobe + 3 * n;
+        rho += lobe[1] * rect(1.0, lobe[0] * (angle - lobe[2])).re;
+    }
+    return rho;
+}
+
 Complex weights_static_moment(const Weights *weights, const double *angles, Turned *turned)
 {
     Complex sum = {0.0, 0.0};
     int k;
     for (k = 0; k < weights->count; k++) {
         const Complex unit = unit_of(turned, angles, k);
-        sum = complex_sum(sum, complex_scaled(weights_mass_ratio(weights, k), unit));
+        double share = weights_mass_ratio(weights, k);
+        if (weights->lobes) {
+            share *= weights_track_radius(weights, angles[k]) / weights->track_radius;
+        }
+        sum = complex_sum(sum, complex_scaled(share, unit));
     }
     return complex_scaled(weights->mass * weights->track_radius, sum);
 }

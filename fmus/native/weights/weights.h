@@ -9,7 +9,7 @@
 #define TOO_MANY_SUBSTEPS                                                                         \
     "the weights would need %3 substeps in %6 s: acceleration %6 m/s^2, rate %6 rad/s"
 
-/* N weights on one circular track. */
+/* N weights on one track, rho e^{i theta} from its centre: rho = R + sum of amplitude cos n (theta - angle). */
 typedef struct {
     int count;           /* N */
     double mass;         /* of each [kg] */
@@ -18,6 +18,8 @@ typedef struct {
     double kappa;        /* 7/5 ball, 3/2 roller, 1 pendulum */
     double radius;       /* of a body that rolls r [m] */
     const double *each;  /* (3, N) mass, drag and radius of each over those above; NULL: all alike */
+    int lobes;           /* kinds of lobes of a race that is not round; 0: a circle */
+    const double *lobe;  /* (lobes, 3) how many, amplitude [m], angle in the rotor [rad] */
 } Weights;
 
 /* What drives one weight at one time: as Instant, with its lag s w', by which it falls behind where it is free, and the lag's
@@ -48,7 +50,9 @@ double weights_damping_rate(const Weights *weights); /* d = b/(kappa m) [1/s] */
 /* s: part of the track's angular acceleration by which a free weight falls behind. */
 double weights_spin_share(const Weights *weights);
 
-/* Sum of m R e^{i theta} in the rotor frame [kg m]; turned: (N, 2) as `turned_by` keeps them, or NULL. */
+/* rho at an angle [m]. */
+double weights_track_radius(const Weights *weights, double angle);
+/* Sum of m rho e^{i theta} in the rotor frame [kg m]; turned: (N, 2) as `turned_by` keeps them, or NULL. */
 Complex weights_static_moment(const Weights *weights, const double *angles, Turned *turned);
 /* |sum e^{2 i theta}|/N: 0 for evenly spread weights, 1 for a pair. */
 double weights_alignment(int count, const double *angles, Turned *turned);
