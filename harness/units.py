@@ -73,6 +73,7 @@ QUANTITIES = {
     "N": Quantity("a force", ("5 N", "0.2 kN")),
     "N m": Quantity("a torque", ("5 N m", "800 N mm")),
     "N/m": Quantity("a stiffness", ("20 kN/m", "20 N/mm")),
+    "N/m^3": Quantity("a cubic stiffness", ("5e9 N/m^3", "5 N/mm^3")),
     "N s/m": Quantity("a damping or drag", ("80 N s/m", "0.08 N s/mm")),
     "Pa s": Quantity("a viscosity", ("0.03 Pa s", "30 mPa s")),
     "N m^2": Quantity("a bending stiffness", ("80 N m^2", "8e7 N mm^2")),

@@ -29,7 +29,7 @@ from numpy.typing import ArrayLike, NDArray
 from . import rotor_kinds, rotor_matrices
 from .arrays import Numbers, numbers
 from .ring import Ring
-from .supports import OUTSIDE, Bearing, Support, summed, supported
+from .supports import OUTSIDE, Bearing, CubicSpring, Stop, Support, summed, supported
 from .supports import Slider as Slider
 
 Matrix = NDArray[np.float64]
@@ -65,6 +65,7 @@ class LinearRotor:
         deflection: (d, n) rows whose largest modulus is the shaft's bending.
         gravity: acceleration of what falls, across the axis in fixed axes, gx + i gy [m/s^2].
         sliders: dry friction in the supports.
+        cubics, stops: what else holds it and is not linear.
         inner: how many of the stations, the last ones, are inner displacements of rubber.
         locked: axis and station from 0 of what does not move, of bodies with one free axis.
         waves: rings of liquid that have become stations, see `with_ring`: number of the station,
@@ -81,6 +82,8 @@ class LinearRotor:
     deflection: Matrix
     gravity: complex = 0j
     sliders: tuple[Slider, ...] = ()
+    cubics: tuple[CubicSpring, ...] = ()
+    stops: tuple[Stop, ...] = ()
     inner: int = 0
     locked: tuple[tuple[int, int], ...] = ()
     waves: tuple[tuple[int, Ring], ...] = ()
@@ -254,7 +257,8 @@ class LinearRotor:
     @cached_property
     def isotropic(self) -> bool:
         """True when both axes are alike and apart, so that z = x + i y needs no conjugate."""
-        return not (self.sliders or self.crossed) and bool(
+        apart = self.sliders or self.cubics or self.stops
+        return not (apart or self.crossed) and bool(
             np.array_equal(self.stiffness_x, self.stiffness_y)
             and np.array_equal(self.damping_x, self.damping_y)
         )
@@ -328,11 +332,13 @@ class LinearRotor:
         rows: dict[str, Any] = {
             name: np.pad(getattr(self, name), ((0, 0), behind)) for name in ("planes", "deflection")
         }
-        supports = tuple(
-            replace(one, rows=np.pad(one.rows, ((0, 0), behind))) for one in self.supports
+        supports, cubics, stops = (
+            tuple(replace(one, rows=np.pad(one.rows, ((0, 0), behind))) for one in held)
+            for held in (self.supports, self.cubics, self.stops)
         )
+        held: dict[str, Any] = {"supports": supports, "cubics": cubics, "stops": stops}
         unbalance = np.pad(self.unbalance, behind)
-        return replace(self, supports=supports, unbalance=unbalance, **square, **rows)
+        return replace(self, unbalance=unbalance, **held, **square, **rows)
 
     def with_ring(self, ring: Ring, plane: int) -> LinearRotor:
         """The same rotor with a ring at a plane (from 0), whose wave y is one more station.

@@ -1,7 +1,8 @@
-"""What stands between a rotor and the ground: springs and dampers, dry friction."""
+"""What stands between a rotor and the ground: springs, dampers, dry friction, stops."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 
@@ -20,12 +21,82 @@ class Slider:
         station, axis: from 0; axis 0 is x, 1 is y.
         limit: force at which it slips [N]; 0: there is none.
         stiffness: of the spring in series [N/m]; 0: none, the slider is rigid.
+        free_stroke: way from one contact with that spring to the other, without force [m].
     """
 
     station: int
     axis: int
     limit: float
     stiffness: float = 0.0
+    free_stroke: float = 0.0
+
+
+@dataclass(frozen=True, eq=False)
+class CubicSpring:
+    """A spring whose force is the cube of the displacement across it, beside a linear one.
+
+    Attributes:
+        rows: (2, n) displacement along x and along y from that of the stations.
+        stiffness: k3 along x and y [N/m^3].
+        radial: the force is k3 |d|^2 d with the first of them; else k3 x^3 and k3 y^3.
+        limit: displacement up to which it is known [m]; 0: any.
+        support: number from 1 of the support, or foot behind them, that has it; 0: none.
+    """
+
+    rows: Numbers
+    stiffness: tuple[float, float]
+    radial: bool = True
+    limit: float = 0.0
+    support: int = 0
+
+    def force(self, displacement: Numbers) -> Numbers:
+        """Force (2, ...) on the rotor at a displacement (2, ...) [N]."""
+        d = np.asarray(displacement)
+        square = (d * d).sum(axis=0) if self.radial else d * d
+        k = (
+            self.stiffness[0]
+            if self.radial
+            else np.reshape(self.stiffness, (2,) + (1,) * (d.ndim - 1))
+        )
+        return np.asarray(-k * square * d)
+
+    def energy(self, displacement: Numbers) -> Numbers:
+        """Energy (...,) that it holds at a displacement (2, ...) [J]."""
+        d = np.asarray(displacement)
+        if self.radial:
+            return np.asarray(self.stiffness[0] / 4.0 * (d * d).sum(axis=0) ** 2)
+        return np.asarray(np.tensordot(self.stiffness, d**4, 1) / 4.0)
+
+
+@dataclass(frozen=True, eq=False)
+class Stop:
+    """An elastic stop with a damper: it pushes back beyond a gap, and never pulls.
+
+    Attributes:
+        rows: (2, n) displacement along x and along y from that of the stations; zeros along an axis
+            that the stop does not limit: with both rows it is a ring.
+        gap: g [m].
+        stiffness, damping: [N/m, N s/m].
+        support: as of `CubicSpring`.
+    """
+
+    rows: Numbers
+    gap: float
+    stiffness: float
+    damping: float = 0.0
+    support: int = 0
+
+    def pressure(self, displacement: Numbers, velocity: Numbers) -> float:
+        """ks (r - g) + cs r' of a displacement and a velocity (2,), whatever the sign [N]."""
+        r = math.hypot(*displacement)
+        rate = float(np.dot(displacement, velocity)) / r if r else 0.0
+        return self.stiffness * (r - self.gap) + self.damping * rate
+
+    def force(self, displacement: Numbers, velocity: Numbers) -> Numbers:
+        """Force (2,) on the rotor [N]."""
+        r = math.hypot(*displacement)
+        pressure = max(0.0, self.pressure(displacement, velocity)) if r > self.gap else 0.0
+        return np.asarray(-pressure * np.asarray(displacement) / (r or 1.0))
 
 
 @dataclass(frozen=True, eq=False)

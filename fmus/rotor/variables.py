@@ -17,7 +17,7 @@ from ..variables import (
     spin_inputs,
     torque_outputs,
 )
-from .parameters import PARAMETERS, RotorSizes, friction
+from .parameters import PARAMETERS, RotorSizes, friction, restraints
 
 
 def station(j: int, stations: int) -> str:
@@ -31,7 +31,8 @@ def variables(sizes: RotorSizes) -> list[Variable]:
     of_kind = PARAMETERS[sizes.kind](sizes)
     forces = [f"plane[{i}].F_{axis}" for i in range(1, planes + 1) for axis in axes]
     carried = [f"plane[{i}].added_mass" for i in range(1, planes + 1)]
-    parameters = [*of_kind, *_gravity(), *friction(sizes), *_initial(stations)]
+    supports = [*restraints(sizes), *friction(sizes)]
+    parameters = [*of_kind, *_gravity(), *supports, *_initial(stations)]
     names = tuple(v.name for v in parameters)
     drive = (*carried, "speed", SPIN[0])
     changing = (*carried, "speed", *SPIN[:2])
@@ -58,6 +59,7 @@ def variables(sizes: RotorSizes) -> list[Variable]:
         ),
         *_observed(stations, planes, of_kind),
         *_friction_forces(sizes),
+        *_stop_forces(sizes),
         *_forces(sizes, of_kind),
         *torque_outputs(
             (*drive, *forces), (*changing, *forces, *slopes), names,
@@ -125,12 +127,31 @@ def _friction_forces(sizes: RotorSizes) -> list[Variable]:
     text = "Friction force on the rotor at the end of the step"
     return [
         observed(f"slider[{k}].force_{axis}", "N", text, (
-            *(f"slider[{k}].{of}" for of in ("support", f"limit_{axis}", f"stiffness_{axis}")),
+            f"slider[{k}].support",
+            *(f"slider[{k}].{of}_{axis}" for of in ("limit", "stiffness", "free_stroke", "centre")),
             *(f"{station(j, sizes.stations)}v{axis}0" for j in range(1, sizes.stations + 1)),
         ))
         for k in range(1, sizes.sliders + 1)
         for axis in "xy"
     ]  # fmt: skip
+
+
+def _stop_forces(sizes: RotorSizes) -> list[Variable]:
+    n = range(1, sizes.stations + 1)
+    motion = [f"{station(j, sizes.stations)}{v}{a}0" for v in ("", "v") for j in n for a in "xy"]
+    found = []
+    for k in range(1, sizes.stops + 1):
+        own = [f"stop[{k}].{name}" for name in ("gap", "stiffness", "damping")]
+        begins = (*own, *(f"stop_row_{axis}[{k},{j}]" for j in n for axis in "xy"), *motion)
+        texts = [
+            (f"force_{axis}", "N", f"Force of the stop on the rotor along {axis}") for axis in "xy"
+        ]
+        texts += [
+            ("largest_force", "N", "Largest force of the stop so far"),
+            ("touches", "1", "How often the rotor has come to touch the stop"),
+        ]
+        found += [observed(f"stop[{k}].{name}", unit, text, begins) for name, unit, text in texts]
+    return found  # fmt: skip
 
 
 def _forces(sizes: RotorSizes, own: list[Variable]) -> list[Variable]:
@@ -141,8 +162,9 @@ def _forces(sizes: RotorSizes, own: list[Variable]) -> list[Variable]:
         for axis in "xy"
     )  # fmt: skip
     # all of them: where a station, support or table is decides which motion the force is of
-    begins = (*(v.name for v in own), *(v.name for v in friction(sizes)), *starts)
-    text = "Force of springs, dampers and friction on what it stands on, along {}"
+    held = [*friction(sizes), *restraints(sizes)]
+    begins = (*(v.name for v in own), *(v.name for v in held), *starts)
+    text = "Force of springs, dampers, friction and stops on what it stands on, along {}"
     return [
         observed(f"{name}.force_{axis}", "N", text.format(axis), begins)
         for name in sizes.forces

@@ -18,6 +18,7 @@ SIZES: dict[str, list[dict[str, Any]]] = {
         {"kind": "flexible", "stations": 3, "unbalances": 1},
         {"kind": "matrices", "unbalances": 1, "supports": 1, "feet": 1},
         {"sliders": 1},
+        {"cubics": 1, "stops": 1},
     ],
 }
 

@@ -142,11 +142,14 @@ def plan(scene: Scene) -> Plan:
     loaded = scene.assembly().loaded_rotor
     field, waves = scene.operation.field, _waves(scene, speed)
     gravity = {"gravity_x": field.real, "gravity_y": field.imag}
+    held = table.restraint_start()
+    if scene.operation.gravity:
+        held |= table.stroke_centres(scene.rest_at(speed))
     rotor = UnitPlan(
         ROTOR,
         scene.rotor.model,
         table.sizes(planes),
-        {**table.start(planes), **gravity, **_initial(scene, speed), **drive},
+        {**table.start(planes), **held, **gravity, **_initial(scene, speed), **drive},
         scene.rotor.fmu or "",
     )
     balancers = [
@@ -203,7 +206,7 @@ def _initial(scene: Scene, speed: float) -> dict[str, float]:
             for prefix, value in zip(prefixes, values, strict=True):
                 start[f"{prefix}{name}0"] += value
     if scene.operation.gravity:
-        sag = scene.assembly().loaded_rotor.rest_position(speed)
+        sag = scene.rest_at(speed)
         for axis, at_rest in zip("xy", sag.tolist(), strict=True):
             for prefix, value in zip(prefixes, at_rest[: len(prefixes)], strict=True):
                 start[f"{prefix}{axis}0"] += value
@@ -215,7 +218,7 @@ def _waves(scene: Scene, speed: float) -> dict[str, dict[str, float]]:
     assembly = scene.assembly()
     if not (assembly.rings and scene.operation.gravity):
         return {}
-    x, y = assembly.loaded_rotor.rest_position(speed)[:, assembly.rotor.stations :]
+    x, y = scene.rest_at(speed)[:, assembly.rotor.stations :]
     turned: list[complex] = ((x + 1j * y) * cmath.rect(1.0, -scene.run.initial.angle)).tolist()
     found = {}
     for mounted, wave in zip(assembly.rings, turned, strict=True):

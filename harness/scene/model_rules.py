@@ -81,8 +81,9 @@ def _native_alone(scene: Scene) -> Iterator[str]:
     for key in ("motor", "unbalance_changes"):
         if getattr(scene.operation, key):
             yield f"operation.{key}"
-    if scene.rotor.friction:
-        yield "rotor.friction"
+    for key in ("friction", "cubic_stiffness", "stops"):
+        if getattr(scene.rotor, key):
+            yield f"rotor.{key}"
     if any(bearing.stiffness is None for bearing in scene.rotor.bearings):
         yield "rotor.bearings (a table or journal)"
     for i, balancer in enumerate(scene.balancer, start=1):

@@ -165,6 +165,7 @@ NotNegative = Annotated[Real, Field(ge=0)]
 Whole = Annotated[int, Field(strict=True)]
 Flag = Annotated[bool, Field(strict=True)]
 Text = Annotated[str, Field(strict=True), AfterValidator(_without_control)]
+RealPair = Annotated[tuple[Real, Real], BeforeValidator(_pair), _pair_schema()]
 PositivePair = Annotated[
     tuple[Positive, Positive], BeforeValidator(_pair), _pair_schema(exclusiveMinimum=0)
 ]

@@ -38,6 +38,7 @@ from .rotor_table import (
     SupportStiffness,
     Unbalances,
 )
+from .stop import Cubic, CubicOfPlanar, CubicOfSupports, Stops
 
 
 class Planar(RotorTable):
@@ -59,7 +60,13 @@ class Planar(RotorTable):
     damping_ratio: DampingRatio = None
     """Instead of damping; 1 is critical for the mass that the support carries at rest."""
     friction: Friction = ()
-    """Dry friction in the supports: sliders."""
+    """Dry friction in the supports: sliders, also with a free stroke."""
+    cubic_stiffness: CubicOfPlanar = None
+    """Force by the cube of the displacement, beside `stiffness`; below 0 the spring softens."""
+    cubic: Cubic = "radial"
+    """Along the displacement, k3 |d|^2 d, or "axes": k3 x^3 and k3 y^3, each along its own."""
+    stops: Stops = ()
+    """Elastic stops beyond a gap."""
     internal_damping: Annotated[NotNegative, SI("N s/m"), Feeds()] = 0.0
     """Of the shaft, turns with it."""
     unbalance: Annotated[NotNegative, SI("kg m"), Feeds()] = 0.0
@@ -98,12 +105,12 @@ class Planar(RotorTable):
         return Corrections({}, [present], self.unbalance_names)
 
     def sizes(self, planes: Sequence[int]) -> dict[str, Any]:
-        """What the unit is built for: the sliders are all there is to choose."""
-        return super().sizes(planes) if self.takes_matrices else self._sliders
+        """What the unit is built for: what its support has is all there is to choose."""
+        return super().sizes(planes) if self.takes_matrices else self._of_supports
 
     def build(self) -> LinearRotor:
         """The rotor's matrices."""
-        return self._with_friction(LinearRotor.planar(**self._arguments()))
+        return self._with_supports(LinearRotor.planar(**self._arguments()))
 
 
 class TwoSupport(RotorTable):
@@ -127,7 +134,13 @@ class TwoSupport(RotorTable):
     damping_ratio: DampingRatio = None
     """Instead of damping; 1 is critical for the mass that the support carries at rest."""
     friction: Friction = ()
-    """Dry friction in the supports: sliders."""
+    """Dry friction in the supports: sliders, also with a free stroke."""
+    cubic_stiffness: CubicOfSupports = None
+    """Force by the cube of the displacement; one entry a support; below 0 it softens."""
+    cubic: Cubic = "radial"
+    """Along the displacement, k3 |d|^2 d, or "axes": k3 x^3 and k3 y^3, each along its own."""
+    stops: Stops = ()
+    """Elastic stops beyond a gap."""
     planes: Annotated[tuple[Real, ...], SI("m")] = ()
     """Where balancers can sit, from support 1."""
     unbalances: Annotated[Unbalances, Feeds("unbalance[{n}].")] = ()
@@ -162,7 +175,7 @@ class TwoSupport(RotorTable):
 
     def build(self) -> LinearRotor:
         """The rotor's matrices."""
-        return self._with_friction(LinearRotor.two_support(**self._arguments()))
+        return self._with_supports(LinearRotor.two_support(**self._arguments()))
 
 
 class Skew(Table):
@@ -193,7 +206,13 @@ class Flexible(RotorTable):
     damping_ratio: DampingRatio = None
     """Instead of damping; 1 is critical for the mass that the support carries at rest."""
     friction: Friction = ()
-    """Dry friction in the supports: sliders."""
+    """Dry friction in the supports: sliders, also with a free stroke."""
+    cubic_stiffness: CubicOfSupports = None
+    """Force by the cube of the displacement; one entry a support; below 0 it softens."""
+    cubic: Cubic = "radial"
+    """Along the displacement, k3 |d|^2 d, or "axes": k3 x^3 and k3 y^3, each along its own."""
+    stops: Stops = ()
+    """Elastic stops beyond a gap."""
     transverse_inertias: Annotated[tuple[NotNegative, ...], SI("kg m^2")] = ()
     """Of the discs about a diameter, one a station, 0: a point; with `polar_inertias`."""
     polar_inertias: Annotated[tuple[NotNegative, ...], SI("kg m^2")] = ()
@@ -330,7 +349,7 @@ class Flexible(RotorTable):
 
     def build(self) -> LinearRotor:
         """The rotor's matrices."""
-        return self._with_friction(LinearRotor.flexible(**self._shaft_arguments()))
+        return self._with_supports(LinearRotor.flexible(**self._shaft_arguments()))
 
 
 Rotor = Annotated[Planar | TwoSupport | Flexible | Matrices, Field(discriminator="kind")]

@@ -12,6 +12,7 @@ from ...models.rotor import LinearRotor
 from .feeds import Start
 from .quantities import SI, Real, Whole, refusal
 from .rotor_table import RotorTable, Slider, Unbalances
+from .stop import Cubic, Stops
 
 Matrix = tuple[tuple[Real, ...], ...]
 
@@ -20,6 +21,9 @@ class Matrices(RotorTable):
     """Any linear rotor by its matrices between n points, each a displacement."""
 
     friction: ClassVar[tuple[Slider, ...]] = ()  # type: ignore[misc]
+    cubic_stiffness: ClassVar[None] = None  # type: ignore[misc]
+    cubic: ClassVar[Cubic] = "radial"  # type: ignore[misc]
+    stops: ClassVar[Stops] = ()  # type: ignore[misc]
     damping_ratio: ClassVar[None] = None  # type: ignore[misc]
 
     kind: Literal["matrices"] = "matrices"

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from pydantic import AfterValidator, Field, ValidationInfo, model_validator
 from pydantic_core import PydanticKnownError
 
+from ...models.arrays import Numbers
 from ...models.bodies import GROUND, ROTOR, with_bodies
 from ...models.rotor import LinearRotor
 from ...models.rotor import Slider as LinearSlider
@@ -35,6 +36,7 @@ from .quantities import (
     Whole,
     refusal,
 )
+from .stop import Cubic, Stops, build_cubic, find_support, restraint_start
 from .unit import FmuPath
 
 if TYPE_CHECKING:
@@ -64,11 +66,20 @@ class Slider(Table):
     """Force at which it slips; a number for both axes, or [x, y]."""
     stiffness: Annotated[PositivePair | None, SI("N/m"), Feeds("stiffness_{axis}")] = None
     """Of a spring in series with it; default: none, it is rigid."""
+    free_stroke: Annotated[NotNegativePair | None, SI("m"), Feeds("free_stroke_{axis}")] = None
+    """Way without force between both contacts of the damper, centred about rest; requires a
+    stiffness, that of the contacts."""
+
+    @model_validator(mode="after")
+    def _has_contacts(self) -> Slider:
+        if self.free_stroke and any(self.free_stroke) and self.stiffness is None:
+            raise refusal("free_stroke", "requires stiffness (N/m), that of the damper's contacts")
+        return self
 
 
 _NO_ARGUMENTS = (  # of a constructor of `LinearRotor`
     *("kind", "fmu", "friction", "damping_ratio", "bodies", "on", "zone_limits"),
-    *("support_loss_factor", "loss_frequency"),
+    *("support_loss_factor", "loss_frequency", "cubic_stiffness", "cubic", "stops"),
 )
 Bearings = tuple[Bearing, ...]
 Friction = Annotated[tuple[Slider, ...], Feeds("slider[{n}].")]
@@ -150,6 +161,9 @@ class RotorTable(Table):
     if TYPE_CHECKING:  # a key of one kind, a property of another
         friction: tuple[Slider, ...]
         damping_ratio: tuple[float, float] | None
+        cubic_stiffness: tuple[float, float] | tuple[tuple[float, float], ...] | None
+        cubic: Cubic
+        stops: Stops
 
         @property
         def mass(self) -> float: ...
@@ -361,7 +375,7 @@ class RotorTable(Table):
             "stations": len(self.points),
             "planes": len(planes),
             "unbalances": len(self.acting()) or 1,
-            **self._sliders,
+            **self._of_supports,
             **self._tables,
             **(self._forces if self.takes_matrices else {}),
         }
@@ -428,9 +442,38 @@ class RotorTable(Table):
         return values
 
     @property
-    def _sliders(self) -> dict[str, int]:
-        """The build option, where there are any."""
-        return {"sliders": len(self.friction)} if self.friction else {}
+    def _of_supports(self) -> dict[str, int]:
+        """The build options of what supports have beside springs and dampers."""
+        cubics = len(self.build().cubics) if self.cubic_stiffness else 0
+        found = {"sliders": len(self.friction), "cubics": cubics, "stops": len(self.stops)}
+        return {key: count for key, count in found.items() if count}
+
+    @property
+    def is_restrained(self) -> bool:
+        """Whether cubic springs or stops hold it."""
+        return bool(self.cubic_stiffness or self.stops)
+
+    def restraint_start(self) -> Start:
+        """Parameters of the unit of cubic springs and stops."""
+        return restraint_start(self.build()) if self.is_restrained else {}
+
+    def stroke_centres(self, rest: Numbers) -> Start:
+        """Parameters of the unit: where the free strokes of sliders are centred, at rest (2, n)."""
+        return {
+            f"slider[{n}].centre_{axis}": float(
+                rest["xy".index(axis), self.supports[s.support - 1] - 1]
+            )
+            for n, s in enumerate(self.friction, start=1)
+            for axis in "xy"
+            if s.free_stroke
+        }
+
+    @model_validator(mode="after")
+    def _is_held(self) -> RotorTable:
+        """Refuse cubic springs and stops where there is no such support."""
+        if self.is_restrained:
+            self.build()
+        return self
 
     @property
     def _tables(self) -> dict[str, int]:
@@ -445,8 +488,8 @@ class RotorTable(Table):
         """The build options of supports and feet whose forces are outputs."""
         return {"supports": len(self.supports), "feet": sum(len(b.feet) for b in self.bodies)}
 
-    def _with_friction(self, rotor: LinearRotor) -> LinearRotor:
-        """The same rotor with the sliders in its supports, and with its bodies."""
+    def _with_supports(self, rotor: LinearRotor) -> LinearRotor:
+        """The same rotor with its bodies, and with all that its supports have."""
         if self.bodies:
             bodies = [body.build() for body in self.bodies]
             rotor = with_bodies(rotor, self.support_positions, self.planes, bodies, self.on)
@@ -454,11 +497,25 @@ class RotorTable(Table):
             rotor = with_rubber(rotor, dict(element for _, _, element in rubber))
         sliders = [
             LinearSlider(self.supports[s.support - 1] - 1, axis, s.limit[axis],
-                        s.stiffness[axis] if s.stiffness else 0.0)
+                        *(pair[axis] if pair else 0.0 for pair in (s.stiffness, s.free_stroke)))
             for s in self.friction
             for axis in (0, 1)
         ]  # fmt: skip
-        return replace(rotor, sliders=tuple(sliders))
+        return self._restrained(replace(rotor, sliders=tuple(sliders)))
+
+    def _restrained(self, rotor: LinearRotor) -> LinearRotor:
+        """The same rotor with cubic springs and stops across its supports."""
+        if not self.is_restrained:
+            return rotor
+        count, cubics = len(self.supports), []
+        for k, pair in enumerate(np.reshape(self.cubic_stiffness or (), (-1, 2)).tolist()):
+            key = "cubic_stiffness" + (f"[{k + 1}]" if count > 1 else "")
+            cubics += build_cubic(rotor.supports[k], k + 1, pair, self.cubic, key)
+        stops = [
+            stop.build(*find_support(rotor, count, stop.support, f"stops[{k}].support"))
+            for k, stop in enumerate(self.stops, start=1)
+        ]
+        return replace(rotor, cubics=tuple(cubics), stops=tuple(stops))
 
     def _plane_start(self, planes: Sequence[int]) -> Start:
         """Positions of the unit's planes, and its unbalances: at least one of each."""

@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, Any
 
 from pydantic import BaseModel, Field, ValidationError
 
+from ...models.arrays import Numbers
 from ...models.assembly import Assembly, SpeedProfile
 from ...models.rotor import LinearRotor
 from ..errors import SceneError
@@ -171,12 +172,38 @@ class Scene(Described):
         return self.operation.speeds()
 
     def assembly(self) -> Assembly:
-        """The rotor with its balancers, for the models.
+        """The rotor with its balancers, for the models; what is not linear in its supports as it
+        acts on small motions about rest: stops not at all, cubic springs by the sag.
 
         >>> len(ab.load("two_balls").assembly().weights)
         1
         """
+        if not self.rotor.is_restrained:
+            return self._assembly
+        return self._about_rest
+
+    @cached_property
+    def _about_rest(self) -> Assembly:
+        from ...models.restraints import about_rest  # loads SciPy, which few scenes need
+
+        return about_rest(self._assembly, self.profile().end)
+
+    def restrained_assembly(self) -> Assembly:
+        """The same with cubic springs and stops."""
         return self._assembly
+
+    def rest_at(self, speed: float) -> Numbers:
+        """x and y (2, n) of every station of the loaded rotor at rest under gravity [m].
+
+        Args:
+            speed: of the rotor [rad/s].
+        """
+        rotor = self._assembly.loaded_rotor
+        if not rotor.cubics:
+            return rotor.rest_position(speed)
+        from ...models.restraints import at_rest
+
+        return at_rest(rotor, speed).sag
 
     def profile(self) -> SpeedProfile:
         """Speed against time; of a motor its no-load speed, which scales and steps go by.
@@ -199,8 +226,10 @@ class Scene(Described):
 
     @property
     def has_events(self) -> bool:
-        """Whether weights can collide or stick, or supports have dry friction."""
-        return bool(self.rotor.friction) or any(b.can_meet or b.can_stick for b in self.balancer)
+        """Whether weights can collide or stick, or supports have dry friction or stops."""
+        return bool(self.rotor.friction or self.rotor.stops) or any(
+            b.can_meet or b.can_stick for b in self.balancer
+        )
 
     def replace(self, changes: Mapping[str, Any]) -> Self:
         """A validated copy with values replaced, for example {"rotor.unbalance": 0.1}.

@@ -95,7 +95,8 @@ def test_a_wrong_table_says_every_problem():
         "Planar: stiffness: missing; give a value in N/m",
         'Planar: stifness: unknown key (did you mean "stiffness"?); allowed: kind, fmu, bearings, '
         "bodies, on, support_loss_factor, loss_frequency, zone_limits, mass, stiffness, "
-        "damping, damping_ratio, friction, internal_damping, unbalance, unbalance_angle",
+        "damping, damping_ratio, friction, cubic_stiffness, cubic, stops, internal_damping, "
+        "unbalance, unbalance_angle",
     ]
     with pytest.raises(ab.SceneError, match=r"^RunUp: to = -1.0 rad/s: must be greater than 0$"):
         ab.Operation(run_up=ab.RunUp(**{"from": 0.0, "to": -1.0, "seconds": 1.0}))

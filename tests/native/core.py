@@ -6,7 +6,7 @@ import ctypes
 import math
 import subprocess
 from collections.abc import Callable, Sequence
-from ctypes import POINTER, byref, c_bool, c_double, c_int, c_size_t
+from ctypes import POINTER, byref, c_bool, c_double, c_int, c_size_t, c_void_p
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -79,6 +79,11 @@ Excitation = _struct(
     planes=c_int,
     turning_force=c_bool,
     spin=Spin,
+)
+Holds = _struct(
+    "Holds",
+    **dict.fromkeys(["sliders", "cubics", "stops"], c_void_p),
+    **dict.fromkeys(["slider_count", "cubic_count", "stop_count"], c_int),
 )
 Weights = _struct(
     "Weights",
@@ -211,10 +216,11 @@ class Core:
     def taylor_step(self, rotor: Any, sliders: Any = None, count: int = 0) -> Any:
         """The step at any speed of a rotor made by `rotor_of`, with `count` sliders."""
         n, p = rotor.stations, rotor.plane_count
-        memory = np.full(self("taylor_step_size", n, p, count), math.nan)
+        held = Holds(ctypes.cast(sliders, c_void_p) if count else None, None, None, count, 0, 0)
+        memory = np.full(self("taylor_step_size", n, p, byref(held)), math.nan)
         scratch = np.full(12 * n * n, math.nan)
         made = (c_double * 64)()  # longer than the structure
-        self.demand("taylor_step_in", memory, byref(rotor), sliders, count, scratch, byref(made))
+        self.demand("taylor_step_in", memory, byref(rotor), byref(held), scratch, byref(made))
         self._kept.append((memory, sliders, rotor))
         return made
 

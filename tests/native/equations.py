@@ -198,14 +198,17 @@ class Excitation(NamedTuple):
 
 
 class _Slider(ctypes.Structure):
-    _fields_ = (("station", c_int), ("axis", c_int), ("limit", c_double), ("stiffness", c_double))
+    _fields_ = (
+        *(("station", c_int), ("axis", c_int)),
+        *((name, c_double) for name in ("limit", "stiffness", "stroke", "centre")),
+    )
 
 
 class Friction:
     """Step of a rotor with dry friction in its supports.
 
-    States are (q, v), x and y alternating; `held` (m, 2) is the direction of slip and the force of
-    every slider.
+    States are (q, v), x and y alternating; `held` (m, 4) is the direction of slip and the force of
+    every slider, its side and its place in a free stroke.
     """
 
     def __init__(self, core: Core, rotor: LinearRotor, turning_force: bool = True) -> None:
@@ -213,15 +216,15 @@ class Friction:
         count, native = len(rotor.sliders), core.rotor_of(rotor)
         native.sliders = count
         self._sliders = (_Slider * count)(
-            *((s.station, s.axis, s.limit, s.stiffness) for s in rotor.sliders)
+            *((s.station, s.axis, s.limit, s.stiffness, 0.0, 0.0) for s in rotor.sliders)
         )
         self._native = core.taylor_step(native, self._sliders, count)
 
     def at_start(self, state: NDArray) -> NDArray:
         """Sliders with slack springs; rigid ones slip with the rotor."""
-        held, count = np.zeros((len(self._sliders), 2)), len(self._sliders)
-        rates = np.array(state, float)[self.dof :]
-        self.core("friction_at_start", self._sliders, count, rates, held)
+        held, count = np.zeros((len(self._sliders), 4)), len(self._sliders)
+        places, rates = np.split(np.array(state, float), [self.dof])
+        self.core("friction_at_start", self._sliders, count, places, rates, held)
         return held
 
     def advance(

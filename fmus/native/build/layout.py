@@ -32,6 +32,8 @@ _REPEATS = {
     "unbalance_change": "SIZE_UNBALANCES",
     "weight": "SIZE_WEIGHTS",
     "slider": "SIZE_SLIDERS",
+    "cubic": "SIZE_CUBICS",
+    "stop": "SIZE_STOPS",
     "point": "SIZE_POINTS",
     "race": "SIZE_LOBES",
     "corner": "SIZE_POINTS",
@@ -41,6 +43,11 @@ _REPEATS = {
     "unbalance_row": "SIZE_UNBALANCE_ROWS",
     "bending_row": "SIZE_BENDING_ROWS",
     "table_speed": "SIZE_SPEEDS",
+    **{
+        f"{name}_row_{axis}": f"SIZE_{name.upper()}_ROWS"
+        for name in ("cubic", "stop")
+        for axis in "xy"
+    },
     "table_row": "SIZE_TABLE_ROWS",
     **dict.fromkeys(TABLED, "SIZE_TABLE_SPEEDS"),
     "force": "SIZE_FORCES",
@@ -49,7 +56,8 @@ _REPEATS = {
 }
 _FORCES_OF_SUPPORTS = tuple(f"support[#].force_{axis}" for axis in "xy")
 _SEVERAL = 3  # of everything, so that a block is seen to repeat
-_PLANAR = {"planes": _SEVERAL, "sliders": _SEVERAL, "stations": 1}
+_OF_SUPPORTS = ("sliders", "cubics", "stops")
+_PLANAR = {"planes": _SEVERAL, **dict.fromkeys(_OF_SUPPORTS, _SEVERAL), "stations": 1}
 _ROTOR = {**_PLANAR, "stations": 5, "unbalances": _SEVERAL}
 
 _GIVEN = {**_ROTOR, "kind": "matrices", "tables": _SEVERAL, "speeds": _SEVERAL}
@@ -81,6 +89,7 @@ _STARTS_IN_C = (
     "compliance[#,#]",
     *(f"{name}[#,#]" for name in (*GIVEN, "plane_row", "unbalance_row", "table_row")),
     "table_speed[#]",
+    *(f"{name}_row_{axis}[#,#]" for name in ("cubic", "stop") for axis in "xy"),
     "weight[#].angle0",
     "point[#].speed",
     "point[#].torque",
@@ -201,7 +210,7 @@ def _layout(unit: str, **options: Any) -> Layout:
 def _blocks(unit: str, options: dict[str, Any]) -> list[_Block]:
     """Variables of a unit in order, those that repeat together in one block."""
     turning, fixed = (_layout(unit, frame=frame, **options).reals for frame in ("rotor", "fixed"))
-    left_out = ("sliders", "unequal", "lobes")
+    left_out = (*_OF_SUPPORTS, "unequal", "lobes")
     smooth = _layout(unit, frame="rotor", **{k: v for k, v in options.items() if k not in left_out})
     blocks: list[_Block] = []
     index = 1  # of the variable before

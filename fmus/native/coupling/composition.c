@@ -226,7 +226,7 @@ static int describe(Unit *unit, const char *coupling_starts)
 {
     const Composite *c = unit->own;
     const Table *table = table_of("Composite", c->motor ? "motor" : "", "");
-    Sizes sizes = {1, 1, 1, 1, 0, 2, 0, 2, 0, 0, 0, 0, 0};
+    Sizes sizes = {1, 1, 1, 1, 0, 2, 0, 2, 0, 0, 0, 0, 0, 0, 0};
     Layout coupling;
     Variable *reals;
     double *starts;

@@ -6,6 +6,23 @@
 #include "base/spectral_radius.h"
 #include "constants.h"
 #include "coupling/composite.h"
+#include "machine/restraints.h"
+
+/* Cubic springs and stops of both machines; 1 where there is no memory. */
+static int allocate_restraints(Unit *unit)
+{
+    Composite *c = unit->own;
+    Machine *const machines[2] = {&c->pieces.step, &c->pieces.instant};
+    const Sizes *sizes = &c->parts->unit->layout.sizes;
+    int k;
+    for (k = 0; k < 2 && (sizes->cubics || sizes->stops); k++) {
+        machines[k]->restraints = restraints_allocate(unit, sizes->cubics, sizes->stops);
+        if (!machines[k]->restraints) {
+            return 1;
+        }
+    }
+    return 0;
+}
 
 int one_piece_allocate(Unit *unit)
 {
@@ -41,7 +58,8 @@ int one_piece_allocate(Unit *unit)
            machine_allocate(unit, &pieces->instant, stations, weights, tracks, lobes) ||
            (rings && machine_allocate_rings(unit, &pieces->step, rings, tracks)) ||
            (rings && machine_allocate_rings(unit, &pieces->instant, rings, tracks)) ||
-           collocation_allocate(unit, &pieces->collocation, stations, weights) || one_piece_allocate_phases(unit);
+           collocation_allocate(unit, &pieces->collocation, stations, weights) || one_piece_allocate_phases(unit) ||
+           allocate_restraints(unit);
 }
 
 /* -- stiff ones ----------------------------------------------------------------------------------- */
@@ -118,6 +136,9 @@ static void make(const Composite *c, double rate, Machine *machine)
     const LinearRotor *rotor = &composite_rotor(c)->rotor;
     int k;
     machine_take_rotor(machine, rotor, rate);
+    if (machine->restraints) {
+        restraints_take(machine, composite_rotor(c)->cubics, composite_rotor(c)->stops);
+    }
     for (k = 1; k < c->parts_without_motor; k++) {
         const Part *part = c->parts + k;
         const double *row = rotor->planes + part->plane * rotor->stations;
@@ -152,7 +173,7 @@ int one_piece_make(Unit *unit)
         pieces->is_eventful = one_piece_is_eventful(c);
         pieces->step.phase = pieces->is_eventful ? pieces->step_phase : NULL;
         pieces->instant.phase = pieces->is_eventful ? pieces->instant_phase : NULL;
-        pieces->is_stiff = !pieces->is_eventful && fastest_of(c) > STIFF_RATE * c->course->drive.fastest;
+        pieces->is_stiff = !pieces->is_eventful && !pieces->step.restraints && fastest_of(c) > STIFF_RATE * c->course->drive.fastest;
         make(c, rate, &pieces->step);
         make(c, rate, &pieces->instant);
         pieces->is_made = true;

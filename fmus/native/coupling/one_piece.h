@@ -65,7 +65,7 @@ typedef struct {
     double *phases;        /* in the unit's memory: of every weight the way it slides and its wall */
     double *impact;        /* scratch of impacts */
     struct Phase *step_phase, *instant_phase; /* of both machines, where they are eventful */
-    bool is_eventful;      /* weights can touch or stick, or supports stick */
+    bool is_eventful;      /* weights can touch or stick, or supports stick or have stops */
     bool is_stiff;         /* steps by collocation are tried */
     Collocation collocation;
     double *begun_forces;  /* in the unit's memory: from outside, at the start of the step (planes, 2) [N] */
@@ -143,13 +143,15 @@ enum { PHASE_OF_WEIGHT = 2, SLIP_OF_WEIGHT = 0, SIDE_OF_WEIGHT = 1 };
 size_t one_piece_phase_doubles(const Composite *c);
 /* Memory for a machine's phases; 1 where there is none. */
 int one_piece_allocate_phases(Unit *unit);
-/* Whether weights can touch or stick, or supports stick. */
+/* Whether weights can touch or stick, or supports stick, have stops or springs that end. */
 bool one_piece_is_eventful(const Composite *c);
 /* What does not change of a machine's phases; then that of a state of the parts. */
 void one_piece_make_phase(const Composite *c, Machine *machine);
 void one_piece_load_phase(const Composite *c, Machine *machine, const double *states);
 /* The forces of sliders at a time of a step of this order, in the rotor's memory. */
 void one_piece_place_sliders(const Composite *c, int order, double time);
+/* The largest force of every stop up to a time of a step, there. */
+void one_piece_place_stops(const Composite *c, int order, double time);
 
 /* -- one_piece_events.c -------------------------------------------------------------------------- */
 

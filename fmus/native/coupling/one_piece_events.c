@@ -3,6 +3,7 @@
 
 #include "base/elementary.h"
 #include "coupling/composite.h"
+#include "machine/restraints.h"
 
 /* -- who touches, and what sticks -------------------------------------------------------------------- */
 
@@ -44,6 +45,23 @@ static void store_waves(const Composite *c)
     one_piece_store_waves(c, waves, rates, c->parts->unit->memory[REST], m->speed[0] * m->rate);
 }
 
+/* A stop is in this state from now on. */
+static void set_stop(double *stop_states, int state)
+{
+    stop_states[STOP_TOUCHES] += state == STOP_PRESSES && stop_states[STOP_STATE] != STOP_PRESSES;
+    stop_states[STOP_STATE] = state;
+}
+
+static void store_stops(const Composite *c)
+{
+    const struct Restraints *all = c->pieces.step.restraints;
+    double *stop_states = rotor_stop_states(c->parts->unit);
+    int k;
+    for (k = 0; all && k < all->stop_count; k++) {
+        set_stop(stop_states + STOP_DOUBLES * k, all->stops[k].state);
+    }
+}
+
 /* Write rates, contacts and what sticks into the memories of the parts. */
 static void store(const Composite *c)
 {
@@ -71,10 +89,11 @@ static void store(const Composite *c)
     store_waves(c);
     for (k = 0; k < phase->slider_count; k++) {
         const PhaseSlider *own = phase->sliders + k;
-        slider_states[2 * own->number + SLIPS] = own->slip;
-        slider_states[2 * own->number + HOLDS] = (own->slip == 0.0 && own->stiffness == 0.0 ? own->hold[0] : own->force) *
+        slider_states[SLIDER_DOUBLES * own->number + SLIPS] = own->slip;
+        slider_states[SLIDER_DOUBLES * own->number + HOLDS] = (own->slip == 0.0 && own->stiffness == 0.0 ? own->hold[0] : own->force) *
                                                  m->rate * m->rate;
     }
+    store_stops(c);
     if (c->motor) {
         c->motor->unit->memory[ANGLE_SIZE] = c->course->one_piece.speed = m->speed[0] * m->rate;
     }
@@ -164,12 +183,36 @@ static void stop_group(const Composite *c, int weight)
 void one_piece_stop_slider(const Composite *c, int which)
 {
     const PhaseSlider *own = c->pieces.step.phase->sliders + which;
-    double *slider_states = rotor_slider_states(c->parts->unit) + 2 * own->number;
+    double *slider_states = rotor_slider_states(c->parts->unit) + SLIDER_DOUBLES * own->number;
     slider_states[SLIPS] = 0.0;
     if (own->stiffness == 0.0) {
         c->parts->unit->memory[MOTION + 2 * (c->pieces.step.stations - c->pieces.rings) + own->place] = 0.0;
         slider_states[HOLDS] = 0.0;
     }
+}
+
+/* A slider has come to an end of its free stroke, or leaves its spring. */
+static void change_stroke(const Composite *c, int which)
+{
+    const PhaseSlider *own = c->pieces.step.phase->sliders + which;
+    double *slider_state = rotor_slider_states(c->parts->unit) + SLIDER_DOUBLES * own->number;
+    const double side = own->side != 0 ? own->side : copy_sign(1.0, slider_state[PLAY]);
+    slider_state[PLAY] = side * own->stroke;
+    slider_state[SIDE] = own->side != 0 ? 0.0 : side;
+    slider_state[HOLDS] = 0.0;
+}
+
+/* A stop is touched, lets go, or the rotor is back inside its gap. */
+static void change_stop(const Composite *c, int which, EventKind kind)
+{
+    const Rotor *rotor = composite_rotor(c);
+    const Stop *stop = rotor->stops + which;
+    double displacement[2], *stop_states = rotor_stop_states(c->parts->unit) + STOP_DOUBLES * which;
+    restraint_displacement(stop->rows, rotor->stations, c->parts->unit->memory + MOTION, displacement);
+    set_stop(stop_states, kind == STOP_TOUCHED ? STOP_PRESSES
+                          : kind == STOP_LETS_GO && hypotenuse(displacement[0], displacement[1]) > stop->gap
+                              ? STOP_BEYOND
+                              : STOP_APART);
 }
 
 void one_piece_pass_event(Unit *unit)
@@ -182,6 +225,11 @@ void one_piece_pass_event(Unit *unit)
         stop_group(c, which);
     } else if (one_piece->event == SLIDER_STOPS && which < phase->slider_count) {
         one_piece_stop_slider(c, which);
+    } else if ((one_piece->event == STROKE_ENDS || one_piece->event == STROKE_BEGINS) && which < phase->slider_count) {
+        change_stroke(c, which);
+    } else if (one_piece->event >= STOP_TOUCHED && one_piece->event <= STOP_LEFT &&
+               which < composite_rotor(c)->stop_count) {
+        change_stop(c, which, (EventKind)one_piece->event);
     }
     one_piece->undecided = one_piece->event != NO_EVENT ? 1.0 : one_piece->undecided;
     one_piece->event = NO_EVENT;

@@ -3,6 +3,7 @@
 #include "constants.h"
 #include "contact/spacing.h"
 #include "coupling/composite.h"
+#include "machine/restraints.h"
 
 static int weights_of(const Composite *c)
 {
@@ -34,7 +35,11 @@ int one_piece_allocate_phases(Unit *unit)
 bool one_piece_is_eventful(const Composite *c)
 {
     int k;
-    bool found = composite_rotor(c)->slider_count > 0;
+    const Rotor *rotor = composite_rotor(c);
+    bool found = rotor->slider_count > 0 || rotor->stop_count > 0;
+    for (k = 0; k < rotor->cubic_count; k++) {
+        found |= rotor->cubics[k].limit > 0.0;
+    }
     for (k = 1; k < c->parts_without_motor; k++) {
         const Balls *balls = part_balls(c->parts + k);
         found |= balls && balls->track.eventful;
@@ -72,6 +77,7 @@ void one_piece_make_phase(const Composite *c, Machine *m)
             own->place = slider_place(slider);
             own->limit = slider->limit * t * t;
             own->stiffness = slider->stiffness * t * t;
+            own->stroke = slider->stroke;
             phase->slider_count++;
         }
     }
@@ -139,11 +145,18 @@ void one_piece_load_phase(const Composite *c, Machine *m, const double *states)
     }
     for (k = 0; k < phase->slider_count; k++) {
         PhaseSlider *own = phase->sliders + k;
-        own->slip = slider_states[2 * own->number + SLIPS];
-        own->force = slider_states[2 * own->number + HOLDS] * m->per_rate * m->per_rate;
+        const double *kept_of = slider_states + SLIDER_DOUBLES * own->number;
+        own->slip = kept_of[SLIPS];
+        own->force = kept_of[HOLDS] * m->per_rate * m->per_rate;
+        own->side = (int)kept_of[SIDE];
+        own->play = kept_of[PLAY];
         if (own->slip != 0.0) {
             own->force = -own->slip * own->limit;
         }
+    }
+    for (k = 0; m->restraints && k < m->restraints->stop_count; k++) {
+        const double *stop_states = states + (rotor_stop_states(c->parts->unit) - c->states);
+        m->restraints->stops[k].state = (int)stop_states[STOP_DOUBLES * k + STOP_STATE];
     }
     phase_group(m);
 }
@@ -160,6 +173,23 @@ void one_piece_place_sliders(const Composite *c, int order, double time)
         for (j = last - 1; j >= 0; j--) {
             force = force * time + own->hold[j];
         }
-        slider_states[2 * own->number + HOLDS] = force * m->rate * m->rate;
+        slider_states[SLIDER_DOUBLES * own->number + HOLDS] = force * m->rate * m->rate;
+        if (phase_slider_is_loose(own)) {
+            const Pair *motion = m->motion + own->place / 2;
+            const double moved = pair_at(machine_at(motion, m->width, order, time), own->place % 2) -
+                                 pair_at(motion[0], own->place % 2);
+            slider_states[SLIDER_DOUBLES * own->number + PLAY] = own->play + moved;
+        }
+    }
+}
+
+void one_piece_place_stops(const Composite *c, int order, double time)
+{
+    const Machine *m = &c->pieces.step;
+    double *stop_states = rotor_stop_states(c->parts->unit);
+    int k;
+    for (k = 0; k < m->restraints->stop_count; k++, stop_states += STOP_DOUBLES) {
+        const double largest = restraints_largest(m->restraints->stops + k, order - 2, time) * m->rate * m->rate;
+        stop_states[STOP_LARGEST] = larger(stop_states[STOP_LARGEST], largest);
     }
 }

@@ -19,7 +19,7 @@ double one_piece_step_tolerance(const Unit *unit)
 {
     const Composite *c = unit->own;
     const double share = c->pieces.share > 0.0 ? c->pieces.share : 1.0;
-    const bool is_linear = !c->force_count && !c->motor && !c->pieces.is_eventful;
+    const bool is_linear = !c->force_count && !c->motor && !c->pieces.is_eventful && !c->pieces.step.restraints;
     return is_linear ? OF_LINEAR : larger(TIGHTEST, SERIES_SHARE * share * unit->real[c->tolerance]);
 }
 
@@ -266,6 +266,9 @@ void one_piece_stand_at(Unit *unit, double time)
     }
     if (c->pieces.is_eventful) {
         one_piece_place_sliders(c, order, time);
+    }
+    if (m->restraints) {
+        one_piece_place_stops(c, order, time);
     }
     if (c->motor) {
         angle_turn(c->motor->unit->memory, turned);

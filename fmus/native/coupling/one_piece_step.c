@@ -27,6 +27,16 @@ static void ends_of_table(const Composite *c, int line, double *ends)
     ends[1] = line < b->speed_count - 2 ? b->speeds[line + 1] * per_rate : infinity();
 }
 
+static int fail_as_beyond(Unit *unit)
+{
+    const Composite *c = unit->own;
+    const int which = (int)c->course->one_piece.which;
+    return unit_fail(unit, "rotor.cubic[%u]: the displacement has reached %6 m at t = %6 s, its limit: a spring that "
+                     "softens pulls less and less beyond it; the rotor needs stiffer supports, or less unbalance",
+                     (unsigned long)which + 1, composite_rotor(c)->cubics[which].limit,
+                     unit_host_time(unit, c->course->clock.time));
+}
+
 /* Go to the end of the step; 1 with the reason. */
 static int finish(Unit *unit)
 {
@@ -42,6 +52,9 @@ static int finish(Unit *unit)
         const int corner = (int)larger(0.0, one_piece->line + (one_piece->leaves > 0.0));
         c->motor->unit->memory[ANGLE_SIZE] = motor->points[2 * corner];
         one_piece->line = smaller(one_piece->line + one_piece->leaves, motor->count - 2.0);
+    }
+    if (one_piece->event == SPRING_ENDS) {
+        return fail_as_beyond(unit);
     }
     if (c->pieces.is_eventful) {
         one_piece_pass_event(unit);
@@ -194,6 +207,9 @@ static int open_step(Unit *unit, double *length, double *end)
         if (course->one_piece.event == NO_EVENT) {
             return fail_as_too_fast(unit);
         }
+        if (course->one_piece.event == SPRING_ENDS) {
+            return fail_as_beyond(unit);
+        }
         one_piece_pass_event(unit);
         begin_step(unit);
     }
@@ -216,7 +232,8 @@ int one_piece_prepare(Unit *unit, double *angle, bool *is_wanted)
 {
     Pieces *pieces = &((Composite *)unit->own)->pieces;
     pieces->is_begun = *is_wanted = false;
-    if (one_piece_is_eventful(unit->own) || pieces->rings || composite_rotor(unit->own)->rotor.bearings.count) {
+    if (one_piece_is_eventful(unit->own) || pieces->rings || pieces->step.restraints ||
+        composite_rotor(unit->own)->rotor.bearings.count) {
         return 0; /* it goes on alone */
     }
     if (begin_next(unit)) {

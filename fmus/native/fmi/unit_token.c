@@ -8,12 +8,12 @@
 enum { WORD_SIZE = 32, DIGITS = 16, SIGNATURE = 2 * DIGITS + 1 };
 
 /* Sizes of a unit: products of four of them fit an int. */
-enum { SIZE_COUNT = 12 };
+enum { SIZE_COUNT = 14 };
 static const Count SIZES[SIZE_COUNT] = {
     {"stations", 1, 1000}, {"planes", 1, 1000},  {"unbalances", 1, 10000}, {"weights", 1, 10000},
     {"sliders", 1, 1000},  {"points", 2, 10000}, {"unequal", 1, 1},       {"tables", 1, 1000},
-    {"speeds", 2, 10000},  {"supports", 1, 2},   {"feet", 1, 1000},
-    {"lobes", 1, 1000}};
+    {"speeds", 2, 10000},  {"supports", 1, 2},   {"feet", 1, 1000},      {"cubics", 1, 1000},
+    {"stops", 1, 1000},    {"lobes", 1, 1000}};
 
 /* -- a unit and its sizes --------------------------------------------------------------------- */
 
@@ -77,7 +77,8 @@ static int read_size(const char *key, const char *value, Sizes *sizes, Text *rea
 {
     int *const places[SIZE_COUNT] = {&sizes->stations, &sizes->planes, &sizes->unbalances, &sizes->weights,
                                      &sizes->sliders,  &sizes->points, &sizes->unequal,    &sizes->tables,
-                                     &sizes->speeds,   &sizes->supports, &sizes->feet,   &sizes->lobes};
+                                     &sizes->speeds,   &sizes->supports, &sizes->feet,     &sizes->cubics,
+                                     &sizes->stops,    &sizes->lobes};
     int k;
     for (k = 0; k < SIZE_COUNT; k++) {
         if (text_equal(SIZES[k].key, key)) {
@@ -142,7 +143,7 @@ static int read_options(const char *token, const Table **table, Sizes *sizes, Te
 
 int token_read(const char *token, const Table **table, Sizes *sizes, Text *reason)
 {
-    const Sizes none = {1, 1, 1, 1, 0, 2, 0, 2, 0, 0, 0, 0, 0};
+    const Sizes none = {1, 1, 1, 1, 0, 2, 0, 2, 0, 0, 0, 0, 0, 0, 0};
     *sizes = none;
     text_format(reason, "identity '%s': ", token ? token : "");
     if (!token || strlen(token) >= TOKEN_SIZE) {

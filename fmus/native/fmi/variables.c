@@ -36,8 +36,8 @@ static size_t repeats(int repeat, const Sizes *sizes)
         return sizes->unequal ? (size_t)sizes->weights : 0;
     case SIZE_SLIDERS:
         return (size_t)sizes->sliders;
-    case SIZE_SLIDING: /* once, where there are sliders */
-        return sizes->sliders > 0;
+    case SIZE_SLIDING: /* once, where there are sliders or stops */
+        return sizes->sliders > 0 || sizes->stops > 0;
     case SIZE_POINTS:
         return (size_t)sizes->points;
     case SIZE_LOBES:
@@ -50,6 +50,10 @@ static size_t repeats(int repeat, const Sizes *sizes)
         return (size_t)sizes->feet;
     case SIZE_FORCES:
         return (size_t)(sizes->supports + sizes->feet);
+    case SIZE_CUBICS:
+        return (size_t)sizes->cubics;
+    case SIZE_STOPS:
+        return (size_t)sizes->stops;
     case SIZE_TRIANGLE:
         return free * (free + 1) / 2;
     case SIZE_SQUARE:
@@ -62,6 +66,10 @@ static size_t repeats(int repeat, const Sizes *sizes)
         return (stations > 2 ? free : 1) * stations;
     case SIZE_TABLE_ROWS:
         return (size_t)sizes->tables * stations;
+    case SIZE_CUBIC_ROWS:
+        return (size_t)sizes->cubics * stations;
+    case SIZE_STOP_ROWS:
+        return (size_t)sizes->stops * stations;
     case SIZE_TABLE_SPEEDS:
         return (size_t)sizes->tables * (size_t)sizes->speeds;
     case SIZE_FORCE_ROWS:

@@ -13,8 +13,10 @@
 
 /* How often a block of variables stands there. */
 enum { SIZE_ONE, SIZE_TWO, SIZE_STATIONS, SIZE_PLANES, SIZE_UNBALANCES, SIZE_WEIGHTS, SIZE_UNEQUAL, SIZE_SLIDERS,
-       SIZE_SLIDING, SIZE_POINTS, SIZE_LOBES, SIZE_SPEEDS, SIZE_SUPPORTS, SIZE_FEET, SIZE_FORCES, SIZE_TRIANGLE, SIZE_SQUARE, SIZE_PLANE_ROWS, SIZE_UNBALANCE_ROWS,
-       SIZE_BENDING_ROWS, SIZE_TABLE_ROWS, SIZE_TABLE_SPEEDS, SIZE_FORCE_ROWS };
+       SIZE_SLIDING, SIZE_POINTS, SIZE_LOBES, SIZE_SPEEDS, SIZE_SUPPORTS, SIZE_FEET, SIZE_FORCES, SIZE_CUBICS,
+       SIZE_STOPS,
+       SIZE_TRIANGLE, SIZE_SQUARE, SIZE_PLANE_ROWS, SIZE_UNBALANCE_ROWS, SIZE_BENDING_ROWS, SIZE_TABLE_ROWS,
+       SIZE_CUBIC_ROWS, SIZE_STOP_ROWS, SIZE_TABLE_SPEEDS, SIZE_FORCE_ROWS };
 
 enum { HAS_MINIMUM = 1, ABOVE_MINIMUM = 2, START_VARIES = 4, TUNABLE = 8 };
 
@@ -56,6 +58,7 @@ typedef struct {
     int stations, planes, unbalances, weights, sliders, points;
     int tables, speeds; /* of bearings that change with the speed, and rows of each */
     int supports, feet; /* of a rotor, whose forces are outputs */
+    int cubics, stops;  /* springs that are not linear, and stops */
     int fixed_frame; /* signals along fixed axes */
     int unequal;     /* weights each with a mass, drag and radius of its own */
     int lobes;       /* kinds of lobes of a race that is not round */

@@ -95,7 +95,8 @@ typedef struct {
     Number *rows;        /* (tracks, n) where waves make stations more than the rotor has */
     struct MachineRing *rings; /* of rings.h */
     double *root;        /* (K + 1,) series of the root of the speed, where a wave is damped by viscosity */
-    struct Phase *phase; /* of phase.h, where weights can touch or stick, or supports stick; NULL: they cannot */
+    struct Restraints *restraints; /* of restraints.h: cubic springs and stops; NULL: there are none */
+    struct Phase *phase; /* of phase.h, where weights can touch or stick, or supports stick or have stops; NULL: they cannot */
 } Machine;
 
 /* -- allocate.c --------------------------------------------------------------------------------- */

@@ -49,6 +49,9 @@ typedef struct {
     int number;   /* among those of the rotor */
     int place;    /* of its displacement among the unknowns */
     double limit, stiffness; /* in the machine's time; a stiffness of 0: it is rigid */
+    double stroke; /* half of the free stroke [m] */
+    int side;      /* of its contact where it has a free stroke; 0: within it */
+    double play;   /* displacement from the middle of the stroke there, at the start [m] */
     double slip;  /* way it slips; 0: it sticks */
     double force; /* on the rotor, at the start */
     double known; /* right-hand side of the row it has taken */
@@ -86,6 +89,8 @@ void phase_solve(const Machine *machine, double *right);
 void phase_push_weights(Machine *machine, int k, Pair spun_twice);
 void phase_push_shaft(Machine *machine, int k);
 void phase_push_sliders(Machine *machine, int k);
+/* Whether a slider sticks within its free stroke. */
+bool phase_slider_is_loose(const PhaseSlider *slider);
 /* Coefficients of order k from the solution. */
 void phase_take(Machine *machine, int k, double speed_gained);
 
@@ -125,10 +130,11 @@ int phase_collide(Machine *machine, double angle, double *memory, Failure *failu
 
 typedef enum {
     NO_EVENT, GAP_SHUTS, CONTACT_PULLS, WEIGHT_STOPS, WEIGHT_LETS_GO, WALL_CHANGES, SLIDER_STOPS, SLIDER_LETS_GO,
+    STROKE_ENDS, STROKE_BEGINS, STOP_TOUCHED, STOP_LETS_GO, STOP_LEFT, SPRING_ENDS,
     EVENT_KINDS
 } EventKind;
 
-/* What ends a phase, and of which weight or slider. */
+/* What ends a phase, and of which weight, slider, stop or spring. */
 typedef struct {
     EventKind kind;
     int which;

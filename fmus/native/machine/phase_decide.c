@@ -5,6 +5,7 @@
    index, which ends where the matrix of responses is a P-matrix (Murty 1974). */
 #include "base/elementary.h"
 #include "machine/phase.h"
+#include "machine/restraints.h"
 
 enum { INSTANT_ORDER = 2, MOST_PIVOTS = 400 };
 #define HOLD_ROUNDING 1e-12 /* of a slider's limit: what it may hold beyond */
@@ -188,6 +189,9 @@ int phase_decide(Machine *m, double angle)
 {
     struct Phase *phase = m->phase;
     int w, pivot;
+    if (m->restraints) {
+        restraints_settle(m);
+    }
     for (w = 0; w < m->weight_count; w++) {
         phase->weights[w].touches = phase->weights[w].joined;
     }

@@ -4,6 +4,7 @@
 #include "base/elementary.h"
 #include "base/polynomial_fall.h"
 #include "machine/phase.h"
+#include "machine/restraints.h"
 
 #define GAP_SLACK 1e-14  /* rad: a gap closes when it is less than 0 by more than this */
 #define RATE_SLACK 1e-15 /* of what a weight turns by in the machine's time: a rate that is rounding */
@@ -105,6 +106,23 @@ static void look_at_group(Search *search, int g)
     }
 }
 
+/* Whether a slider comes to either end of its free stroke. */
+static void look_at_stroke(Search *search, int which)
+{
+    const Machine *m = search->machine;
+    const PhaseSlider *slider = m->phase->sliders + which;
+    const int place = slider->place;
+    double *series = m->phase->series, way;
+    int k;
+    for (way = -1.0; way <= 1.0; way += 2.0) {
+        for (k = 1; k <= search->order; k++) {
+            series[k] = -way * pair_at(m->motion[k * m->width + place / 2], place % 2);
+        }
+        series[0] = larger(0.0, slider->stroke - way * slider->play);
+        look(search, search->order, STROKE_ENDS, which);
+    }
+}
+
 static void look_at_slider(Search *search, int which)
 {
     const Machine *m = search->machine;
@@ -120,12 +138,86 @@ static void look_at_slider(Search *search, int which)
         look(search, search->order - 1, SLIDER_STOPS, which);
         return;
     }
+    if (phase_slider_is_loose(slider)) {
+        look_at_stroke(search, which);
+        return;
+    }
+    if (slider->stroke > 0.0) {
+        for (k = 0; k <= order; k++) {
+            series[k] = -slider->side * slider->hold[k];
+        }
+        series[0] = larger(0.0, series[0]);
+        look(search, order, STROKE_BEGINS, which);
+    }
     for (way = -1.0; way <= 1.0; way += 2.0) {
         for (k = 0; k <= order; k++) {
             series[k] = way * slider->hold[k];
         }
         series[0] = larger(0.0, series[0] + slider->limit) + LIMIT_SLACK * slider->limit;
         look(search, order, SLIDER_LETS_GO, which);
+    }
+}
+
+/* How far the square of a distance is below that of another one, `way` 1, or above it, -1. */
+static void look_at_distance(Search *search, const RestraintSeries *one, double limit, double way, EventKind kind,
+                             int which)
+{
+    double *series = search->machine->phase->series;
+    int k;
+    for (k = 0; k <= search->order; k++) {
+        series[k] = -way * restraint_square(one, k);
+    }
+    series[0] = larger(0.0, series[0] + way * limit * limit);
+    look(search, search->order, kind, which);
+}
+
+/* How far the force of a stop is above 0, `way` 1, or below it, -1. */
+static void look_at_pressure(Search *search, const RestraintSeries *one, double way, EventKind kind, int which)
+{
+    double *series = search->machine->phase->series;
+    const int order = search->order - 2;
+    int k;
+    for (k = 0; k <= order; k++) {
+        series[k] = way * one->pressure[k];
+    }
+    series[0] = larger(0.0, series[0]);
+    look(search, order, kind, which);
+}
+
+static void look_at_stop(Search *search, int which)
+{
+    Machine *m = search->machine;
+    MachineStop *stop = m->restraints->stops + which;
+    int k;
+    if (stop->state == STOP_PRESSES) {
+        look_at_pressure(search, &stop->series, 1.0, STOP_LETS_GO, which);
+        return;
+    }
+    restraints_complete(m, &stop->series, stop->stop.rows, search->order);
+    if (stop->state == STOP_APART) {
+        look_at_distance(search, &stop->series, stop->stop.gap, 1.0, STOP_TOUCHED, which);
+        return;
+    }
+    for (k = 0; k <= search->order - 2; k++) {
+        stop_series_pressure(&stop->stop, &stop->series, k);
+    }
+    look_at_distance(search, &stop->series, stop->stop.gap, -1.0, STOP_LEFT, which);
+    look_at_pressure(search, &stop->series, -1.0, STOP_TOUCHED, which);
+}
+
+static void look_at_restraints(Search *search)
+{
+    Machine *m = search->machine;
+    int k;
+    for (k = 0; k < m->restraints->stop_count; k++) {
+        look_at_stop(search, k);
+    }
+    for (k = 0; k < m->restraints->cubic_count; k++) {
+        MachineCubic *cubic = m->restraints->cubics + k;
+        if (cubic->spring.limit > 0.0) {
+            restraints_complete(m, &cubic->series, cubic->spring.rows, search->order);
+            look_at_distance(search, &cubic->series, cubic->spring.limit, 1.0, SPRING_ENDS, k);
+        }
     }
 }
 
@@ -148,6 +240,9 @@ PhaseEvent phase_first_event(Machine *m, int order, double *length)
     }
     for (k = 0; k < phase->slider_count; k++) {
         look_at_slider(&search, k);
+    }
+    if (m->restraints) {
+        look_at_restraints(&search);
     }
     *length = search.until;
     return search.event;

@@ -245,6 +245,11 @@ void phase_push_shaft(Machine *m, int k)
     }
 }
 
+bool phase_slider_is_loose(const PhaseSlider *slider)
+{
+    return slider->stroke > 0.0 && slider->slip == 0.0 && slider->side == 0;
+}
+
 void phase_push_sliders(Machine *m, int k)
 {
     const struct Phase *phase = m->phase;
@@ -253,7 +258,7 @@ void phase_push_sliders(Machine *m, int k)
         PhaseSlider *slider = phase->sliders + j;
         const int place = slider->place, sticks = slider->slip == 0.0;
         slider->hold[k] = k == 0 ? slider->force : 0.0;
-        if (sticks && slider->stiffness > 0.0 && k > 0) {
+        if (sticks && slider->stiffness > 0.0 && k > 0 && !phase_slider_is_loose(slider)) {
             slider->hold[k] = -slider->stiffness * pair_at(m->motion[k * m->width + place / 2], place % 2);
         }
         if (sticks && slider->stiffness == 0.0) {

@@ -3,6 +3,7 @@
 #include "machine/machine.h"
 #ifndef SIDE_BY_SIDE /* machines with events go on alone */
 #include "machine/phase.h"
+#include "machine/restraints.h"
 #include "machine/rings.h"
 #endif
 
@@ -264,10 +265,13 @@ void machine_start(Machine *m, Number angle)
     factorise(m);
 }
 
-/* What holds together, and what sticks, once all else is known. */
+/* What restrains the rotor, what holds together, and what sticks, once all else is known. */
 static void push_events(Machine *m, int k)
 {
 #ifndef SIDE_BY_SIDE
+    if (m->restraints) {
+        restraints_push(m, k);
+    }
     if (m->phase && m->drive.motor) {
         phase_push_shaft(m, k);
     }

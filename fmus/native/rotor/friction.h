@@ -9,20 +9,26 @@ typedef struct {
     int station, axis; /* from 0 */
     double limit;      /* force at which it slips [N]; 0: there is none */
     double stiffness;  /* of a spring in series [N/m]; 0: none, the slider is rigid */
+    double stroke;     /* half of the free stroke on the way to that spring, and the displacement in its */
+    double centre;     /* middle at the start, unless that lies outside [m] */
 } Slider;
 
-/* What friction remembers of each slider, in pairs: the direction in which it slips, -1 or 1, 0 while
-   it sticks; and its force on the rotor [N]. */
-enum { SLIPS, HOLDS };
+/* What friction remembers of each slider: the direction in which it slips, -1 or 1, 0 while it sticks; its
+   force on the rotor [N]; and with a free stroke the side on which its spring is in contact, -1 or 1, 0
+   while it is within the stroke, and the displacement from the middle of the stroke there [m]. */
+enum { SLIPS, HOLDS, SIDE, PLAY, SLIDER_DOUBLES };
 
 /* Where a slider's displacement is among those of the stations. */
 int slider_place(const Slider *slider);
 bool slider_is_rigid(const Slider *slider);
+/* Whether it sticks within its free stroke, without force. */
+bool slider_is_loose(const Slider *slider, const double *slider_state);
 
 /* Sliders with slack springs; rigid ones slip with the rotor where it moves.
 
-   rates: velocities of the stations. */
-void friction_at_start(const Slider *sliders, int count, const double *rates, double *slider_states);
+   places, rates: displacements and velocities of the stations. */
+void friction_at_start(const Slider *sliders, int count, const double *places, const double *rates,
+                       double *slider_states);
 
 
 #endif

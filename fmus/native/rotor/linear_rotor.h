@@ -47,7 +47,7 @@ typedef struct {
     double *deflection;                /* (d, n) */
     Bearings bearings;                 /* beside those in the matrices */
     double gravity[2]; /* acceleration of what falls, x and y [m/s^2] */
-    bool sliders;      /* whether its supports have dry friction, each axis its own */
+    bool sliders;      /* whether its supports have dry friction, stops or cubic springs, which set axes apart */
     bool crossed;      /* whether any of the cross terms is not 0 */
 } LinearRotor;
 

@@ -5,8 +5,10 @@
 #include "rotor/first_fall.h"
 
 enum { TERMS = MOST_COEFFICIENTS - 1 }; /* 0.5^18/18! is far below rounding */
+enum { RESTRAINT_TERMS = TERMS + 3 };
 enum { MOST_STRETCHES = 10000, MOST_SWEEPS = 10000, DERIVATIVES = 3 };
 static const double REACH = 0.5, SWEEP_CONVERGED = 1e-15;
+static const double ROUNDING_OF_TERMS = 1e-17; /* of the largest term of a stretch */
 static const double LIMIT_ROUNDING = 1e-12; /* of a limit: a force so near to it has reached it */
 
 static int doubles_of_row(int stations, int planes)
@@ -14,12 +16,18 @@ static int doubles_of_row(int stations, int planes)
     return 4 * stations + 2 * planes + 2;
 }
 
-size_t taylor_step_size(int stations, int planes, int count)
+size_t holds_doubles(const Holds *holds)
 {
-    const size_t half = 2 * (size_t)stations, m = (size_t)count, terms = TERMS + 1;
+    return SLIDER_DOUBLES * (size_t)holds->slider_count + STOP_DOUBLES * (size_t)holds->stop_count;
+}
+
+size_t taylor_step_size(int stations, int planes, const Holds *holds)
+{
+    const size_t half = 2 * (size_t)stations, m = (size_t)holds->slider_count, terms = TERMS + 1;
     const size_t length = (size_t)doubles_of_row(stations, planes);
-    return 3 * half * length + half * m + terms * (length + m + 2) +
-           (DERIVATIVES + 2) * half + m * m + 5 * m;
+    const size_t restraints = (size_t)(holds->cubic_count + holds->stop_count);
+    return 3 * half * length + half * m + terms * (length + m + 2) + (DERIVATIVES + 2) * half + m * m + 3 * m +
+           holds_doubles(holds) + restraints * (half + restraint_series_size(RESTRAINT_TERMS));
 }
 
 static double *next_block(double **memory, size_t count)
@@ -98,9 +106,30 @@ static int set_push(const LinearRotor *rotor, TaylorStep *made, double *mass, Fa
                : FINE;
 }
 
-int taylor_step_in(double *memory, const LinearRotor *rotor, const Slider *sliders, int count,
-                   double *scratch, TaylorStep *made, Failure *failure)
+/* Acceleration of every place by a force across the row of each cubic spring and stop. */
+static int set_answers(const LinearRotor *rotor, TaylorStep *made, double *mass, Failure *failure)
 {
+    const Holds *holds = &made->holds;
+    const int n = rotor->stations;
+    int j;
+    for (j = 0; j < holds->cubic_count + holds->stop_count; j++) {
+        const double *rows =
+            j < holds->cubic_count ? holds->cubics[j].rows : holds->stops[j - holds->cubic_count].rows;
+        double *answer = made->answers + j * made->half;
+        matrix_per_axis(1, 2, n, n, rotor->mass, mass);
+        copy_doubles((size_t)made->half, rows, answer);
+        if (matrix_solve(1, 2 * n, 1, mass, answer)) {
+            return fail(failure, SINGULAR_MATRIX);
+        }
+    }
+    return FINE;
+}
+
+int taylor_step_in(double *memory, const LinearRotor *rotor, const Holds *holds, double *scratch, TaylorStep *made,
+                   Failure *failure)
+{
+    const Slider *sliders = holds->sliders;
+    const int count = holds->slider_count;
     const int n = rotor->stations, p = rotor->plane_count, isotropic = linear_rotor_isotropic(rotor);
     const size_t m = (size_t)count, half = 2 * (size_t)n, terms = TERMS + 1;
     const size_t length = (size_t)doubles_of_row(n, p);
@@ -126,8 +155,11 @@ int taylor_step_in(double *memory, const LinearRotor *rotor, const Slider *slide
     made->faster = next_block(&memory, (DERIVATIVES + 1) * half);
     made->mobility = next_block(&memory, m * m);
     made->hold = next_block(&memory, 2 * m);
-    made->slider_states = next_block(&memory, 2 * m);
+    made->slider_states = next_block(&memory, holds_doubles(holds));
     made->limits = next_block(&memory, m);
+    made->holds = *holds;
+    made->answers = next_block(&memory, half * (size_t)(holds->cubic_count + holds->stop_count));
+    made->restraint_data = memory;
     for (i = 0; i < count; i++) {
         for (j = 0; j < i; j++) {
             if (slider_is_rigid(sliders + i) && slider_is_rigid(sliders + j) &&
@@ -142,10 +174,118 @@ int taylor_step_in(double *memory, const LinearRotor *rotor, const Slider *slide
         code = set_push(rotor, made, scratch, failure);
     }
     if (!code) {
+        code = set_answers(rotor, made, scratch, failure);
+    }
+    if (!code) {
         set_norms(made);
     }
     return code;
 }
+
+/* -- cubic springs and stops ------------------------------------------------------------------------ */
+
+/* The series of a cubic spring, or of a stop behind them. */
+static RestraintSeries restraint_of(const TaylorStep *method, int number)
+{
+    return restraint_series_in(
+        method->restraint_data + (size_t)number * restraint_series_size(RESTRAINT_TERMS), RESTRAINT_TERMS);
+}
+
+static double *stop_states_of(const TaylorStep *method, double *slider_states)
+{
+    return slider_states + SLIDER_DOUBLES * method->holds.slider_count;
+}
+
+/* A stop is in this state from now on. */
+static void turn_stop(double *stop_state, int state)
+{
+    stop_state[STOP_TOUCHES] += state == STOP_PRESSES && stop_state[STOP_STATE] != STOP_PRESSES;
+    stop_state[STOP_STATE] = state;
+}
+
+/* Let each stop be in the state that follows from the motion. */
+static void settle_stops(const TaylorStep *method, const double *state, double *slider_states)
+{
+    double *stop_state = stop_states_of(method, slider_states);
+    int k;
+    for (k = 0; k < method->holds.stop_count; k++, stop_state += STOP_DOUBLES) {
+        const Stop *stop = method->holds.stops + k;
+        double across[2], rate[2];
+        restraint_displacement(stop->rows, method->half / 2, state, across);
+        restraint_displacement(stop->rows, method->half / 2, state + method->half, rate);
+        turn_stop(stop_state, stop_state_of(stop, across, rate, (int)stop_state[STOP_STATE]));
+    }
+}
+
+/* Add coefficient k of the accelerations by cubic springs and stops over a stretch h. */
+static void add_restraints(TaylorStep *method, const double *slider_states, int k, double h, const double *motion)
+{
+    const Holds *holds = &method->holds;
+    const int n = method->half / 2, count = holds->cubic_count + holds->stop_count;
+    const double *stop_state = slider_states + SLIDER_DOUBLES * holds->slider_count;
+    int j, i;
+    for (j = 0; j < count; j++) {
+        const int number = j - holds->cubic_count;
+        RestraintSeries series = restraint_of(method, j);
+        double force[2] = {0.0, 0.0}, across[2];
+        if (number < 0) {
+            restraint_displacement(holds->cubics[j].rows, n, motion, across);
+            restraint_displace(&series, k, across);
+            cubic_series_force(holds->cubics + j, &series, k, force);
+        } else {
+            Stop stop = holds->stops[number];
+            if (k == 0) {
+                restraint_displacement(stop.rows, n, motion, across);
+                restraint_displace(&series, 0, across);
+            }
+            restraint_displacement(stop.rows, n, motion + method->half, across);
+            across[0] *= h / (k + 1);
+            across[1] *= h / (k + 1);
+            restraint_displace(&series, k + 1, across);
+            stop.damping /= h;
+            if (stop_state[STOP_DOUBLES * number + STOP_STATE] == STOP_PRESSES) {
+                stop_series_force(&stop, &series, k, force);
+            } else if (stop_state[STOP_DOUBLES * number + STOP_STATE] == STOP_BEYOND) {
+                stop_series_pressure(&stop, &series, k);
+            }
+        }
+        for (i = 0; i < method->half; i++) {
+            method->rate[i] += method->answers[j * method->half + i] * force[i % 2];
+        }
+    }
+}
+
+/* The part of a stretch over which the terms left out are below rounding. */
+static double part_in_reach(const TaylorStep *method)
+{
+    static const double SHORTER = 0.9;
+    const int half = method->half;
+    double part = 1.0;
+    int which, k, i;
+    if (!method->holds.cubic_count && !method->holds.stop_count) {
+        return part;
+    }
+    for (which = 0; which < 2; which++) {
+        double size = 0.0, last = 0.0;
+        for (k = 0; k <= TERMS; k++) {
+            for (i = 0; i < half; i++) {
+                const double term = absolute(method->series[k * method->length + which * half + i]);
+                size = larger(size, term);
+                last = k >= TERMS - 1 ? larger(last, term) : last;
+            }
+        }
+        while (last > ROUNDING_OF_TERMS * size) {
+            int power;
+            part *= SHORTER;
+            for (power = 0; power < TERMS - 1; power++) {
+                last *= SHORTER;
+            }
+        }
+    }
+    return part;
+}
+
+/* -- stretches -------------------------------------------------------------------------------------- */
 
 double taylor_stretch(const TaylorStep *method, const Excitation *excitation, double t)
 {
@@ -166,7 +306,7 @@ double taylor_stretch(const TaylorStep *method, const Excitation *excitation, do
 /* Whether a slider is held by a constraint: rigid, and it sticks. */
 static bool is_fixed(const TaylorStep *method, const double *slider_states, int j)
 {
-    return slider_is_rigid(method->sliders + j) && slider_states[2 * j + SLIPS] == 0.0;
+    return slider_is_rigid(method->sliders + j) && slider_states[SLIDER_DOUBLES * j + SLIPS] == 0.0;
 }
 
 /* Forces of rigid sliders that stick, from the rates without them, which become 0 there. */
@@ -216,19 +356,21 @@ static void set_forces(TaylorStep *method, const double *slider_states, int k, d
     int j;
     for (j = 0; j < method->count; j++) {
         const Slider *slider = method->sliders + j;
-        const int sticks = slider_states[2 * j + SLIPS] == 0.0, place = slider_place(slider);
+        const double *own = slider_states + SLIDER_DOUBLES * j;
+        const int sticks = own[SLIPS] == 0.0, place = slider_place(slider);
         if (k) {
-            forces[j] = sticks ? -slider->stiffness * motion[place] : 0.0;
+            forces[j] = sticks && !slider_is_loose(slider, own) ? -slider->stiffness * motion[place] : 0.0;
         } else if (sticks && slider_is_rigid(slider)) {
             forces[j] = motion[method->half + place] = 0.0;
         } else {
-            forces[j] = slider_states[2 * j + HOLDS];
+            forces[j] = own[HOLDS];
         }
     }
 }
 
 /* Coefficient k of the acceleration, without the sliders that stick. */
-static void set_rate(TaylorStep *method, const SpinSeries *spin, int k, const double *motion)
+static void set_rate(TaylorStep *method, const SpinSeries *spin, int k, double h, const double *slider_states,
+                     const double *motion)
 {
     const int parts = method->parts, dof = method->dof, m = method->count;
     const int length = method->length, width = length / parts;
@@ -253,6 +395,7 @@ static void set_rate(TaylorStep *method, const SpinSeries *spin, int k, const do
             add_multiple(1, method->half, spin->speed + back, method->faster, rate);
         }
     }
+    add_restraints(method, slider_states, k, h, motion);
 }
 
 /* Taylor coefficients of motion and friction over a stretch h from t on. */
@@ -270,7 +413,7 @@ static int set_series(TaylorStep *method, const double *state, const double *sli
     for (k = 0; k <= terms; k++, motion += length) {
         const double factor = h / (k + 1);
         set_forces(method, slider_states, k, motion);
-        set_rate(method, &spin, k, motion);
+        set_rate(method, &spin, k, h, slider_states, motion);
         if (hold_fixed(method, slider_states, method->rate, method->forces + k * method->count)) {
             return fail(failure, SINGULAR_MATRIX);
         }
@@ -288,15 +431,16 @@ int taylor_resolve(TaylorStep *method, const double *state, double *slider_state
     const int m = method->count, half = method->half;
     double *found = method->hold, *free = method->hold + m, *without = method->slider_states;
     int j, k, resting = 0, sweep, code, settled = 0;
-    copy_doubles(2 * (size_t)m, slider_states, without);
+    settle_stops(method, state, slider_states);
+    copy_doubles(holds_doubles(&method->holds), slider_states, without);
     for (j = 0; j < m; j++) {
         const Slider *slider = method->sliders + j;
         method->limits[j] = 0.0;
-        if (slider_is_rigid(slider) && (slider_states[2 * j + SLIPS] == 0.0 ||
+        if (slider_is_rigid(slider) && (slider_states[SLIDER_DOUBLES * j + SLIPS] == 0.0 ||
                                         state[half + slider_place(slider)] == 0.0)) {
             method->limits[j] = slider->limit;
-            without[2 * j + SLIPS] = 1.0; /* as if without them */
-            without[2 * j + HOLDS] = 0.0;
+            without[SLIDER_DOUBLES * j + SLIPS] = 1.0; /* as if without them */
+            without[SLIDER_DOUBLES * j + HOLDS] = 0.0;
             resting++;
         }
     }
@@ -326,9 +470,9 @@ int taylor_resolve(TaylorStep *method, const double *state, double *slider_state
     }
     for (j = 0; j < m; j++) {
         if (method->limits[j] > 0.0) {
-            slider_states[2 * j + SLIPS] =
+            slider_states[SLIDER_DOUBLES * j + SLIPS] =
                 absolute(found[j]) < method->limits[j] ? 0.0 : -copy_sign(1.0, found[j]);
-            slider_states[2 * j + HOLDS] = found[j];
+            slider_states[SLIDER_DOUBLES * j + HOLDS] = found[j];
         }
     }
     return FINE;
@@ -356,16 +500,86 @@ static double limit_acceleration(const TaylorStep *method, int j)
     return method->push[place * method->count + j] * limits;
 }
 
-/* When, as a fraction of a stretch [s], which slider changes first: -1 for none. */
+static void keep_first(const double *function, const double *rounding, int number, double *first, int *which)
+{
+    const double found = find_first_fall(function, TERMS + 1, *first, rounding);
+    if (found < *first) {
+        *first = found;
+        *which = number;
+    }
+}
+
+/* Ends of the free strokes, and springs that become slack behind them. */
+static void look_at_strokes(const TaylorStep *method, const double *slider_states, double *first, int *which)
+{
+    static const double none[3] = {0.0, 0.0, 0.0};
+    const int m = method->count;
+    double function[TERMS + 1];
+    int j, k, side;
+    for (j = 0; j < m; j++) {
+        const Slider *slider = method->sliders + j;
+        const double *own = slider_states + SLIDER_DOUBLES * j;
+        const double *column = method->series + slider_place(slider);
+        for (side = -1; side <= 1 && slider_is_loose(slider, own); side += 2) {
+            for (k = 1; k <= TERMS; k++) {
+                function[k] = -side * column[k * method->length];
+            }
+            function[0] = larger(0.0, slider->stroke - side * own[PLAY]);
+            keep_first(function, none, j, first, which);
+        }
+        if (slider->stroke > 0.0 && own[SLIPS] == 0.0 && own[SIDE] != 0.0) {
+            read_column(method->forces + j, m, -own[SIDE], 0.0, function);
+            function[0] = larger(0.0, function[0]);
+            keep_first(function, none, j, first, which);
+        }
+    }
+}
+
+/* Stops that are touched or let go; they are numbered behind the sliders. */
+static void look_at_stops(const TaylorStep *method, const double *slider_states, double *first, int *which)
+{
+    const Holds *holds = &method->holds;
+    const double *own = slider_states + SLIDER_DOUBLES * holds->slider_count;
+    double function[TERMS + 1];
+    int j, k;
+    for (j = 0; j < holds->stop_count; j++, own += STOP_DOUBLES) {
+        const Stop *stop = holds->stops + j;
+        const RestraintSeries series = restraint_of(method, holds->cubic_count + j);
+        const double square = stop->gap * stop->gap, way = own[STOP_STATE] == STOP_APART ? 1.0 : -1.0;
+        const double of_square[3] = {LIMIT_ROUNDING * square, 0.0, 0.0};
+        double of_force[3] = {0.0, 0.0, 0.0};
+        if (own[STOP_STATE] != STOP_PRESSES) {
+            for (k = 0; k <= TERMS; k++) {
+                function[k] = -way * restraint_square(&series, k);
+            }
+            function[0] += way * square;
+            keep_first(function, of_square, holds->slider_count + j, first, which);
+        }
+        if (own[STOP_STATE] != STOP_APART) {
+            const double sign = own[STOP_STATE] == STOP_PRESSES ? 1.0 : -1.0;
+            read_column(series.pressure, 1, sign, 0.0, function);
+            of_force[0] = LIMIT_ROUNDING * stop->stiffness * series.distance[0];
+            keep_first(function, of_force, holds->slider_count + j, first, which);
+        }
+    }
+}
+
+/* When, as a fraction of a stretch [s], which slider or stop changes first: -1 for none. */
 static double find_first_event(const TaylorStep *method, const double *slider_states,
-                               double stretch, int *which)
+                               double stretch, double until, int *which)
 {
     const int m = method->count;
-    double function[TERMS + 1], first = 1.0;
+    double function[TERMS + 1], first = until;
     int j, side;
     *which = -1;
+    look_at_strokes(method, slider_states, &first, which);
+    look_at_stops(method, slider_states, &first, which);
     for (j = 0; j < m; j++) {
-        const double limit = method->sliders[j].limit, slips = slider_states[2 * j + SLIPS];
+        const double *own = slider_states + SLIDER_DOUBLES * j;
+        const double limit = method->sliders[j].limit, slips = own[SLIPS];
+        if (slider_is_loose(method->sliders + j, own)) {
+            continue;
+        }
         /* where a slider starts from rest the first acceleration may be rounding, too */
         const double still = LIMIT_ROUNDING * stretch * limit_acceleration(method, j);
         const double sticking[3] = {LIMIT_ROUNDING * limit, 0.0,
@@ -395,7 +609,15 @@ static int change_sliders(TaylorStep *method, double *state, double *slider_stat
                           Failure *failure)
 {
     const Slider *slider = method->sliders + j;
-    double *friction = slider_states + 2 * j;
+    double *friction = slider_states + SLIDER_DOUBLES * j;
+    if (slider->stroke > 0.0 && friction[SLIPS] == 0.0 && absolute(friction[HOLDS]) < 0.5 * slider->limit) {
+        /* at an end of the free stroke */
+        const double was = friction[SIDE];
+        friction[SIDE] = was != 0.0 ? 0.0 : copy_sign(1.0, friction[PLAY]);
+        friction[PLAY] = (was != 0.0 ? was : friction[SIDE]) * slider->stroke;
+        friction[HOLDS] = 0.0;
+        return FINE;
+    }
     if (friction[SLIPS] == 0.0) {
         friction[SLIPS] = -copy_sign(1.0, friction[HOLDS]);
         friction[HOLDS] = -friction[SLIPS] * slider->limit;
@@ -418,29 +640,69 @@ static double value_at(const double *from, int stride, double s)
     return total;
 }
 
+/* A stop after its event. */
+static void change_stop_at(const TaylorStep *method, const double *state, double *slider_states, int j)
+{
+    const Stop *stop = method->holds.stops + j;
+    double *own = stop_states_of(method, slider_states) + STOP_DOUBLES * j, across[2], rate[2], beyond;
+    restraint_displacement(stop->rows, method->half / 2, state, across);
+    restraint_displacement(stop->rows, method->half / 2, state + method->half, rate);
+    beyond = hypotenuse(across[0], across[1]) - stop->gap;
+    if (own[STOP_STATE] == STOP_APART) {
+        turn_stop(own, STOP_PRESSES);
+    } else if (own[STOP_STATE] == STOP_PRESSES) {
+        turn_stop(own, beyond > LIMIT_ROUNDING * stop->gap ? STOP_BEYOND : STOP_APART);
+    } else { /* back inside, or pressing once more */
+        turn_stop(own, beyond > LIMIT_ROUNDING * stop->gap ? STOP_PRESSES : STOP_APART);
+    }
+}
+
+/* What is remembered of sliders and stops at a fraction of a stretch. */
+static void remember(const TaylorStep *method, double fraction, double *slider_states)
+{
+    const Holds *holds = &method->holds;
+    double *own = slider_states;
+    int k, look;
+    for (k = 0; k < holds->slider_count; k++, own += SLIDER_DOUBLES) {
+        own[HOLDS] = value_at(method->forces + k, method->count, fraction);
+        if (slider_is_loose(holds->sliders + k, own)) {
+            const double *column = method->series + slider_place(holds->sliders + k);
+            own[PLAY] += value_at(column, method->length, fraction) - column[0];
+        }
+    }
+    for (k = 0; k < holds->stop_count; k++, own += STOP_DOUBLES) {
+        enum { FORCE_LOOKS_OF_STRETCH = 4 };
+        const RestraintSeries series = restraint_of(method, holds->cubic_count + k);
+        for (look = 0; look <= FORCE_LOOKS_OF_STRETCH && own[STOP_STATE] == STOP_PRESSES; look++) {
+            own[STOP_LARGEST] =
+                larger(own[STOP_LARGEST], value_at(series.pressure, 1, fraction * look / FORCE_LOOKS_OF_STRETCH));
+        }
+    }
+}
+
 int taylor_advance(TaylorStep *method, double *state, double *slider_states,
                    const Excitation *excitation, double step, int stops, double *reached,
                    Failure *failure)
 {
-    const int m = method->count;
+    const Holds *holds = &method->holds;
     double time = 0.0;
     int count, k, code = taylor_resolve(method, state, slider_states, excitation, 0.0, failure);
     for (count = 0; count < MOST_STRETCHES && !code; count++) {
         /* no longer than what is left: forces of short steps may have any slope */
         const double stretch = smaller(taylor_stretch(method, excitation, time), step - time);
-        const int last = stretch == step - time;
-        double fraction;
+        double fraction, until;
+        int last = stretch == step - time;
         int which;
         code = set_series(method, state, slider_states, excitation, time, stretch, TERMS, failure);
         if (code) {
             return code;
         }
-        fraction = find_first_event(method, slider_states, stretch, &which);
+        until = part_in_reach(method);
+        last &= until == 1.0;
+        fraction = find_first_event(method, slider_states, stretch, until, &which);
+        remember(method, fraction, slider_states);
         for (k = 0; k < 2 * method->half; k++) {
             state[k] = value_at(method->series + k, method->length, fraction);
-        }
-        for (k = 0; k < m; k++) {
-            slider_states[2 * k + HOLDS] = value_at(method->forces + k, m, fraction);
         }
         if (which < 0 && last) {
             *reached = step;
@@ -448,8 +710,11 @@ int taylor_advance(TaylorStep *method, double *state, double *slider_states,
         }
         time += fraction * stretch;
         if (which >= 0) {
-            code = change_sliders(method, state, slider_states, excitation, time, which,
-                                  fraction > 0.0, failure);
+            if (which < holds->slider_count) {
+                code = change_sliders(method, state, slider_states, excitation, time, which, fraction > 0.0, failure);
+            } else {
+                change_stop_at(method, state, slider_states, which - holds->slider_count);
+            }
             if (stops) {
                 *reached = time;
                 return code;
@@ -490,7 +755,7 @@ int taylor_plane_motion(TaylorStep *method, const double *state, double *slider_
         combine_vectors(method->planes, p, n, rates + k * method->half, planes);
     }
     for (k = 0; k < method->count && !code; k++) {
-        slider_states[2 * k + HOLDS] = method->forces[k];
+        slider_states[SLIDER_DOUBLES * k + HOLDS] = method->forces[k];
     }
     return code;
 }

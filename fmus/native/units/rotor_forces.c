@@ -87,6 +87,32 @@ static void add_force_over_speed(const Rotor *own, int bearing, double speed, co
     }
 }
 
+/* Add the forces of cubic springs and stops at a support or foot, from 1. */
+static void add_restrained(const Unit *unit, int number, double *force)
+{
+    const Rotor *own = unit->own;
+    const double *motion = unit->memory + MOTION;
+    double across[2], rate[2], by[2];
+    int k;
+    for (k = 0; k < own->cubic_count; k++) {
+        if (own->cubics[k].support == number) {
+            restraint_displacement(own->cubics[k].rows, own->stations, motion, across);
+            cubic_force(own->cubics + k, across, by);
+            force[0] -= by[0];
+            force[1] -= by[1];
+        }
+    }
+    for (k = 0; k < own->stop_count; k++) {
+        if (own->stops[k].support == number) {
+            restraint_displacement(own->stops[k].rows, own->stations, motion, across);
+            restraint_displacement(own->stops[k].rows, own->stations, motion + 2 * own->stations, rate);
+            stop_force(own->stops + k, (int)rotor_stop_states(unit)[STOP_DOUBLES * k + STOP_STATE], across, rate, by);
+            force[0] -= by[0];
+            force[1] -= by[1];
+        }
+    }
+}
+
 void rotor_observe_forces(const Unit *unit, double *out)
 {
     const Rotor *own = unit->own;
@@ -106,8 +132,9 @@ void rotor_observe_forces(const Unit *unit, double *out)
         }
         for (k = 0; k < own->slider_count; k++) { /* its force is that on the rotor */
             if (own->sliders[k].station == force->station) {
-                out[own->sliders[k].axis] -= rotor_slider_states(unit)[2 * k + HOLDS];
+                out[own->sliders[k].axis] -= rotor_slider_states(unit)[SLIDER_DOUBLES * k + HOLDS];
             }
         }
+        add_restrained(unit, f + 1, out);
     }
 }

@@ -48,11 +48,27 @@ static void flexible_starts(const Layout *layout, double *real)
     }
 }
 
+/* Every spring and stop is at a station of its own as far as there are: x and y of its row. */
+static void restraint_starts(const Layout *layout, double *real)
+{
+    static const char *const names[2] = {"cubic_row_x[#,#]", "stop_row_x[#,#]"};
+    const int counts[2] = {layout->sizes.cubics, layout->sizes.stops}, n = layout->sizes.stations;
+    int which, k;
+    for (which = 0; which < 2; which++) {
+        double *rows = counts[which] ? real + layout_index(layout, names[which], 1) : real;
+        for (k = 0; k < 2 * n * counts[which]; k++) {
+            const int row = k / (2 * n), station = k / 2 % n;
+            rows[k] = row % n == station ? 1.0 : 0.0;
+        }
+    }
+}
+
 void rotor_starts(const Layout *layout, double *real)
 {
     const int kind = rotor_kind(layout), planes = layout->sizes.planes;
     size_t amount;
     int j;
+    restraint_starts(layout, real);
     if (kind == PLANAR) {
         return;
     }
@@ -169,10 +185,17 @@ size_t rotor_shortest_stopped(const Unit *unit)
     return unit->layout.parameters.count - 4 * (size_t)((const Rotor *)unit->own)->stations - 2;
 }
 
+/* Of each slider: support, limit, stiffness, free stroke and its middle along x and y; of each cubic spring: stiffness along x
+   and y, axes, limit, support; of each stop: gap, stiffness, damping, support. */
+enum { MOST_SUPPORTS = 2000 }; /* with feet */
+enum { SLIDER_PARAMETERS = 9, CUBIC_PARAMETERS = 5, STOP_PARAMETERS = 4 };
+
 /* Value reference of the first slider's first parameter. */
 static size_t slider_parameters(const Unit *unit)
 {
-    return rotor_shortest_stopped(unit) - 5 * (size_t)unit->layout.sizes.sliders;
+    const Sizes *sizes = &unit->layout.sizes;
+    const size_t stands = sizes->sliders || sizes->stops; /* the shortest stopped step */
+    return rotor_shortest_stopped(unit) + 1 - stands - SLIDER_PARAMETERS * (size_t)sizes->sliders;
 }
 
 /* Sliders along x and y, in the order of the parameters; 1 with the reason. */
@@ -183,7 +206,7 @@ static int set_sliders(Unit *unit)
     const int supports = own->kind == PLANAR ? 1 : own->kind == MATRICES ? own->stations : 2;
     size_t first = slider_parameters(unit);
     int k, axis;
-    for (k = 0; k < own->slider_count; k += 2, first += 5) {
+    for (k = 0; k < own->slider_count; k += 2, first += SLIDER_PARAMETERS) {
         const double *real = unit->real + first;
         int station;
         if (!(real[0] >= 1.0 && real[0] <= (double)supports) || real[0] != (double)(int)real[0]) {
@@ -205,9 +228,49 @@ static int set_sliders(Unit *unit)
             slider->axis = axis;
             slider->limit = real[1 + axis];
             slider->stiffness = real[3 + axis];
+            slider->stroke = 0.5 * real[5 + axis];
+            slider->centre = real[7 + axis];
+            if (slider->stroke > 0.0 && slider->limit > 0.0 && !(slider->stiffness > 0.0)) {
+                Text *reason = unit_reason(unit);
+                layout_shown(&unit->layout, first + 5 + (size_t)axis, real[5 + axis], reason);
+                text_put(reason, ": needs a stiffness above 0, that of the slider's contact at the ends of its stroke");
+                return 1;
+            }
         }
     }
-    own->rotor.sliders = own->slider_count > 0;
+    return 0;
+}
+
+/* That of a parameter; 0 of one that no support or foot has. */
+static int support_number(double value)
+{
+    return value >= 1.0 && value <= MOST_SUPPORTS ? (int)value : 0;
+}
+
+/* Cubic springs and stops, in the order of the parameters, which stand before those of sliders. */
+static int set_restraints(Unit *unit)
+{
+    Rotor *own = unit->own;
+    const size_t n = (size_t)own->stations, cubics = (size_t)own->cubic_count, stops = (size_t)own->stop_count;
+    const size_t rows_of_stops = slider_parameters(unit) - 2 * n * stops, of_stops = rows_of_stops - STOP_PARAMETERS * stops;
+    const size_t rows_of_cubics = of_stops - 2 * n * cubics, of_cubics = rows_of_cubics - CUBIC_PARAMETERS * cubics;
+    double *rows = own->restraint_rows;
+    size_t k;
+    if (!stops && !cubics) {
+        return 0;
+    }
+    copy_doubles(2 * n * cubics, unit->real + rows_of_cubics, rows);
+    copy_doubles(2 * n * stops, unit->real + rows_of_stops, rows + 2 * n * cubics);
+    for (k = 0; k < cubics; k++) {
+        const double *real = unit->real + of_cubics + CUBIC_PARAMETERS * k;
+        const CubicSpring made = {rows + 2 * n * k, {real[0], real[1]}, real[2] == 0.0, real[3], support_number(real[4])};
+        own->cubics[k] = made;
+    }
+    for (k = 0; k < stops; k++) {
+        const double *real = unit->real + of_stops + STOP_PARAMETERS * k;
+        const Stop made = {rows + 2 * n * (cubics + k), real[0], real[1], real[2], support_number(real[3])};
+        own->stops[k] = made;
+    }
     return 0;
 }
 
@@ -238,5 +301,6 @@ int rotor_of_parameters(Unit *unit)
     own->rotor = linear_rotor_in(own->rotor_memory, own->stations, own->planes);
     own->rotor.gravity[0] = gravity[0];
     own->rotor.gravity[1] = gravity[1];
-    return set_matrices(unit) || set_sliders(unit) || rotor_set_forces(unit);
+    own->rotor.sliders = own->slider_count > 0 || own->cubic_count > 0 || own->stop_count > 0;
+    return set_matrices(unit) || set_sliders(unit) || set_restraints(unit) || rotor_set_forces(unit);
 }

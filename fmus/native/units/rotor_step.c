@@ -71,10 +71,22 @@ double *rotor_slider_states(const Unit *unit)
     return unit->memory + MOTION + 4 * ((const Rotor *)unit->own)->stations + 2;
 }
 
+double *rotor_stop_states(const Unit *unit)
+{
+    return rotor_slider_states(unit) + SLIDER_DOUBLES * ((const Rotor *)unit->own)->slider_count;
+}
+
+Holds rotor_holds(const Rotor *own)
+{
+    const Holds made = {own->sliders, own->cubics, own->stops, own->slider_count, own->cubic_count, own->stop_count};
+    return made;
+}
+
 /* Of a line of the bearings' table. */
 static int make_taylor_of(Unit *unit, int line)
 {
     Rotor *own = unit->own;
+    const Holds holds = rotor_holds(own);
     LinearRotor loaded;
     Failure failure;
     if (rotor_is_of(unit, &own->taylor_of, line)) {
@@ -82,8 +94,7 @@ static int make_taylor_of(Unit *unit, int line)
     }
     loaded = rotor_anew(unit, &own->taylor_of);
     loaded.bearings.line = line;
-    if (taylor_step_in(own->taylor_memory, &loaded, own->sliders, own->slider_count,
-                       own->matrix_scratch, &own->taylor, &failure)) {
+    if (taylor_step_in(own->taylor_memory, &loaded, &holds, own->matrix_scratch, &own->taylor, &failure)) {
         return unit_failed(unit, &failure);
     }
     rotor_made(unit, &own->taylor_of, line);
@@ -119,7 +130,8 @@ static Excitation excitation_since(Unit *unit, double ago)
 static bool stops(const Unit *unit, double length)
 {
     const Rotor *own = unit->own;
-    const double shortest = own->slider_count ? unit->real[rotor_shortest_stopped(unit)] : 0.0;
+    const double shortest =
+        own->slider_count || own->stop_count ? unit->real[rotor_shortest_stopped(unit)] : 0.0;
     return unit->may_end_early && shortest > 0.0 && length >= shortest;
 }
 
@@ -218,7 +230,7 @@ static int propagate_series(Unit *unit, double step)
     }
     copy_doubles(motion, unit->memory + MOTION, state);
     if (!unit->frozen) {
-        copy_doubles(2 * (size_t)own->slider_count, rotor_slider_states(unit), slider_states);
+        copy_doubles(holds_doubles(&own->taylor.holds), rotor_slider_states(unit), slider_states);
         if (step != 0.0 && own->rotor.bearings.count) {
             if (advance_over_rows(unit, state, slider_states, step)) {
                 return 1;
@@ -251,7 +263,7 @@ static int find_motion(Unit *unit, Spin *spin)
         return 1;
     }
     if (!unit->frozen) {
-        copy_doubles(2 * (size_t)own->slider_count, rotor_slider_states(unit), own->slider_states);
+        copy_doubles(holds_doubles(&own->taylor.holds), rotor_slider_states(unit), own->slider_states);
         code = ago == 0.0 ? taylor_resolve(&own->taylor, state, own->slider_states, &excitation,
                                            0.0, &failure)
                           : FINE;
@@ -334,7 +346,7 @@ static int propagate(Unit *unit, double step)
 {
     Rotor *own = unit->own;
     const double *matrix;
-    if (own->slider_count || unit->for_model_exchange || rotor_inputs(unit)[SPIN_UP] != 0.0 ||
+    if (own->rotor.sliders || unit->for_model_exchange || rotor_inputs(unit)[SPIN_UP] != 0.0 ||
         drifts(rotor_inputs(unit) + SPIN_UP)) {
         return propagate_series(unit, step);
     }

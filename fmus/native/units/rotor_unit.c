@@ -9,9 +9,12 @@
 #include "base/spin.h"
 #include "rotor/propagator.h"
 
+#define MOST_TOUCHES 9e15 /* whole numbers of a double */
+
 static size_t rotor_memory_size(const Layout *layout)
 {
-    return MOTION + 4 * (size_t)layout->sizes.stations + 2 + 4 * (size_t)layout->sizes.sliders;
+    return MOTION + 4 * (size_t)layout->sizes.stations + 2 + 2 * SLIDER_DOUBLES * (size_t)layout->sizes.sliders +
+           STOP_DOUBLES * (size_t)layout->sizes.stops;
 }
 
 static void rotor_fields(const Unit *unit, Fields *fields)
@@ -26,6 +29,13 @@ static void rotor_fields(const Unit *unit, Fields *fields)
     for (k = 0; k < 2 * unit->layout.sizes.sliders; k++) {
         fields_whole(fields, "slider's direction", fields_here(fields), 1, -1.0, 1.0);
         fields_number(fields, "slider's force", fields_here(fields), 1);
+        fields_whole(fields, "slider's side", fields_here(fields), 1, -1.0, 1.0);
+        fields_number(fields, "slider's place in its stroke", fields_here(fields), 1);
+    }
+    for (k = 0; k < unit->layout.sizes.stops; k++) {
+        fields_whole(fields, "stop's state", fields_here(fields), 1, 0.0, STOP_STATES - 1.0);
+        fields_whole(fields, "touches of a stop", fields_here(fields), 1, 0.0, MOST_TOUCHES);
+        fields_within(fields, "largest force of a stop", fields_here(fields), 1, 0.0, DBL_MAX);
     }
 }
 
@@ -45,6 +55,7 @@ static int rotor_allocate(Unit *unit)
     /* of two axes: half as much would do for one */
     const size_t columns = (size_t)step_matrix_columns(n, p, 2);
     const size_t matrix = (size_t)step_matrix_rows(n, p, 2) * columns;
+    Holds holds;
     int k, missing = 0;
     own->kind = rotor_kind(&unit->layout);
     own->stations = n;
@@ -57,8 +68,14 @@ static int rotor_allocate(Unit *unit)
     own->force_rows = doubles(unit, (size_t)own->force_count * stations * BEARING_NUMBERS, &missing);
     own->sliders = unit_allocate(unit, (size_t)own->slider_count, sizeof(Slider));
     own->ports = unit_allocate(unit, planes, sizeof(int));
-    own->slider_states = doubles(unit, 2 * (size_t)own->slider_count, &missing);
-    own->taylor_memory = doubles(unit, taylor_step_size(n, p, own->slider_count), &missing);
+    own->cubic_count = sizes->cubics;
+    own->stop_count = sizes->stops;
+    own->cubics = unit_allocate(unit, (size_t)own->cubic_count + 1, sizeof(CubicSpring));
+    own->stops = unit_allocate(unit, (size_t)own->stop_count + 1, sizeof(Stop));
+    own->restraint_rows = doubles(unit, 2 * stations * (size_t)(own->cubic_count + own->stop_count), &missing);
+    holds = rotor_holds(own);
+    own->slider_states = doubles(unit, holds_doubles(&holds), &missing);
+    own->taylor_memory = doubles(unit, taylor_step_size(n, p, &holds), &missing);
     own->taylor_of.added_mass = doubles(unit, planes, &missing);
     own->later_forces = doubles(unit, 2 * SIGNAL_ORDERS * planes, &missing);
     own->motion = doubles(unit, 6 * stations, &missing);
@@ -76,7 +93,7 @@ static int rotor_allocate(Unit *unit)
         own->kept[k].of.added_mass = doubles(unit, planes, &missing);
         own->kept[k].matrix = doubles(unit, matrix, &missing);
     }
-    return missing || !own->sliders || !own->ports || !own->forces;
+    return missing || !own->sliders || !own->ports || !own->forces || !own->cubics || !own->stops;
 }
 
 static int rotor_parameters(Unit *unit)
@@ -100,7 +117,7 @@ static int rotor_parameters(Unit *unit)
         linear_rotor_sag(&own->rotor, own->rotor.bearings.count ? own->rotor.bearings.speeds[0] : 0.0, own->sag, own->matrix_scratch, &failure)) {
         return unit_failed(unit, &failure);
     }
-    return own->slider_count ? rotor_make_taylor(unit) : 0;
+    return own->rotor.sliders ? rotor_make_taylor(unit) : 0;
 }
 
 static int rotor_begin(Unit *unit)
@@ -110,7 +127,8 @@ static int rotor_begin(Unit *unit)
     const double *start = unit->real + unit->layout.parameters.count - motion;
     angle_start(unit->memory, start[-1]);
     memcpy(unit->memory + MOTION, start, motion * sizeof(double));
-    friction_at_start(own->sliders, own->slider_count, start + motion / 2, rotor_slider_states(unit));
+    friction_at_start(own->sliders, own->slider_count, start, start + motion / 2, rotor_slider_states(unit));
+    fill_doubles(STOP_DOUBLES * (size_t)own->stop_count, 0.0, rotor_stop_states(unit));
     return 0;
 }
 
@@ -130,7 +148,7 @@ static int rotor_step_unit(Unit *unit, double length)
     copy_doubles(motion, own->result, unit->memory + MOTION);
     end_speed[0] = end.speed;
     end_speed[1] = length;
-    copy_doubles(2 * (size_t)own->slider_count, own->slider_states, rotor_slider_states(unit));
+    copy_doubles(holds_doubles(&own->taylor.holds), own->slider_states, rotor_slider_states(unit));
     rotor_put(own, own->result + motion, unit->memory[REST], end.speed,
               unit->real + unit->layout.computed.first);
     return 0;
@@ -171,7 +189,16 @@ static void rotor_observe(Unit *unit)
     out += 2 * own->planes;
     *out++ = largest_bending(own, motion);
     for (k = 0; k < own->slider_count; k++) {
-        *out++ = rotor_slider_states(unit)[2 * k + HOLDS];
+        *out++ = rotor_slider_states(unit)[SLIDER_DOUBLES * k + HOLDS];
+    }
+    for (k = 0; k < own->stop_count; k++, out += 4) {
+        const double *states = rotor_stop_states(unit) + STOP_DOUBLES * k;
+        double across[2], rate[2];
+        restraint_displacement(own->stops[k].rows, own->stations, motion, across);
+        restraint_displacement(own->stops[k].rows, own->stations, motion + count / 2, rate);
+        stop_force(own->stops + k, (int)states[STOP_STATE], across, rate, out);
+        out[2] = states[STOP_LARGEST];
+        out[3] = states[STOP_TOUCHES];
     }
     rotor_observe_forces(unit, out);
 }

@@ -8,6 +8,7 @@
 #include "fmi/unit.h"
 #include "rotor/linear_rotor.h"
 #include "rotor/propagator.h"
+#include "rotor/restraint.h"
 #include "rotor/taylor_step.h"
 #include "units/angle.h"
 
@@ -17,8 +18,8 @@ enum { PLANAR, TWO_SUPPORT, FLEXIBLE, MATRICES };
 enum { KEPT_MATRICES = 8 };
 
 /* In memory: the angle, then displacements and velocities of the stations, x and y alternating,
-   then the speed the outputs belong to, how long ago the inputs were set, and of every slider along
-   x and y what friction.h says. */
+   then the speed the outputs belong to, how long ago the inputs were set, of every slider along
+   x and y what friction.h says, and of every stop what restraint.h says. */
 enum { MOTION = ANGLE_SIZE };
 
 /* The speed and the added masses (p,) that something was made for; not made: something else. */
@@ -64,7 +65,11 @@ typedef struct {
     bool lifted;
     int slider_count; /* two for each of the unit's: along x and y */
     Slider *sliders;
-    double *slider_states; /* as they are after what was propagated last */
+    double *slider_states; /* as they are after what was propagated last; those of stops behind them */
+    int cubic_count, stop_count;
+    CubicSpring *cubics;
+    Stop *stops;
+    double *restraint_rows; /* (cubics + stops, n, 2) */
     int force_count;
     Force *forces;
     double *force_rows;     /* (count, n, BEARING_NUMBERS) by the motion of the stations */
@@ -121,6 +126,10 @@ int rotor_propagate(Unit *unit, double step);
 double *rotor_speed_now(const Unit *unit);
 /* Directions and forces of the sliders in the unit's memory. */
 double *rotor_slider_states(const Unit *unit);
+/* States of the stops in the unit's memory. */
+double *rotor_stop_states(const Unit *unit);
+/* What holds the rotor beside its matrices. */
+Holds rotor_holds(const Rotor *own);
 /* Bring own->taylor up to date with the masses that the planes carry now; 1 with the reason. */
 int rotor_make_taylor(Unit *unit);
 /* Vectors (x, y alternating) turned by the angle with this cosine and sine; `to` may be `pairs`. */

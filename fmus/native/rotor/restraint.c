@@ -1,0 +1,155 @@
+#include "rotor/restraint.h"
+
+#include "base/elementary.h"
+
+#define STATE_ROUNDING 1e-12 /* of forces and of the gap: less does not change the state of a stop */
+
+void restraint_displacement(const double *rows, int n, const double *stations, double *displacement)
+{
+    int i;
+    displacement[0] = displacement[1] = 0.0;
+    for (i = 0; i < n; i++) {
+        displacement[0] += rows[2 * i] * stations[2 * i];
+        displacement[1] += rows[2 * i + 1] * stations[2 * i + 1];
+    }
+}
+
+/* -- one state -------------------------------------------------------------------------------------- */
+
+void cubic_force(const CubicSpring *spring, const double *d, double *force)
+{
+    const double x = d[0] * d[0], y = d[1] * d[1], both = x + y;
+    force[0] = -spring->stiffness[0] * (spring->is_radial ? both : x) * d[0];
+    force[1] = -spring->stiffness[spring->is_radial ? 0 : 1] * (spring->is_radial ? both : y) * d[1];
+}
+
+double stop_pressure(const Stop *stop, const double *d, const double *v)
+{
+    const double r = hypotenuse(d[0], d[1]);
+    const double rate = r > 0.0 ? (d[0] * v[0] + d[1] * v[1]) / r : 0.0;
+    return stop->stiffness * (r - stop->gap) + stop->damping * rate;
+}
+
+int stop_state_of(const Stop *stop, const double *d, const double *v, int state)
+{
+    const double r = hypotenuse(d[0], d[1]), beyond = r - stop->gap, near = STATE_ROUNDING * stop->gap;
+    const double outwards = d[0] * v[0] + d[1] * v[1], pressure = stop_pressure(stop, d, v);
+    const double rounding =
+        STATE_ROUNDING * (stop->stiffness * r + stop->damping * hypotenuse(v[0], v[1]));
+    if (beyond < -near) {
+        return STOP_APART;
+    }
+    if (beyond <= near) {
+        return outwards > 0.0 || (state == STOP_PRESSES && pressure >= -rounding) ? STOP_PRESSES : STOP_APART;
+    }
+    if (absolute(pressure) <= rounding && state != STOP_APART) {
+        return state;
+    }
+    return pressure >= 0.0 ? STOP_PRESSES : STOP_BEYOND;
+}
+
+void stop_force(const Stop *stop, int state, const double *d, const double *v, double *force)
+{
+    const double r = hypotenuse(d[0], d[1]);
+    const double pressure = state == STOP_PRESSES ? larger(0.0, stop_pressure(stop, d, v)) : 0.0;
+    force[0] = force[1] = 0.0;
+    if (pressure > 0.0) {
+        force[0] = -pressure * d[0] / r;
+        force[1] = -pressure * d[1] / r;
+    }
+}
+
+/* -- series ----------------------------------------------------------------------------------------- */
+
+size_t restraint_series_size(int coefficients)
+{
+    return 8 * (size_t)coefficients;
+}
+
+RestraintSeries restraint_series_in(double *memory, int coefficients)
+{
+    RestraintSeries made;
+    made.displacement = memory;
+    made.square = made.displacement + 2 * coefficients;
+    made.direction = made.square + 2 * coefficients;
+    made.distance = made.direction + 2 * coefficients;
+    made.pressure = made.distance + coefficients;
+    return made;
+}
+
+void restraint_displace(RestraintSeries *s, int k, const double *displacement)
+{
+    const double *d = s->displacement;
+    double x = 0.0, y = 0.0;
+    int j;
+    s->displacement[2 * k] = displacement[0];
+    s->displacement[2 * k + 1] = displacement[1];
+    for (j = 0; j <= k; j++) {
+        x += d[2 * j] * d[2 * (k - j)];
+        y += d[2 * j + 1] * d[2 * (k - j) + 1];
+    }
+    s->square[2 * k] = x;
+    s->square[2 * k + 1] = y;
+}
+
+double restraint_square(const RestraintSeries *s, int k)
+{
+    return s->square[2 * k] + s->square[2 * k + 1];
+}
+
+void restraint_distance(RestraintSeries *s, int k)
+{
+    double *r = s->distance, sum = restraint_square(s, k);
+    int j;
+    if (k == 0) {
+        r[0] = square_root(sum);
+        return;
+    }
+    for (j = 1; j < k; j++) {
+        sum -= r[j] * r[k - j];
+    }
+    r[k] = 0.5 * sum / r[0];
+}
+
+void cubic_series_force(const CubicSpring *spring, const RestraintSeries *s, int k, double *force)
+{
+    double x = 0.0, y = 0.0;
+    int j;
+    for (j = 0; j <= k; j++) {
+        const double *square = s->square + 2 * j, *d = s->displacement + 2 * (k - j);
+        const double both = square[0] + square[1];
+        x += (spring->is_radial ? both : square[0]) * d[0];
+        y += (spring->is_radial ? both : square[1]) * d[1];
+    }
+    force[0] = -spring->stiffness[0] * x;
+    force[1] = -spring->stiffness[spring->is_radial ? 0 : 1] * y;
+}
+
+void stop_series_pressure(const Stop *stop, RestraintSeries *s, int k)
+{
+    if (k == 0) {
+        restraint_distance(s, 0);
+    }
+    restraint_distance(s, k + 1);
+    s->pressure[k] = stop->stiffness * (s->distance[k] - (k == 0 ? stop->gap : 0.0)) +
+                     stop->damping * (k + 1) * s->distance[k + 1];
+}
+
+void stop_series_force(const Stop *stop, RestraintSeries *s, int k, double *force)
+{
+    double *n = s->direction;
+    int j, axis;
+    stop_series_pressure(stop, s, k);
+    for (axis = 0; axis < 2; axis++) {
+        double sum = s->displacement[2 * k + axis];
+        for (j = 1; j <= k; j++) {
+            sum -= s->distance[j] * n[2 * (k - j) + axis];
+        }
+        n[2 * k + axis] = sum / s->distance[0];
+        sum = 0.0;
+        for (j = 0; j <= k; j++) {
+            sum += s->pressure[j] * n[2 * (k - j) + axis];
+        }
+        force[axis] = -sum;
+    }
+}

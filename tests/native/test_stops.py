@@ -1,0 +1,134 @@
+"""Cubic springs, stops and free strokes in both engines, against closed forms."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy.interpolate import CubicHermiteSpline
+
+import autobalancer as ab
+from autobalancer.models.cubic_spring import CubicDisc, free_period
+from autobalancer.models.free_stroke import turning_points
+from autobalancer.models.stops import DiscInRing, FreeBetweenStops, restitution
+
+pytestmark = pytest.mark.filterwarnings(
+    "ignore::autobalancer.harness.scene.plausible.ImplausibleWarning"
+)
+XY = ("rotor.x", "rotor.y", "rotor.vx", "rotor.vy")
+ENGINES = pytest.mark.parametrize("separate", [False, True], ids=["one piece", "separate units"])
+
+
+def disc(seconds, speed=40.0, more=(), initial=None, **keys):
+    """A disc of 1 kg and 1 N/m; without unbalance the speed sets the rows of the result alone."""
+    rotor = {"mass": 1.0, "stiffness": 1.0, "damping": 0.0, "unbalance": 0.0} | keys
+    return ab.Scene(
+        rotor=ab.Planar(**rotor),
+        operation={"speed": speed},
+        run={"duration": seconds, "initial": initial or {}, "record": [*XY, *more]},
+        coupling={"tolerance": 1e-9},
+    )
+
+
+def passages(run):
+    """Times at which the disc passes the middle."""
+    return CubicHermiteSpline(run.time, run["rotor.x"], run["rotor.vx"]).roots(extrapolate=False)
+
+
+def ends_at(run):
+    return np.hypot(run["rotor.x"][-1], run["rotor.y"][-1])
+
+
+@ENGINES
+@pytest.mark.parametrize("ratio", [0.1, 1.0, 10.0])
+def test_free_motion_on_a_cubic_spring_has_the_elliptic_period(ratio, separate):
+    scene = disc(10.0, cubic_stiffness=ratio, cubic="axes", initial={"x": 1.0})
+    found = passages(scene.run(separate=separate))
+    assert 2.0 * (found[2] - found[1]) == pytest.approx(free_period(1.0, 1.0, ratio, 1.0), rel=1e-9)
+
+
+@ENGINES
+@pytest.mark.parametrize("speed", [0.6, 1.0, 2.0])
+def test_free_motion_between_stops_has_the_exact_period_and_force(speed, separate):
+    stops = [{"gap": 0.5, "stiffness": 8.0, "kind": "x"}]
+    names = [f"rotor.stop[1].{name}" for name in ("largest_force", "touches")]
+    run = disc(20.0, stops=stops, initial={"vx": speed}, more=names).run(separate=separate)
+    found, exact = passages(run), FreeBetweenStops.of(1.0, 1.0, 8.0, 0.5, speed)
+    assert found[3] - found[1] == pytest.approx(exact.period, rel=1e-9)
+    force = 8.0 * (exact.amplitude - 0.5)
+    assert run[names[0]][-1] == pytest.approx(force, rel=1e-3)
+    beyond = np.abs(run["rotor.x"]) > 0.5
+    assert run[names[1]][-1] == np.count_nonzero(beyond[1:] & ~beyond[:-1])
+
+
+@ENGINES
+@pytest.mark.parametrize("ratio", [0.05, 0.2, 0.5])
+def test_a_damped_stop_gives_back_the_exact_speed(ratio, separate):
+    stops = [{"gap": 0.5, "stiffness": 1.0, "damping": 2.0 * ratio}]
+    scene = disc(20.0, stiffness=1e-12, stops=stops, initial={"vx": 1.0})
+    back = -scene.run(separate=separate)["rotor.vx"].min()
+    assert back == pytest.approx(restitution(1.0, 1.0, 2.0 * ratio), abs=1e-8)
+
+
+@ENGINES
+def test_a_whirl_against_a_damped_ring_keeps_the_books_of_energy(separate):
+    # work of the unbalance less the losses of damper and stop, integrated apart: 0.0457645587 J
+    stops = [{"gap": 0.2, "stiffness": 9.0, "damping": 0.4}]
+    run = disc(200.0, 1.05, damping=0.1, unbalance=0.05, stops=stops).run(separate=separate)
+    x, y, vx, vy = (run[name][-1] for name in XY)
+    beyond = max(0.0, np.hypot(x, y) - 0.2)
+    stored = 0.5 * (vx**2 + vy**2) + 0.5 * (x * x + y * y) + 4.5 * beyond**2
+    assert stored == pytest.approx(0.0457645587, abs=5.1e-11)
+
+
+@pytest.mark.parametrize("speed", [1.0, 1.08, 1.2])
+def test_the_rotor_whirls_on_a_cubic_spring_as_exactly_known(speed):
+    run = disc(600.0, speed, damping=0.05, unbalance=0.02, cubic_stiffness=1.0).run()
+    exact = CubicDisc(1.0, 1.0, 0.05, 1.0).amplitudes(0.02, speed)[0]
+    assert ends_at(run) == pytest.approx(exact, rel=1e-5)
+
+
+def test_the_upper_of_three_whirls_on_a_cubic_spring_stays():
+    upper = CubicDisc(1.0, 1.0, 0.05, 1.0).amplitudes(0.02, 1.08)[-1]
+    z = 0.02 * 1.08**2 / (1.0 - 1.08**2 + upper**2 + 0.05j * 1.08)
+    begin = {"x": z.real, "y": z.imag, "vx": -1.08 * z.imag, "vy": 1.08 * z.real}
+    scene = disc(600.0, 1.08, damping=0.05, unbalance=0.02, cubic_stiffness=1.0, initial=begin)
+    assert ends_at(scene.run()) == pytest.approx(0.42209690, abs=1e-7)
+
+
+@pytest.mark.parametrize("speed", [1.05, 1.5])
+def test_the_rotor_whirls_in_a_ring_as_exactly_known(speed):
+    stops = [{"gap": 0.2, "stiffness": 9.0}]
+    run = disc(400.0, speed, damping=0.1, unbalance=0.05, stops=stops).run()
+    exact = DiscInRing(1.0, 1.0, 0.1, 9.0, 0.2).amplitudes(0.05, speed)[0]
+    assert ends_at(run) == pytest.approx(exact, rel=1e-6)
+
+
+@ENGINES
+@pytest.mark.parametrize(
+    ("stroke", "points"), [(0.02, [0.106529, 0.022115, 0.002750]), (0.0, [0.1])]
+)
+def test_a_damper_with_free_stroke_turns_back_where_it_must(separate, stroke, points):
+    friction = [{"limit": [5.0, 0.0], "stiffness": 2e5, "free_stroke": stroke}]
+    scene = disc(2.0, 400.0, stiffness=100.0, friction=friction, initial={"x": 0.2})
+    run = scene.run(separate=separate)
+    x, v = run["rotor.x"], run["rotor.vx"]
+    turns = np.flatnonzero(v[:-1] * v[1:] < 0.0)
+    found = [max(abs(x[k]), abs(x[k + 1])) for k in turns[: len(points)]]
+    assert found == pytest.approx(points, abs=6e-5 if not stroke else 1.5e-6)
+    hard = turning_points(100.0, 5.0, stroke, 0.2)[1 : 1 + len(points)]
+    assert found == pytest.approx(hard, abs=6e-5)  # 5 N bend the contact by 25 um
+
+
+def test_within_the_free_stroke_nothing_is_lost():
+    friction = [{"limit": [5.0, 5.0], "stiffness": 2e3, "free_stroke": "20 mm"}]
+    scene = disc(20.0, friction=friction, initial={"x": 0.0099})
+    run = scene.run()
+    assert run["rotor.x"] == pytest.approx(0.0099 * np.cos(run.time), abs=1e-12)
+
+
+def test_a_spring_that_softens_ends_where_it_pulls_no_more():
+    scene = disc(20.0, cubic_stiffness=-1.0, initial={"x": 0.5, "vx": 1.0})
+    with pytest.raises(ab.SimulationError, match=r"rotor\.cubic\[1\].*reached 1 m.*softens"):
+        scene.run()
+    calm = disc(20.0, cubic_stiffness=-1.0, cubic="axes", initial={"x": 0.5}).run()
+    assert np.abs(calm["rotor.x"]).max() <= 0.5 + 1e-9
