@@ -20,6 +20,8 @@ PACKAGE = "autobalancer"
 # used by the commands alone
 INTERNAL = {
     "Scene.refuse_friction",
+    "Scene.rest_at",
+    "Scene.restrained_assembly",
     "Scene.refuse_changes",
     "Scene.refuse_unrest",
     "Scene.refuse_guests",

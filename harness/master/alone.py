@@ -1,9 +1,9 @@
 """The error of a rotor without a loop: exact, but where its supports stick and slide.
 
-A rotor alone is propagated without error from step to step.  Dry friction is integrated by series
-from event to event; how much these err depends on the steps.  So the run is done once more, in
-steps of half the length.  What the two differ by is the error that is stated: of order one or
-more, the first one errs by at most twice that.
+A rotor alone is propagated without error from step to step.  Dry friction, stops and cubic springs
+are integrated by series from event to event; how much these err depends on the steps.  So the run
+is done once more, in steps of half the length.  What the two differ by is the error that is
+stated: of order one or more, the first one errs by at most twice that.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ PARTS = 2  # of each step, in the second run
 
 
 def friction_error(simulation: CoupledRun, recorder: Recorder) -> float:
-    """Largest error of a run's motion as `largest_difference` has it; 0 without dry friction.
+    """Largest error of a run's motion as `largest_difference` has it; 0 of linear supports.
 
     Args:
         simulation: that ran, without a loop.
@@ -28,7 +28,7 @@ def friction_error(simulation: CoupledRun, recorder: Recorder) -> float:
         SimulationError: as `Simulation.record`.
     """
     scene = simulation.scene
-    if not scene.rotor.friction:
+    if scene.rotor.is_linear:
         return 0.0
     shown = compared_motion(scene, simulation.meets_events)
     times, signals = recorder.columns()

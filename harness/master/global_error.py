@@ -34,7 +34,7 @@ from ..errors import SimulationError
 from ..scene import Scene
 from .cascades import UNRESOLVED, has_cascade
 from .expectation import ORDER_OF_EVENTS, ORDER_OF_JUMPS
-from .names import kin
+from .names import is_count, kin
 from .neighbours import RESOLVED, turned
 from .recorder import Recorder, Signal
 from .schedule import SLIVER
@@ -310,7 +310,8 @@ class Controlled:
     def _compared(self, recorder: Recorder) -> tuple[Signal, dict[str, Signal]]:
         """Points of a run and the signals that are compared there."""
         points, signals = recorder.columns()
-        return points, {n: each for n, each in signals.items() if n not in self.uncompared}
+        left = [n for n in signals if n not in self.uncompared and not is_count(n)]
+        return points, {name: signals[name] for name in left}
 
     def _at(self, recorder: Recorder, grid: Signal) -> dict[str, Signal]:
         """Signals of a finer run at the points of the first one."""

@@ -9,8 +9,14 @@ from functools import cache
 from ...fmus.rotor.variables import station
 
 ANGLE = "angle in the rotor"  # of a weight
+OF_STOPS = ("largest_force", "touches")  # what a run records of every stop
 _AXIS = re.compile(r"(^v?|_)(x|y|xi|eta)$")  # x, vx, a_x, F_xi: one part of a vector
 _POWER = re.compile(r"(?<=[a-z])(\d+)")
+
+
+def is_count(signal: str) -> bool:
+    """Whether a signal counts events: one more or less is no error of the motion."""
+    return signal.endswith(".touches")
 
 
 def stations(count: int) -> list[str]:

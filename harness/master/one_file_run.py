@@ -57,7 +57,7 @@ class OneFileRun(Closing):
         self._run = Run(made)
         inside = scene.once(_variables_inside)
         self.units = {name: UnitInside(self._run, name, *of) for name, of in inside.items()}
-        self.coupled = exchanging(scene) or bool(scene.rotor.friction)
+        self.coupled = exchanging(scene) or not scene.rotor.is_linear
         self.rows = self._given_rows() if self._steps_per_rev else None
         self.time = 0.0
 

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from ..errors import SceneError
 from ..output.memory import free_memory, refuse_beyond
 from ..scene import Scene
-from .names import by_unit, stations
+from .names import OF_STOPS, by_unit, stations
 
 Signal = NDArray[np.float64]
 REPORTED = 256  # steps between two reports of progress: some ten a second
@@ -27,6 +27,8 @@ def recorded(scene: Scene) -> list[str]:
         return list(scene.run.record)
     prefixes = stations(len(scene.rotor.points))
     names = [f"rotor.{prefix}{axis}" for prefix in prefixes for axis in "xy"]
+    numbers = range(1, len(scene.rotor.stops) + 1)
+    names += [f"rotor.stop[{k}].{what}" for k in numbers for what in OF_STOPS]
     names += ["motor.speed"] if scene.operation.motor else []
     # what a balancer of another origin has, it need not call as ours do
     own = [balancer for balancer in scene.balancer if not balancer.fmu]

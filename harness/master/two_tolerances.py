@@ -27,6 +27,7 @@ from .cascades import UNRESOLVED, can_cascade, has_cascade
 from .compared import motion_signals
 from .expectation import expectation
 from .global_error import AGREE, ASYMPTOTIC, REFINED, largest_difference
+from .names import is_count
 from .neighbours import RESOLVED, turned
 from .recorder import Recorder, Signal, divided
 from .scales import least_motion
@@ -87,7 +88,8 @@ class TwoTolerances:
             share, done = share * FINER, done + 1
             recorder = self._recorded(share, points, done, progress)
             _, signals = recorder.columns()
-            compared = {n: s[::parts] for n, s in signals.items() if n not in self._uncompared}
+            left = [n for n in signals if n not in self._uncompared and not is_count(n)]
+            compared = {name: signals[name][::parts] for name in left}
             self.error = largest_difference(before, compared, scale)
             finest = SERIES_SHARE * self.tolerance * share * FINER < ROUNDING
             if self.error <= self.tolerance or finest:

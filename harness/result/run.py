@@ -132,7 +132,8 @@ def _run(
     own, made_of = recorded_for([*names, *(velocities(scene) if known else [])] if names else [])
     start_time = clock.perf_counter()
     controlled: Controlled | TwoTolerances | None = None
-    states_friction = names and known and not simulation.coupled and scene.rotor.friction
+    is_linear = scene.rotor.is_linear
+    states_friction = names and known and not simulation.coupled and not is_linear
     watched = motion_signals(scene) if states_friction else []
     if simulation.scene.coupling.tolerance is not None and simulation.coupled:
         controlled = controlled_runs(simulation, own, made_of)

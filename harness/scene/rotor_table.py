@@ -449,6 +449,11 @@ class RotorTable(Table):
         return {key: count for key, count in found.items() if count}
 
     @property
+    def is_linear(self) -> bool:
+        """Whether its supports are: no friction, cubic springs or stops."""
+        return not (self.friction or self.is_restrained)
+
+    @property
     def is_restrained(self) -> bool:
         """Whether cubic springs or stops hold it."""
         return bool(self.cubic_stiffness or self.stops)

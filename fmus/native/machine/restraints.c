@@ -136,37 +136,7 @@ void restraints_settle(Machine *m)
     }
 }
 
-/* Of its series of this order. */
-static double pressure_at(const MachineStop *stop, int order, double time)
-{
-    double sum = stop->series.pressure[order];
-    int k;
-    for (k = order - 1; k >= 0; k--) {
-        sum = sum * time + stop->series.pressure[k];
-    }
-    return sum;
-}
-
 double restraints_largest(const MachineStop *stop, int order, double time)
 {
-    enum { FORCE_LOOKS = 16 };
-    double before, now, after, largest;
-    int k;
-    if (stop->state != STOP_PRESSES) {
-        return 0.0;
-    }
-    before = now = pressure_at(stop, order, 0.0);
-    largest = now;
-    for (k = 1; k <= FORCE_LOOKS; k++) {
-        const double bend = 2.0 * now - before;
-        after = pressure_at(stop, order, time * k / FORCE_LOOKS);
-        largest = larger(largest, after);
-        if (k > 1 && now > before && now > after) { /* the top of the parabola through three looks */
-            const double slope = 0.5 * (after - before);
-            largest = larger(largest, now + 0.5 * slope * slope / (bend - after));
-        }
-        before = now;
-        now = after;
-    }
-    return largest;
+    return stop->state == STOP_PRESSES ? largest_of_series(stop->series.pressure, order, time) : 0.0;
 }

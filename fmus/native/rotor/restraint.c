@@ -153,3 +153,40 @@ void stop_series_force(const Stop *stop, RestraintSeries *s, int k, double *forc
         force[axis] = -sum;
     }
 }
+
+/* A polynomial of this order, with its first two derivatives in the others. */
+static double polynomial_at(const double *coefficients, int order, double time, double *slope, double *bend)
+{
+    double sum = coefficients[order];
+    int k;
+    *slope = *bend = 0.0;
+    for (k = order - 1; k >= 0; k--) {
+        *bend = *bend * time + 2.0 * *slope;
+        *slope = *slope * time + sum;
+        sum = sum * time + coefficients[k];
+    }
+    return sum;
+}
+
+double largest_of_series(const double *coefficients, int order, double until)
+{
+    enum { SERIES_LOOKS = 16, TOP_STEPS = 8 };
+    double largest = -infinity(), slope, bend, top = 0.0;
+    int k;
+    for (k = 0; k <= SERIES_LOOKS; k++) {
+        const double time = until * k / SERIES_LOOKS, found = polynomial_at(coefficients, order, time, &slope, &bend);
+        if (found > largest) {
+            largest = found;
+            top = time;
+        }
+    }
+    for (k = 0; k < TOP_STEPS; k++) { /* Newton's, where the slope is 0 */
+        const double found = polynomial_at(coefficients, order, top, &slope, &bend);
+        largest = larger(largest, found);
+        if (!(bend < 0.0)) {
+            break;
+        }
+        top = smaller(until, larger(0.0, top - slope / bend));
+    }
+    return largest;
+}

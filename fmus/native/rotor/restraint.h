@@ -62,5 +62,7 @@ void cubic_series_force(const CubicSpring *spring, const RestraintSeries *series
 void stop_series_force(const Stop *stop, RestraintSeries *series, int k, double *force);
 /* Coefficient k of f alone, where the displacement is known up to k + 1. */
 void stop_series_pressure(const Stop *stop, RestraintSeries *series, int k);
+/* The largest value of a series of this order up to a time. */
+double largest_of_series(const double *coefficients, int order, double until);
 
 #endif

@@ -662,7 +662,7 @@ static void remember(const TaylorStep *method, double fraction, double *slider_s
 {
     const Holds *holds = &method->holds;
     double *own = slider_states;
-    int k, look;
+    int k;
     for (k = 0; k < holds->slider_count; k++, own += SLIDER_DOUBLES) {
         own[HOLDS] = value_at(method->forces + k, method->count, fraction);
         if (slider_is_loose(holds->sliders + k, own)) {
@@ -671,11 +671,9 @@ static void remember(const TaylorStep *method, double fraction, double *slider_s
         }
     }
     for (k = 0; k < holds->stop_count; k++, own += STOP_DOUBLES) {
-        enum { FORCE_LOOKS_OF_STRETCH = 4 };
-        const RestraintSeries series = restraint_of(method, holds->cubic_count + k);
-        for (look = 0; look <= FORCE_LOOKS_OF_STRETCH && own[STOP_STATE] == STOP_PRESSES; look++) {
-            own[STOP_LARGEST] =
-                larger(own[STOP_LARGEST], value_at(series.pressure, 1, fraction * look / FORCE_LOOKS_OF_STRETCH));
+        if (own[STOP_STATE] == STOP_PRESSES) {
+            const double *pressure = restraint_of(method, holds->cubic_count + k).pressure;
+            own[STOP_LARGEST] = larger(own[STOP_LARGEST], largest_of_series(pressure, TERMS, fraction));
         }
     }
 }

@@ -6,7 +6,7 @@ import math
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from ...master.names import stations
+from ...master.names import OF_STOPS, stations
 from ...scene import Scene
 from .ahead import look_ahead
 from .case import DOUBT
@@ -16,7 +16,7 @@ from .passages import passages
 from .plateau import MOST_REVOLUTIONS, SPARE, Run
 from .ran import Ran
 from .stretches import SHORTEST, Stretch
-from .verdict import Verdict
+from .verdict import Stopped, Verdict
 
 if TYPE_CHECKING:
     from ..result import Result
@@ -57,7 +57,7 @@ def judge(result: Result, scene: Scene) -> Verdict:
     thin = [
         float(values.max()) for name, values in result.signals.items() if name.endswith(".thinness")
     ]
-    verdict = replace(verdict, thinness=max(thin, default=None))
+    verdict = replace(verdict, thinness=max(thin, default=None), stops=_stopped(result, scene))
     if len(stretches) == 1:
         return verdict
     each = tuple((p.begin, p.end, verdict if p is judged else run.judge(p)) for p in plateaus)
@@ -151,6 +151,19 @@ def _with_least(verdict: Verdict, scene: Scene, stretch: Stretch) -> Verdict:
     if turned > MOST_REVOLUTIONS:
         remedy = "it takes more than a million revolutions: check drag and damping"
     return replace(verdict, remedy=remedy)
+
+
+def _stopped(result: Result, scene: Scene) -> tuple[Stopped, ...]:
+    """What the run makes of every stop; none where that was not recorded."""
+    found = []
+    for k, stop in enumerate(scene.rotor.stops, start=1):
+        force, touches = (f"rotor.stop[{k}].{what}" for what in OF_STOPS)
+        if force in result.signals and touches in result.signals:
+            place = f"support {stop.support}" if isinstance(stop.support, int) else stop.support
+            called = {"ring": "ring", "x": "stop along x", "y": "stop along y"}[stop.kind]
+            count, most = int(result[touches][-1]), float(result[force][-1])
+            found.append(Stopped(f"{called} at {place}", count, most))
+    return tuple(found)
 
 
 def _called(scene: Scene) -> str:

@@ -36,6 +36,7 @@ def sentences(verdict: Verdict) -> Iterator[str]:
     yield from _parts(verdict)
     yield from _unbalance(verdict)
     yield from _thinness(verdict)
+    yield from _stops(verdict)
     yield from _plateaus(verdict)
     yield from map(_passage, verdict.passages)
     if verdict.remedy:
@@ -60,6 +61,16 @@ def _thinness(verdict: Verdict) -> Iterator[str]:
             f"The wave took {percent(thin)} of the layer of liquid away: the motion beside the "
             "steady one may err by some 10 %."
         )
+
+
+def _stops(verdict: Verdict) -> Iterator[str]:
+    """Which stops were touched, and how hard."""
+    touched = [one for one in verdict.stops if one.touches]
+    for one in touched:
+        times = "once" if one.touches == 1 else f"{one.touches} times"
+        yield f"The {one.place} was touched {times}, with at most {one.force:.3g} N."
+    if verdict.stops and not touched:
+        yield "No stop was touched."
 
 
 def _vibration(verdict: Verdict) -> str:

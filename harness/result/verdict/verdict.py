@@ -27,6 +27,21 @@ class Passage:
 
 
 @dataclass(frozen=True)
+class Stopped:
+    """What a run makes of a stop.
+
+    Attributes:
+        place: what it is, and the support that has it.
+        touches: how often the rotor has come to touch it.
+        force: largest force of the stop [N].
+    """
+
+    place: str
+    touches: int
+    force: float
+
+
+@dataclass(frozen=True)
 class Verdict:
     """What a run comes to; as text a few sentences.
 
@@ -57,6 +72,7 @@ class Verdict:
         passages: changes of speed with their largest vibration.
         thinness: largest part of its layer that the wave of a ring of liquid takes away; 1: the
             wall is dry.
+        stops: what the run makes of every stop.
     """
 
     balancers: str
@@ -83,6 +99,7 @@ class Verdict:
     plateaus: tuple[tuple[float, float, Verdict], ...] = ()
     passages: tuple[Passage, ...] = ()
     thinness: float | None = None
+    stops: tuple[Stopped, ...] = ()
 
     @property
     def balanced(self) -> bool | None:
