@@ -38,10 +38,7 @@ PHASE = 192 + 4 * 8  # where a state has its phase: behind the token and four ti
 VALUES = PHASE + 2 * 4
 UNITS = (
     ("RotorOnSupports", {"planes": 2}),
-    (
-        "RotorOnSupports",
-        {"kind": "two_support", "stations": 2, "planes": 1, "sliders": 2, "stops": 2},
-    ),
+    ("RotorOnSupports", {"kind": "two_support", "stations": 2, "sliders": 2, "stops": 2}),
     ("RotorOnSupports", {"kind": "flexible", "stations": 4, "planes": 2, "shaft": "compliance"}),
     ("RotorOnSupports", {"kind": "matrices", "stations": 3, "planes": 2, "supports": 1, "feet": 1}),
     ("LiquidBalancer", {}),
