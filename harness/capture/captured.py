@@ -120,11 +120,19 @@ class Captured(Outcome):
         """What the closed form does not cover here, a sentence each."""
         return limits(self)
 
+    @property
+    def linear(self) -> str:
+        """That supports which are not linear are left out; empty where there are none."""
+        keys = {"cubic springs": self.scene.rotor.cubic_stiffness, "stops": self.scene.rotor.stops}
+        held = " and ".join(name for name, given in keys.items() if given)
+        return f"This is the closed form of linear supports: {held} are left out." if held else ""
+
     def as_json(self) -> dict[str, Any]:
         """Everything; `None` for what is infinite or is not."""
         found = self.found
         return {
             "scene": self.scene.name,
+            "linear": self.linear,
             "speed": found.speed,
             "all_pass": found.all_pass,
             "unstable": found.unstable,

@@ -30,6 +30,8 @@ def command(
     say(found.sentence())
     for line in found.limits():
         say(line)
+    if found.linear:
+        say(found.linear)
     if output is not None:
         say(f"Picture: {found.plot(output)}")
     if json_file is not None:

@@ -11,6 +11,7 @@ import typer
 from ..errors import UserError
 from ..output import options
 from ..output.terminal import progress_bar, ready_to_write, say
+from ..scene.at_rest import about_restraints
 from .changes import changed_scene, set_option
 
 AXIS = "PATH=LOW:HIGH:N[:log]"
@@ -66,6 +67,8 @@ def command(
     with page.keeping():
         for line in data.lines():
             say(line)
+        if supports := about_restraints(loaded):
+            say(supports)
     if csv is not None:
         say(f"Points: {data.to_csv(csv)}")
     if store is not None:

@@ -9,6 +9,7 @@ from ..output import options
 from ..output.files import write_json
 from ..output.table import Sheet
 from ..output.terminal import progress_bars, say, show
+from ..scene.at_rest import about_restraints
 from ..units import engineering
 from .changes import changed_scene, set_option
 
@@ -41,6 +42,8 @@ def command(
     say(f"Critical speeds, undamped: {_listed(found.critical)}")
     if loaded.balancer:
         say(f"with the balancers' masses fixed to it: {_listed(found.critical_loaded)}")
+    if supports := about_restraints(loaded):
+        say(supports)
     if loaded.rotor.bodies:
         show(_shown(found.forces()))
     with progress_bars() as bars:

@@ -93,6 +93,8 @@ def command(
         say(f"cosim: {_looked(result, narrowest)}")
     if result.captured is not None:
         say(result.captured.sentence())
+    if result.supports:
+        say(result.supports)
     if json_file is not None:
         write_json(result.as_json(), json_file)
 

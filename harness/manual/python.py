@@ -21,6 +21,7 @@ PACKAGE = "autobalancer"
 INTERNAL = {
     "Scene.refuse_friction",
     "Scene.rest_at",
+    "Scene.touched_at_rest",
     "Scene.restrained_assembly",
     "Scene.refuse_changes",
     "Scene.refuse_unrest",

@@ -31,6 +31,7 @@ from ..result.run import cosimulate
 from ..result.sag import from_sag
 from ..result.supports import HEADS, support_sheet
 from ..scene import Scene
+from ..scene.at_rest import about_restraints
 from ..scene.quantities import LARGEST
 from ..stability.revolution import Revolution
 from ..units import in_both, si_number
@@ -192,6 +193,7 @@ class RotorAnalysis(Outcome):
         rows = zip(*columns.values(), strict=True)
         return {
             "scene": self.scene.name,
+            "supports": about_restraints(self.scene),
             "speed": self.modes.speed,
             "forces": [dict(zip(HEADS, row, strict=True)) for row in self.forces().rows],
             "critical_speeds": self.critical.tolist(),

@@ -192,6 +192,14 @@ class Scene(Described):
         """The same with cubic springs and stops."""
         return self._assembly
 
+    def touched_at_rest(self) -> tuple[int, ...]:
+        """Numbers of the stops, from 0, that the sag under gravity reaches."""
+        if not (self.rotor.stops and self.operation.gravity):
+            return ()
+        from ...models.restraints import at_rest
+
+        return at_rest(self._assembly.loaded_rotor, self.profile().end).touching
+
     def rest_at(self, speed: float) -> Numbers:
         """x and y (2, n) of every station of the loaded rotor at rest under gravity [m].
 

@@ -33,6 +33,7 @@ from ..capture.captured import captured_or_none
 from ..errors import SimulationError, UserError
 from ..output.workers import Progress
 from ..scene import Scene
+from ..scene.at_rest import about_restraints
 from ..scene.quantities import LARGEST
 from ..units import si_number
 from .crossings import FINE, measured_regions, nodes_around, side
@@ -100,7 +101,8 @@ def speeds(
             f"narrowest = {narrowest:g} rad/s: requires {(high - low) / narrowest:.3g} speeds from "
             f"{low:g} to {high:g} rad/s; must be {width:.3g} rad/s or more: at most {MOST_SPEEDS}"
         )
-    result = Speeds(scene.name, (low, high), captured=captured_or_none(scene))
+    captured, supports = captured_or_none(scene), about_restraints(scene)
+    result = Speeds(scene.name, (low, high), captured=captured, supports=supports)
     if "criterion" in wanted:
         _by_criterion(scene, result)
     if "floquet" in wanted:

@@ -240,6 +240,8 @@ def refuse_unproved(scene: Scene) -> None:
             )
     if scene.rotor.friction:
         raise Unproved("rotor.friction: dry friction in the supports is not proved")
+    if scene.rotor.cubic_stiffness and scene.operation.gravity:
+        raise Unproved("rotor.cubic_stiffness: the stiffness about the sag is not proved")
     for mounted in scene.assembly().weights:
         if mounted.offset:
             raise Unproved(f"{mounted.name}: its track is off centre, where no rotor rests")

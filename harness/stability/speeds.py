@@ -32,6 +32,7 @@ class Speeds(Outcome):
         proof: what the method proved proves; None where it was not asked or gives no answer.
         captured: whether weights can be left behind at the operating speed; None without weights,
             or where the closed form does not apply.
+        supports: how cubic springs and stops count; empty without any.
     """
 
     drawn_by: ClassVar[str] = "..stability.plot:plot_speeds"
@@ -45,6 +46,7 @@ class Speeds(Outcome):
     whirl: Whirls | None = None
     proof: Proof | None = None
     captured: Captured | None = None
+    supports: str = ""
 
     def unknown(self) -> Iterator[str]:
         """Where a method cannot tell stable from unstable, in words.
@@ -93,6 +95,7 @@ class Speeds(Outcome):
             "errors": {name: [c.error for c in found] for name, found in self.methods.items()},
             "not_applicable": dict(self.refused),
             "whirl": None if self.whirl is None else self.whirl.as_json(),
+            "supports": self.supports,
             "capture": None if self.captured is None else self.captured.as_json(),
         }
 

@@ -24,6 +24,7 @@ from .slopes import Exact, Number, Sloped, ball, largest
 _NO_ARGUMENTS = (  # of a constructor of `LinearRotor`, or used apart from it
     "kind", "fmu", "friction", "damping_ratio", "unbalance", "unbalance_angle", "unbalances",
     "skews", "bodies", "on", "zone_limits", "support_loss_factor", "loss_frequency",
+    "cubic_stiffness", "cubic", "stops",
 )  # fmt: skip
 
 
