@@ -18,6 +18,7 @@ import numpy as np
 
 from ..arrays import Array
 from ..assembly import Assembly, SpeedProfile, Start, weights_of
+from ..restraints import at_rest
 from .lagrange import Lagrange
 
 Turning = tuple[Array, Array, Array]  # angle, speed and angular acceleration of the rotor
@@ -46,6 +47,9 @@ class Monolith:
         plain = plain and not rotor.gyroscopic.any() and not self.lagrange.offset.any()
         plain = plain and self.lagrange.round
         plain = plain and not (rotor.crossed or rotor.waves or self.lagrange.tables)
+        if rotor.stops:
+            raise ValueError("stops: the reference has no stops")
+        plain = plain and not rotor.cubics
         self.rhs: RightHandSide = self.scalar_rhs() if plain else self.array_rhs
 
     @property
@@ -63,7 +67,8 @@ class Monolith:
 
     def initial(self, start: Start = REST) -> Array:
         """State at time 0, (size,): at rest in the sag unless `start` says otherwise."""
-        sag = self.assembly.loaded_rotor.rest_position(self.profile.speed(0.0))
+        loaded, speed = self.assembly.loaded_rotor, self.profile.speed(0.0)
+        sag = at_rest(loaded, speed).sag if loaded.cubics else loaded.rest_position(speed)
         waves = len(self.assembly.rings)  # which begin at rest
         own = self.stations - waves
         parts = [

@@ -121,6 +121,10 @@ class Lagrange:
             own = ring.wave_inertia * (own - damping * (rate - 1j * turning * wave))
             force[..., at] += own.real
             force[..., n + at] += own.imag
+        for spring in rotor.cubics:
+            pull = spring.force(np.stack([x @ spring.rows[0], yy @ spring.rows[1]]))
+            force[..., :n] += pull[0][..., None] * spring.rows[0]
+            force[..., n : 2 * n] += pull[1][..., None] * spring.rows[1]
         if rotor.crossed:
             (_, k_xy), (k_yx, _) = rotor.springs
             (_, c_xy), (c_yx, _) = rotor.dampers

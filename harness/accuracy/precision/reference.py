@@ -11,7 +11,7 @@ from ....models.arrays import Array
 from ....models.monolith import ReferenceDisagreement, reference
 from ....models.reference.trajectory import Trajectory
 from ....models.spacing import touching
-from ...errors import SimulationError
+from ...errors import SceneError, SimulationError
 from ...master.names import weight
 from ...master.plan import plan
 from ...scene import Scene
@@ -27,10 +27,15 @@ def refuse_without_reference(scene: Scene) -> None:
     """Where nobody knows the motion to the digits that are compared.
 
     Raises:
-        SceneError: the supports have dry friction.
+        SceneError: the supports have dry friction or stops.
         SimulationError: weights stick, or a motor drives weights of finite size.
     """
     scene.refuse_friction("the error cannot be measured: the reference is that")
+    if scene.rotor.stops:
+        raise SceneError(
+            f"{scene.path or scene.name}: rotor.stops: the error cannot be measured: the "
+            "reference has no stops; `run` states its error"
+        )
     for balancer in scene.balancer:
         if not isinstance(balancer, WeightBalancer):
             continue
@@ -59,7 +64,7 @@ def right_motion(
     states = [n for n in names if n.rpartition(".")[2] in ("x", "y", "vx", "vy", "angle", "speed")]
     try:
         right, own = reference(
-            scene.assembly(),
+            scene.restrained_assembly(),
             scene.operation.drive(),
             every,
             initial=motion_at_start(scene),
