@@ -22,7 +22,7 @@ from .measured import MeasuredAmplitudes
 from .model import Turning
 from .search import known
 
-SIGNIFICANCE = 0.2  # of files with pure scatter so many have wider intervals
+SIGNIFICANCE = 0.2  # of files with pure scatter so many are told that a run-out is likely
 HIDDEN = math.sqrt(10.0)  # times wider with a free run-out: the residuals do not show it
 _PART = 0.1  # of the typical amplitude: a run-out that is not rare
 _EXACT = 1e-7  # rms of residuals that are rounding
@@ -57,10 +57,14 @@ class Runout:
         return self.chance < SIGNIFICANCE
 
     def widened(self, uncertainty: Array) -> Array:
-        """Half intervals (p,) about the values without run-out that include those with it."""
-        if not self.is_likely:
-            return uncertainty
-        return np.maximum(uncertainty, np.abs(self.shift) + self.uncertainty)
+        """Half intervals (p,) about the values without run-out that include those with it.
+
+        Also where it is not likely: one that the test does not see moves values too.  Values that
+        are known much worse with a free run-out keep their intervals, see `is_hidden`.
+        """
+        with_runout = np.maximum(uncertainty, np.abs(self.shift) + self.uncertainty)
+        is_told = self.uncertainty <= HIDDEN * uncertainty
+        return np.where(self.is_likely | is_told, with_runout, uncertainty)
 
     def is_hidden(self, uncertainty: Array) -> NDArray[np.bool_]:
         """Values (p,) that a run-out moves out of their interval and the residuals do not show."""

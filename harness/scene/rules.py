@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import cache
 from typing import Any
 
 from pydantic import TypeAdapter, ValidationError
@@ -13,11 +14,16 @@ from .rotor import Rotor
 TABLES = ("rotor", "operation", "coupling", "run")
 
 
+@cache
+def _rotor() -> TypeAdapter[Any]:
+    """Not at import: a right scene never asks, and it takes 30 ms."""
+    return TypeAdapter(Rotor)
+
+
 def plane_count(rotor: Any) -> int | None:
     """Planes of a rotor's table; None where the table is wrong itself."""
-    table: TypeAdapter[Any] = TypeAdapter(Rotor)  # here: a right scene never asks
     try:
-        return int(table.validate_python(rotor).plane_count)
+        return int(_rotor().validate_python(rotor).plane_count)
     except ValidationError:
         return None
 

@@ -1,6 +1,6 @@
 """How often the intervals of `fit` cover the truth, on clean data and under a constant run-out.
 
-    python -m tests.studies.fit_intervals COUNT
+    python -m tests.studies.fit_intervals [COUNT] [--seed 1] [--row SPEEDS SCATTER RUNOUT]...
 
 A Jeffcott rotor in closed form is measured at 24 or 48 speeds with scatter of 0.5 or 3 %; a run-out
 of 0 to 40 % of the amplitude far above resonance is added as a vector.  Stiffness and damping are
@@ -10,7 +10,8 @@ a warning and does not cover the truth.
 
 from __future__ import annotations
 
-import sys
+import argparse
+import itertools
 import tempfile
 from pathlib import Path
 
@@ -22,6 +23,9 @@ from autobalancer.harness.fit.parameters import parse_free
 from autobalancer.harness.fit.study import fit
 
 MASS, STIFFNESS, DAMPING, UNBALANCE = 2.0, 800.0, 6.0, 0.01
+POINTS, SCATTERS = (8, 24, 48), (0.005, 0.03)
+RUNOUTS = (0.0, 0.01, 0.02, 0.05, 0.1, 0.4)
+ROW = ("SPEEDS", "SCATTER", "RUNOUT")
 FREE = ["rotor.stiffness[1]=rotor.stiffness[2]", "rotor.damping"]
 
 
@@ -37,14 +41,14 @@ def rotor():
     return load_scene("two_balls").without_balancers().replace(start | run)
 
 
-def one(scene, folder, speeds, scatter, runout, random):
+def one(scene, free, folder, speeds, scatter, runout, random):
     """Whether intervals are given, whether they cover the truth (2,), and no warning is."""
     vector = runout * UNBALANCE / MASS * np.exp(2j * np.pi * random.uniform())
     seen = np.abs(response(speeds) + vector) * np.exp(scatter * random.standard_normal(len(speeds)))
     path = folder / "measured.csv"
     rows = "".join(f"{w},{a}\n" for w, a in zip(speeds, seen, strict=True))
     path.write_text(f"speed,amplitude [m]\n{rows}")
-    found = fit(scene, read_measured(path, scene), parse_free(FREE, scene), harmonic=True)
+    found = fit(scene, read_measured(path, scene), free, harmonic=True)
     off = np.abs(found.values - (STIFFNESS, DAMPING))
     given = np.isfinite(found.uncertainty)
     return given, off <= np.where(given, found.uncertainty, np.inf), not found.warnings()
@@ -56,8 +60,10 @@ def coverage(count, speeds, scatter, runout, seed=1):
     A silent miss is a truth (2,) outside of an interval without a warning, over all files.
     """
     scene, random = rotor(), np.random.default_rng(seed)
+    free = parse_free(FREE, scene)
     with tempfile.TemporaryDirectory() as folder:
-        outcomes = [one(scene, Path(folder), speeds, scatter, runout, random) for _ in range(count)]
+        rest = (Path(folder), speeds, scatter, runout, random)
+        outcomes = [one(scene, free, *rest) for _ in range(count)]
     given, covers, silent = (np.array(column) for column in zip(*outcomes, strict=True))
     given = given.all(axis=1)
     share = covers[given].mean(axis=0) if given.any() else np.full(2, np.nan)
@@ -65,19 +71,22 @@ def coverage(count, speeds, scatter, runout, seed=1):
     return given.mean(), warned, share, (~covers & silent[:, None]).mean(axis=0)
 
 
-def main(count):
+def main():
     """Print a row for every number of speeds, scatter and run-out."""
+    parser = argparse.ArgumentParser(description="coverage of the intervals of fit")
+    parser.add_argument("count", type=int, nargs="?", default=100)
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--row", type=float, nargs=3, action="append", metavar=ROW)
+    given = parser.parse_args()
     print(
         "speeds scatter run-out | given, of these warned | cover where given (k, d) | silent (k, d)"
     )
-    for points in (8, 24, 48):
-        for scatter in (0.005, 0.03):
-            for runout in (0.0, 0.01, 0.02, 0.05, 0.1, 0.4):
-                speeds = np.linspace(8.0, 45.0, points)
-                given, warned, covers, missed = coverage(count, speeds, scatter, runout)
-                cells = [f"{100.0 * v:5.1f} %" for v in (given, warned, *covers, *missed)]
-                print(f"{points:4d} {scatter:7.3f} {runout:7.2f} |", *cells, flush=True)
+    for points, scatter, runout in given.row or itertools.product(POINTS, SCATTERS, RUNOUTS):
+        speeds = np.linspace(8.0, 45.0, int(points))
+        told, warned, covers, missed = coverage(given.count, speeds, scatter, runout, given.seed)
+        cells = [f"{100.0 * v:5.1f} %" for v in (told, warned, *covers, *missed)]
+        print(f"{points:4g} {scatter:7.3f} {runout:7.2f} |", *cells, flush=True)
 
 
 if __name__ == "__main__":
-    main(int(sys.argv[1]) if len(sys.argv) > 1 else 100)
+    main()

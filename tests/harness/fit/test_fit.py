@@ -49,21 +49,27 @@ def file(tmp_path):
 FREE = ["rotor.stiffness[1]=rotor.stiffness[2],rotor.damping"]
 
 
-def test_values_and_intervals_are_those_of_a_fit_of_the_closed_form(rotor, file):
+def test_values_and_intervals_are_those_of_fits_of_the_closed_form(rotor, file):
+    """The interval about the values of the one without run-out includes that of the other."""
     measured = read_measured(file, rotor)
     found = fit(rotor, measured, parse_free(FREE, rotor))
     unbalances, values = measured.settings["rotor.unbalance"], measured.values
 
-    def curve(speed, stiffness, damping):
-        return np.log(amplitude(speed, stiffness, damping, unbalances))
+    def curve(speed, stiffness, damping, *runout):
+        pull = stiffness - MASS * speed**2 + 1j * damping * speed
+        vector = complex(*runout) * UNBALANCE / MASS if runout else 0.0
+        return np.log(np.abs(unbalances * speed**2 / pull + vector))
 
-    expected, covariance = curve_fit(
-        curve,
-        measured.settings["speed"],
-        np.log(values),
-        (1000.0, 4.0),
-    )
-    intervals = student.ppf(0.975, len(values) - 2) * np.sqrt(covariance.diagonal())
+    def fitted(start):
+        speeds = measured.settings["speed"]
+        best, covariance = curve_fit(curve, speeds, np.log(values), start)
+        wide = student.ppf(0.975, len(values) - len(start)) * np.sqrt(covariance.diagonal())
+        return best[:2], wide[:2], covariance
+
+    expected, alone, covariance = fitted((1000.0, 4.0))
+    moved, beside, _ = fitted((*expected, 0.0, 0.0))
+    intervals = np.maximum(alone, abs(moved - expected) + beside)
+    assert (intervals < 2.0 * alone).all()
     assert found.values == pytest.approx(expected, rel=1e-4)
     assert found.uncertainty == pytest.approx(intervals, rel=0.01)
     correlation = covariance[0, 1] / math.sqrt(covariance[0, 0] * covariance[1, 1])

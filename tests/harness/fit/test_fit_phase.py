@@ -52,7 +52,7 @@ def test_amplitude_and_phase_give_stiffness_damping_and_direction_of_the_unbalan
     truth = np.array([STIFFNESS, DAMPING, 0.7])
     assert np.isfinite(found.uncertainty).all()
     assert (np.abs(found.values - truth) < 2.0 * found.uncertainty).all()
-    assert (found.uncertainty < (2.0, 0.1, 0.02)).all()
+    assert (found.uncertainty < (2.5, 0.1, 0.02)).all()  # a run-out included
     assert found.rms[1] == pytest.approx(0.01, rel=0.3)
     assert not found.warnings()
 
