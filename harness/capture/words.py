@@ -48,7 +48,8 @@ def sentence(data: Captured) -> str:
     natural, motion = max(found.motions, key=lambda pair: (pair[1].weights, pair[1].drag_ratio))
     several = f"{motion.weights} of {found.count}"
     size = data.amplitude(motion)
-    largest = f"{brief(1e3 * size)} to {brief(1e3 * (size + data.unbalance_amplitude))} mm"
+    sizes = (brief(1e3 * size), brief(1e3 * (size + data.unbalance_amplitude)))
+    largest = f"{' to '.join(dict.fromkeys(sizes))} mm"
     until = ", not let go at higher speeds"
     if FAR * data.speed < motion.release_speed < math.inf:
         until = f", not let go below {FAR:g} times that speed"
@@ -81,10 +82,12 @@ def _drag(data: Captured, words: str) -> str:
         value = f"{next(iter(limits.values()))} N s/m"
     else:
         value = ", ".join(f"{v} N s/m of {name}" for name, v in limits.items())
-    ratio = f" ({brief(data.found.drag_ratio)} times the present one)" if data.drag_given else ""
-    if not data.found.drag_ratio:
+    ratio = data.found.drag_ratio
+    digits = 3 if 0.9 < ratio < 1.1 else 2  # not "1 times"
+    times = f" ({brief(ratio, digits)} times the present one)" if data.drag_given else ""
+    if not ratio:
         return ""
-    return f"; {words} {value}{ratio}{' on' if words.startswith('never') else ''}"
+    return f"; {words} {value}{times}{' on' if words.startswith('never') else ''}"
 
 
 def limits(data: Captured) -> list[str]:

@@ -205,9 +205,11 @@ def _after(record: Record, known: Known, size: Array) -> float:
 
 
 def _used(scene: Scene, held: Mapping[str, float]) -> tuple[tuple[str, float, float], ...]:
+    """Of each balancer: share of its capacity, and that; without the mass of a track off centre."""
     used = []
     for one in scene.balancer:
         assert isinstance(one, WeightBalancer)
-        moment = math.hypot(*(held[f"{one.label}.moment_{axis}"] for axis in ("xi", "eta")))
-        used.append((one.label, moment / one.capacity, one.capacity))
+        moment = complex(*(held[f"{one.label}.moment_{axis}"] for axis in ("xi", "eta")))
+        about_track = abs(moment - one.device.added_mass * one.offset)
+        used.append((one.label, about_track / one.capacity, one.capacity))
     return tuple(used)

@@ -215,6 +215,17 @@ def test_a_track_far_off_centre_takes_more_than_the_weights_hold():
     assert found.needed == pytest.approx(0.02 + 8.0 * 5e-3, rel=0.15)
 
 
+def test_weights_on_a_track_off_centre_use_their_capacity_and_no_more():
+    """The mass on the offset, 0.75 g m, is not what their places hold."""
+    scene = drum(0.06, turns=150, balls__track_offset_xi=5e-3)
+    run = cosimulate(scene)
+    ((_, used, capacity),) = run.summary().used
+    angles = [run[f"balls.weight[{k}].angle"][-1] for k in (1, 2, 3)]
+    assert capacity == pytest.approx(0.03)
+    assert used == pytest.approx(abs(sum(math.e ** (1j * a) for a in angles)) / 3.0, rel=0.02)
+    assert used <= 1.0
+
+
 def test_every_plateau_has_its_verdict():
     found = verdict(profile((0, 40), (5, 40), (8, 150), (14, 150)))
     assert [one.outcome for *_, one in found.plateaus] == [
