@@ -113,9 +113,15 @@ class Against:
         signals: Sequence[str] | None = None,
         separate: bool = False,
     ) -> Result:
-        """Run with keys of [coupling] on top; None for those left at their default."""
-        from autobalancer.harness import cosimulate
+        """Run with keys of [coupling] on top; None for those left at their default.
 
+        What separate FMUs alone have is for them.
+        """
+        from autobalancer.harness import cosimulate
+        from autobalancer.harness.scene.run import UNCORRECTED
+
+        separate = separate or coupling.get("scheme") in UNCORRECTED
+        separate = separate or coupling.get("order", 3) != 3
         keys = {f"coupling.{key}": value for key, value in coupling.items()}
         return cosimulate(self.scene.replace(keys), record=signals, separate=separate)
 

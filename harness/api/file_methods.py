@@ -156,13 +156,13 @@ class FileMethods(OfScene):
 
         return precision(self._scene, seconds=seconds, progress=progress)
 
-    def cite(self) -> str:
+    def cite(self, *, separate: bool = False) -> str:
         """BibTeX of the program and of the papers and methods that a run of the scene uses.
 
         A comment above each entry says what it is cited for.
 
-        Raises:
-            SimulationError: the scene cannot be started.
+        Args:
+            separate: of a run of separate FMUs, with the scheme that couples them.
 
         >>> print(*ab.load("drum").cite().splitlines()[:2], sep="\\n")
         % the program that ran the scene
@@ -171,4 +171,4 @@ class FileMethods(OfScene):
         from autobalancer.harness.result.run import is_in_one_piece
         from autobalancer.harness.scene.citations import bibtex
 
-        return bibtex(self._scene, is_in_one_piece(self._scene))
+        return bibtex(self._scene, not separate and is_in_one_piece(self._scene))

@@ -9,8 +9,13 @@ from ..scene import Scene
 from ..scene.run import UNCORRECTED
 
 
-def left_out(scene: Scene, recorded: Sequence[str]) -> list[str]:
-    """In words; `recorded` are the signals of the record."""
+def left_out(scene: Scene, recorded: Sequence[str], coupled: bool = True) -> list[str]:
+    """In words.
+
+    Args:
+        recorded: signals of the record.
+        coupled: whether separate FMUs run; in one piece none exchanges a signal.
+    """
     motor = scene.operation.motor is not None
     present = {scene.rotor.model, *(balancer.model for balancer in scene.balancer)}
     present |= {"Motor"} if motor else set()
@@ -21,9 +26,9 @@ def left_out(scene: Scene, recorded: Sequence[str]) -> list[str]:
         alone = "the liquid acts as added mass alone" if scene.balancer else "no balancer"
         notes += [f"force exchange ({alone})"]
         notes += [] if motor else ["corrector passes and rollback"]
-    elif coupling.scheme in UNCORRECTED:
+    elif coupled and coupling.scheme in UNCORRECTED:
         notes.append("corrector passes and rollback (explicit scheme)")
-    if exchanging and coupling.order < 3:
+    if coupled and exchanging and coupling.order < 3:
         notes.append("slopes of the signals" if coupling.order == 0 else "second derivatives")
     if not profile.changes and not motor:
         notes.append("variable speed")

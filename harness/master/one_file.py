@@ -5,38 +5,27 @@ from __future__ import annotations
 import re
 
 from ...fmus.composite.composition import Composition, Part
-from ...fmus.unit import alternatives
 from ..errors import SceneError
 from ..scene import Scene
-from ..scene.run import UNCORRECTED
 from .plan import ROTOR, plan
 from .runtime import runtime
 from .schedule import end_time, in_one_piece, step_size
-
-COVERED = ("auto", "iterated")  # schemes of scenes that one file runs
 
 
 def composition(scene: Scene) -> Composition:
     """What a scene's composite FMU is made from, with the tolerance that a run takes.
 
-    Nothing is run again for the error of the whole run.
+    Nothing is run again for the error of the whole run.  What the scene says of the coupling of
+    separate FMUs has no meaning here.
 
     Raises:
-        SceneError: the scene is coupled in a way that a composite does not have.
+        SceneError: the scene has parts that a composite does not have.
     """
     return scene.once(_composition)
 
 
 def _composition(scene: Scene) -> Composition:
     scene.refuse_guests("one file")
-    coupling = scene.coupling
-    if coupling.order < 3:
-        raise SceneError(f"{scene.name}: coupling.order = {coupling.order}: of one file must be 3")
-    if coupling.scheme in UNCORRECTED:
-        raise SceneError(
-            f'{scene.name}: coupling.scheme = "{coupling.scheme}": of one file must be one of '
-            f"{alternatives(COVERED)}"
-        )
     found = plan(scene)
     exchanging = {c.source.unit for c in found.of_kind("signal")}
     following = {c.target.unit for c in found.of_kind("value")}

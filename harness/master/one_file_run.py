@@ -22,7 +22,6 @@ from .names import readable
 from .one_file import composition_in_c, model_name
 from .recorder import Recorder, Signal
 from .schedule import end_time, in_one_piece, milestones, schedule, step_size
-from .simulation import refuse_loose_tolerance
 
 if TYPE_CHECKING:
     from ..output.workers import Progress
@@ -45,12 +44,10 @@ class OneFileRun(Closing):
         time: reached so far [s].
 
     Raises:
-        SceneError: the scene's units or coupling are none that one file has, or a tolerance is
-            asked of a scheme or an order that cannot keep it.
+        SceneError: the scene's units are none that one file has.
     """
 
     def __init__(self, scene: Scene) -> None:
-        refuse_loose_tolerance(scene)
         self._steps_per_rev = scene.coupling.steps_per_rev
         self.scene = in_one_piece(scene)
         made = composition_in_c(scene)

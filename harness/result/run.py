@@ -44,9 +44,9 @@ def cosimulate(
     """Run a scene and return what it recorded.
 
     The machine is integrated in one piece, as the scene's one file does it.  Separate FMUs, coupled
-    in Python, run instead if `separate` or `fmus` is given, and for what one file does not have:
-    scheme "jacobi", "gauss-seidel" or "compensated", order 0 or 1, units in Python; then
-    `Result.events` says so, and why.
+    in Python, run instead if `separate` or `fmus` is given, and for what one file does not have,
+    units in Python and FMUs of any origin; then `Result.events` says so, and why.  The scheme, the
+    order, the corrections and the steps of the coupling are of separate FMUs.
 
     Args:
         scene: a scene, the path of a scene file, or the name of a bundled scene.
@@ -174,7 +174,10 @@ def result(
         signals=with_velocities(facts.scene, names, time, signals),
         velocity=with_velocities(facts.scene, speeds, time, signals),
         seconds=seconds,
-        left_out=(*left_out(facts.scene, names), *([] if facts.calls else [NO_CALLS])),
+        left_out=(
+            *left_out(facts.scene, names, coupled=bool(facts.calls)),
+            *([] if facts.calls else [NO_CALLS]),
+        ),
         units=facts.files,
         events=tuple(events(facts)),
         steps=facts.steps,

@@ -74,6 +74,8 @@ def _cited(scene: Scene, in_one_piece: bool) -> Iterator[tuple[str, str]]:
         yield "Sommerfeld 1902; Kononenko 1969", "motor of limited power"
     if in_one_piece:
         yield "Jorba & Zou 2005", "steps of the whole machine by Taylor series"
+        if not scene.has_events:
+            yield "Hairer & Wanner 1996", "steps of a stiff machine by collocation (Radau IIA)"
     elif scene.coupling.units == "native" and (scene.rotor.friction or not scene.operation.speed):
         yield "Jorba & Zou 2005", "steps of the rotor by Taylor series"
     elif not scene.operation.speed:

@@ -186,8 +186,7 @@ class Coupling(Table):
     """Steps of separate FMUs in the fastest revolution; default: 40 where no tolerance is kept.  In
     one piece the machine has its own steps, and rows are at these."""
     order: Annotated[Literal[0, 1, 3], BeforeValidator(whole_choice)] = 3
-    """Of the signals of separate FMUs over a step: 0 held, 1 linear, 3 cubic Hermite; with 0 or 1
-    separate FMUs run."""
+    """Of the signals of separate FMUs over a step: 0 held, 1 linear, 3 cubic Hermite."""
     corrections: Annotated[Whole | None, Field(ge=0, le=100)] = None
     """Corrector passes of `iterated` of separate FMUs with given steps; default: until the loop has
     converged, with `auto` as few as the loop gain asks for."""
@@ -200,6 +199,7 @@ class Coupling(Table):
         """Keys that are given and have a meaning for separate FMUs alone."""
         given = {
             "scheme": self.scheme != "auto",
+            "order": self.order < 3,
             "steps_per_rev": self.steps_per_rev is not None,
             "corrections": self.corrections is not None,
         }

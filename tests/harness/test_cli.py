@@ -157,6 +157,10 @@ def test_run_names_the_engine_and_refuses_separate_fmus_for_one_file(invoke):
     assert "coupling.steps_per_rev, coupling.corrections: of separate FMUs (--separate)" in said
     assert "rows are at the given ones" in said
     assert "FMUs loaded: Rotor" in invoke("run", "two_balls", "--separate", "--verbose").output
+    explicit = ["--set", 'coupling.scheme="jacobi"', "--set", "coupling.order=0"]
+    said = invoke("run", "two_balls", "--verbose", *explicit).output
+    keys = "coupling.scheme, coupling.order, coupling.steps_per_rev"
+    assert said.count(f"{keys}: of separate FMUs (--separate)") == 1
     outcome = invoke("run", "two_balls", "--one-file")
     assert outcome.exit_code == 0, outcome.output
     assert "deprecated" in outcome.stderr
@@ -259,7 +263,7 @@ def test_a_run_that_diverges_ends_with_one_and_says_when(invoke, tmp_path):
     path = altered(
         tmp_path, "liquid_heavy_force", **{"[run]": '[coupling]\nscheme = "jacobi"\n\n[run]'}
     )
-    outcome = invoke("run", path, "-o", tmp_path / "out.csv")
+    outcome = invoke("run", path, "--separate", "-o", tmp_path / "out.csv")
     assert outcome.exit_code == 1, outcome.output
     assert "t = " in outcome.stderr
     assert "Traceback" not in outcome.output

@@ -213,13 +213,6 @@ def test_contradictions_need_intervals_that_do_not_touch():
     assert [c.count for c in rivals(data)] == [4, 5]
 
 
-def test_a_scheme_that_one_file_does_not_have_is_refused():
-    changes = {"coupling.scheme": "gauss-seidel", "coupling.corrections": None}
-    scene = load_scene("finite_weights").replace({"run.revolutions": 5, **changes})
-    with pytest.raises(SceneError, match="gauss-seidel"):
-        design(scene, counts=[3], starts=6)
-
-
 def test_two_weights_without_unbalance_are_named_not_failed():
     changes = {"run.revolutions": 40, "coupling.steps_per_rev": 20}
     scene = load_scene("finite_weights").replace(changes)

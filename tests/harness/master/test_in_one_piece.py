@@ -31,6 +31,10 @@ def test_random_machines_keep_their_tolerance_and_state_their_error(family):
         {"coupling.tolerance": 1e-4},
         {"coupling.steps_per_rev": 20, "coupling.corrections": 2},
         {"coupling.steps_per_rev": 20, "coupling.scheme": "iterated"},
+        {"coupling.steps_per_rev": 20, "coupling.scheme": "jacobi"},
+        {"coupling.steps_per_rev": 20, "coupling.scheme": "compensated"},
+        {"coupling.steps_per_rev": 20, "coupling.order": 0},
+        {"coupling.tolerance": 1e-4, "coupling.scheme": "gauss-seidel"},
     ],
 )
 def test_a_scene_runs_in_one_piece_whatever_it_says_of_separate_units(changes):

@@ -96,7 +96,7 @@ def test_a_tighter_tolerance_costs_few_steps_in_one_piece():
 def test_a_tolerance_that_a_scheme_cannot_keep_is_refused(changes, said):
     scene = load_scene("two_balls").replace({"coupling.tolerance": 1e-4, **changes})
     with pytest.raises(SceneError, match=rf"coupling\.tolerance = 0\.0001.*{said}"):
-        cosimulate(scene)
+        cosimulate(scene, separate=True)
 
 
 # -- rollback and independence --------------------------------------------------------------------

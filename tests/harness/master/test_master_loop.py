@@ -192,7 +192,7 @@ def test_a_loop_of_gain_19_ends_an_explicit_run_with_time_signal_and_gain(
         {"coupling.scheme": scheme, "coupling.order": order, "run.revolutions": revolutions}
     )
     with pytest.raises(SimulationError, match=r"t = .* s.*liquid\.F.*loop gain 19\b"):
-        cosimulate(scene)
+        cosimulate(scene, separate=True)
 
 
 def test_a_step_refused_by_a_unit_names_time_signal_and_gain():

@@ -18,8 +18,6 @@ def test_a_machine_that_cannot_go_on_is_named_with_its_time():
 
 NOT_COVERED = [
     ({"coupling.units": "python"}, "coupling.units"),
-    ({"coupling.order": 1, "coupling.steps_per_rev": 40}, "coupling.order"),
-    ({"coupling.scheme": "gauss-seidel", "coupling.corrections": None}, "coupling.scheme"),
 ]
 
 

@@ -25,8 +25,10 @@ def scene():
     return load_scene("run_up").replace(changes)
 
 
-@pytest.mark.parametrize("separate", [False, True])
-@pytest.mark.parametrize("coupling", [{}, {"coupling.scheme": "compensated"}])
+@pytest.mark.parametrize(
+    ("separate", "coupling"),
+    [(False, {}), (True, {}), (True, {"coupling.scheme": "compensated"})],
+)
 def test_a_run_follows_its_profile_to_standstill_and_up_again(scene, separate, coupling):
     steps = {"coupling.steps_per_rev": 40} if coupling else {}
     scene = scene.replace({**coupling, **steps})

@@ -13,9 +13,10 @@ from autobalancer.harness.scene.citations import program
 CFF = Path(__file__).parents[3] / "CITATION.cff"
 
 
-def cited(name, **changes):
+def cited(name, separate=False, **changes):
     """Reasons by the keys of the entries below them."""
-    text = load_scene(name).replace({k.replace("__", "."): v for k, v in changes.items()}).cite()
+    scene = load_scene(name).replace({k.replace("__", "."): v for k, v in changes.items()})
+    text = scene.cite(separate=separate)
     found = re.findall(r"^% (.+)\n@\w+\{([^,]+),", text, re.MULTILINE)
     return {key: reason for reason, key in found}
 
@@ -52,12 +53,16 @@ def test_every_entry_says_what_it_is_cited_for():
 
 
 def test_another_scheme_cites_its_own_papers():
-    keys = set(cited("two_balls", coupling__scheme="compensated"))
+    keys = set(cited("two_balls", separate=True, coupling__scheme="compensated"))
     assert {"Benedikt2013", "Sicklinger2014"} <= keys
     assert "Broyden1965" not in keys
 
 
-def test_a_machine_in_one_piece_cites_no_coupling():
-    keys = set(cited("two_balls", coupling__tolerance=1e-4))
-    assert "Jorba2005" in keys
+@pytest.mark.parametrize(
+    "coupling", [{"coupling__tolerance": 1e-4}, {"coupling__scheme": "compensated"}]
+)
+def test_a_machine_in_one_piece_cites_no_coupling(coupling):
+    """Series, and for stiff machines collocation."""
+    keys = set(cited("two_balls", **coupling))
+    assert {"Jorba2005", "Hairer1996"} <= keys
     assert not keys & {"Broyden1965", "Schierz2012", "Hairer1993"}

@@ -84,9 +84,9 @@ def test_the_command_writes_a_page_without_an_address_in_it(invoke, tmp_path):
 
 def test_a_scene_that_one_file_cannot_couple_is_refused(invoke, tmp_path):
     path = tmp_path / "page.html"
-    outcome = invoke("show", "two_balls", "-o", path, "--set", "coupling.scheme=jacobi")
+    outcome = invoke("show", "two_balls", "-o", path, "--set", "coupling.units=python")
     assert outcome.exit_code == 2
-    assert "coupling.scheme" in outcome.output
+    assert "coupling.units" in outcome.output
     assert not path.exists()
 
 
