@@ -9,7 +9,8 @@ from numpy.typing import NDArray
 
 from .assembly import Assembly
 from .linear.balanced import WeightTable
-from .linear.linearised import linearise, linearise_at
+from .linear.linearised import linearise
+from .linear.on_race import has_lobes, systems_at
 from .linear.regions import Crossing, Measure, Regions, Samples, Side, find_regions
 from .ring import Ring
 from .stability import growth_and_errors
@@ -27,13 +28,13 @@ def measure_of(assembly: Assembly) -> Measure:
     Raises:
         CannotBalance: the weights cannot undo the unbalance.
     """
-    one = None if assembly.rotor.varies else linearise(assembly)
+    one = None if assembly.rotor.varies or has_lobes(assembly) else linearise(assembly)
 
     def measure(speeds: NDArray) -> tuple[NDArray, NDArray]:
         flat = speeds.ravel()
         systems, which = [one] if one else [], np.zeros(flat.size, int)
         if one is None:
-            systems, which = linearise_at(assembly, flat)
+            systems, which = systems_at(assembly, flat)
         found = growth_and_errors(systems, which, flat)
         growth, error = (each.reshape(speeds.shape) for each in found)
         return growth, error

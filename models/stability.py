@@ -22,7 +22,8 @@ from .linear.floquet import (
     one_turn_multipliers,
 )
 from .linear.growth import Growth, eigenvalues_with_errors, largest
-from .linear.linearised import Linearised, linearise, linearise_at
+from .linear.linearised import Linearised, linearise
+from .linear.on_race import has_lobes, systems_at
 
 # growth per revolution below which errors are looked at; collocation errs by 4e-7 at most, and
 # eigenvalues of matrices with drag rates far above the speed by more
@@ -114,7 +115,7 @@ def find_growth(assembly: Assembly, speed: float) -> Growth:
     'stable'
     """
     speeds = _speeds(speed)
-    growth, error = growth_and_errors(*linearise_at(assembly, speeds), speeds)
+    growth, error = growth_and_errors(*systems_at(assembly, speeds), speeds)
     return Growth(float(growth[0]), float(error[0]))
 
 
@@ -130,13 +131,16 @@ def growth_rates(assembly: Assembly, speeds: ArrayLike) -> NDArray[np.float64]:
         CannotBalance: the weights cannot undo the unbalance.
     """
     w = _speeds(speeds)
-    return active_growth(*linearise_at(assembly, w), w)
+    return active_growth(*systems_at(assembly, w), w)
 
 
 def growth_map(assemblies: Sequence[Assembly], speeds: ArrayLike) -> NDArray[np.float64]:
     """Largest growth rate [1/s] of every assembly at every speed, (len(assemblies), len(speeds)).
 
     NaN where the weights of an assembly cannot undo its unbalance: it has no main motion.
+
+    Raises:
+        NoRest: on races with lobes no rest was found.
     """
     return growth_map_with_errors(assemblies, speeds)[0]
 
@@ -151,8 +155,8 @@ def growth_map_with_errors(
     groups: dict[tuple[int, int, bool], list[tuple[int, Linearised]]] = {}
     for i, assembly in enumerate(assemblies):
         try:
-            if assembly.rotor.varies:
-                rates[i], errors[i] = growth_and_errors(*linearise_at(assembly, w), w)
+            if assembly.rotor.varies or has_lobes(assembly):
+                rates[i], errors[i] = growth_and_errors(*systems_at(assembly, w), w)
                 continue
             system = linearise(assembly)
         except CannotBalance:

@@ -24,10 +24,11 @@ from importlib.util import find_spec
 import numpy as np
 from numpy.typing import NDArray
 
-from ...models.assembly import Assembly
+from ...models.assembly import Assembly, weights_of
 from ...models.boundaries import balancing_regions, unknown_word
 from ...models.criteria import Criterion
 from ...models.linear.balanced import CannotBalance, balanced_angles
+from ...models.linear.on_race import has_lobes, main_motion
 from ...models.linear.regions import NARROW
 from ..capture.captured import captured_or_none
 from ..errors import SimulationError, UserError
@@ -75,7 +76,6 @@ def speeds(
         SimulationError: a co-simulation cannot be completed correctly, and no other method answers.
     """
     scene.refuse_unrest("speeds")
-    scene.refuse_lobes("speeds are those")
     scene.refuse_friction("boundaries of balancing are those")
     low, high = (si_number(end, "rad/s", "range:") for end in range)
     if not 0.0 < low < high <= LARGEST:
@@ -123,6 +123,8 @@ def criterion_of(assembly: Assembly) -> Criterion:
     """
     if not assembly.weights:
         raise ValueError("the criterion is for weights, and the scene has none")
+    if has_lobes(assembly):
+        raise ValueError("the criterion is for round races, and this one has lobes")
     return Criterion.of(assembly)
 
 
@@ -181,8 +183,21 @@ def _why_no_rest(scene: Scene) -> str:
         return str(error)
     except ArithmeticError:
         return ""
+    if has_lobes(assembly):
+        return _left_by_lobes(assembly, scene.profile().end)
     off = [f"{m.name} by {1e3 * abs(m.offset):.3g} mm" for m in assembly.weights if m.offset]
     return f"tracks are off centre: {', '.join(off)}" if off else ""
+
+
+def _left_by_lobes(assembly: Assembly, speed: float) -> str:
+    """What weights leave on races that are not round."""
+    try:
+        machine, angles = main_motion(assembly.at_speed(speed), speed)
+    except ArithmeticError as error:
+        return str(error)
+    left = float(np.abs(machine.whirl(angles)).max())
+    names = ", ".join(m.name for m in assembly.weights if weights_of(m).race)
+    return f"the race is not round ({names}): {1e3 * left:.3g} mm are left at {speed:g} rad/s"
 
 
 def _by_units(

@@ -243,6 +243,8 @@ def refuse_unproved(scene: Scene) -> None:
     if scene.rotor.cubic_stiffness and scene.operation.gravity:
         raise Unproved("rotor.cubic_stiffness: the stiffness about the sag is not proved")
     for mounted in scene.assembly().weights:
+        if getattr(mounted.device, "race", ()):
+            raise Unproved(f"{mounted.name}.race: lobes are not proved; see method floquet")
         if mounted.offset:
             raise Unproved(f"{mounted.name}: its track is off centre, where no rotor rests")
 

@@ -138,7 +138,6 @@ def _strip(
     scenes = [scene.replace({slow: v, **other}) for v, other in itertools.product(values, others)]
     for each in scenes:
         each.refuse_unrest("a map of growth rates")
-        each.refuse_lobes("a map of growth rates is that")
     assemblies = [s.assembly() for s in scenes]
     speeds = fast.values if along else np.array([scenes[0].profile().end])
     growth, error, why_not = _rates(assemblies, speeds)

@@ -86,6 +86,7 @@ class Couplings:
     feed: Numbers  # (r, R)   g' = feed v
     drag: Numbers  # (R,)     v' = -drag v - drive a
     drive: Numbers  # (R, 2n)
+    spring: Numbers | None = None  # (R,)  v' = ... - w^2 spring g, of races with lobes
     neutral: int = 0
     free_decay: NDArray[np.float64] = field(default_factory=lambda: np.zeros(0))
 
@@ -209,7 +210,7 @@ class _Blocks:
         return cls(slice(0, n2), slice(n2, 2 * n2), slice(2 * n2, 2 * n2 + r), v, size)
 
 
-def _kron(axes: Matrix, matrix: Matrix) -> Matrix:
+def spread(axes: Matrix, matrix: Matrix) -> Matrix:
     """np.kron of (2, 2) and (n, n), which takes ten times as long in NumPy."""
     size = 2 * len(matrix)
     return (axes[:, None, :, None] * matrix[None, :, None, :]).reshape(size, size)
@@ -228,23 +229,25 @@ def small_motions(
     """
     at = _Blocks.of(c)
     n, both = len(rotor.internal), np.eye(2)
-    turn = _kron(_TURN, np.eye(n))
+    turn = spread(_TURN, np.eye(n))
     parts = 5 if rotor.rooted is None else 7
     forces = np.zeros((parts, 2 * n, at.size), mass.dtype)  # rows of M_eff D^2 zeta
-    forces[0, :, at.q] = -_kron(both, rotor.stiffness)
-    forces[0, :, at.u] = -_kron(both, rotor.damping + rotor.internal)
+    forces[0, :, at.q] = -spread(both, rotor.stiffness)
+    forces[0, :, at.u] = -spread(both, rotor.damping + rotor.internal)
     forces[0, :, at.v] = c.pull_rate * c.drag
-    forces[1, :, at.q] = turn @ _kron(both, rotor.internal)
-    forces[1, :, at.u] = turn @ _kron(both, rotor.gyroscopic)
+    forces[1, :, at.q] = turn @ spread(both, rotor.internal)
+    forces[1, :, at.u] = turn @ spread(both, rotor.gyroscopic)
     forces[1, :, at.v] = -2.0 * turn @ c.pull_rate
     forces[2, :, at.g] = c.pull_turn
-    forces[2, :, at.q] = _kron(both, np.diag(rotor.centrifugal))
+    if c.spring is not None:
+        forces[2, :, at.g] += c.pull_rate * c.spring
+    forces[2, :, at.q] = spread(both, np.diag(rotor.centrifugal))
     if rotor.rooted is not None:
-        forces[5, :, at.u] = -_kron(both, np.diag(rotor.rooted))
-        forces[6, :, at.q] = turn @ _kron(both, np.diag(rotor.rooted))
+        forces[5, :, at.u] = -spread(both, np.diag(rotor.rooted))
+        forces[6, :, at.q] = turn @ spread(both, np.diag(rotor.rooted))
     for part, mirror in enumerate(_MIRRORS, start=3):
-        forces[part, :, at.q] = -_kron(mirror, rotor.half_stiffness)
-        forces[part, :, at.u] = -_kron(mirror, rotor.half_damping)
+        forces[part, :, at.q] = -spread(mirror, rotor.half_stiffness)
+        forces[part, :, at.u] = -spread(mirror, rotor.half_damping)
     _add_turning(forces, rotor, at)
     acceleration = solve(mass, forces)
     result = np.zeros((parts, at.size, at.size), mass.dtype)
@@ -252,6 +255,8 @@ def small_motions(
     result[0, at.q, at.u] += np.eye(2 * n, dtype=int)
     result[0, at.g, at.v] += c.feed
     result[0, at.v, at.v] -= np.diag(c.drag)
+    if c.spring is not None:
+        result[2, at.v, at.g] -= np.diag(c.spring)
     if c.drag.size:
         result[1, at.q, at.q] -= turn
         result[1, at.u, at.u] -= turn
@@ -266,14 +271,14 @@ def _add_turning(forces: Numbers, rotor: RotorParts, at: _Blocks) -> None:
     if rotor.turning is None:
         return
     stiffness, half_stiffness, damping, half_damping = rotor.turning
-    forces[0, :, at.q] -= _kron(_TURN, stiffness)
-    forces[0, :, at.u] -= _kron(_TURN, damping)
+    forces[0, :, at.q] -= spread(_TURN, stiffness)
+    forces[0, :, at.u] -= spread(_TURN, damping)
     for part, mirror in enumerate(_MIRRORS, start=3):
-        forces[part, :, at.q] -= _kron(_TURN @ mirror, half_stiffness)
-        forces[part, :, at.u] -= _kron(_TURN @ mirror, half_damping)
+        forces[part, :, at.q] -= spread(_TURN @ mirror, half_stiffness)
+        forces[part, :, at.u] -= spread(_TURN @ mirror, half_damping)
 
 
-def _fastest(rotor: LinearRotor, mass: Matrix) -> float:
+def fastest_rate(rotor: LinearRotor, mass: Matrix) -> float:
     """Estimate of the highest natural frequency [rad/s] for the real (2n, 2n) mass matrix."""
     _, _, stiffness = rotor.real_coefficients(0.0)
     return float(np.sqrt(np.abs(np.linalg.eigvals(np.linalg.solve(mass, stiffness))).max()))
@@ -310,12 +315,12 @@ def linearise(assembly: Assembly) -> Linearised:
     rotor.refuse_sliders("linear stability")
     angles = balanced_angles(assembly)
     c = _couplings(assembly, WeightTable.of(assembly), angles)
-    mass = _kron(np.eye(2), rotor.mass) - c.pull_rate @ c.drive
+    mass = spread(np.eye(2), rotor.mass) - c.pull_rate @ c.drive
     found = small_motions(RotorParts.of(rotor), mass, c)
     steady, (cosine, sine) = np.concatenate([found[:3], found[5:]]), found[3:5]
     turning, at = np.zeros_like(cosine), _Blocks.of(c)
     if c.drag.size:
-        turning[at.q, at.q] = turning[at.u, at.u] = _kron(_TURN, np.eye(rotor.stations))
+        turning[at.q, at.q] = turning[at.u, at.u] = spread(_TURN, np.eye(rotor.stations))
     return Linearised(
         steady=steady,
         cosine=cosine,
@@ -324,7 +329,7 @@ def linearise(assembly: Assembly) -> Linearised:
         constant=not (cosine.any() or sine.any()),
         neutral=c.neutral,
         free_decay=c.free_decay,
-        fastest=_fastest(rotor, mass),
+        fastest=fastest_rate(rotor, mass),
         angles=angles,
         wave=max([0.0, *(ring.wave_speeds[1] for _, ring in rotor.waves)]),
     )

@@ -57,7 +57,14 @@ def from_facts(known: Known) -> Ruling | None:
 
 
 def off_centre(known: Known) -> Ruling:
-    """Weights that bring the centre of their track to rest, and not the rotor."""
+    """Weights that bring the centre of their track to rest, or rest on lobes, not the rotor."""
+    if known.lobes:
+        aside = f", and off centre by {millimetres(known.off_centre)}" * bool(known.off_centre)
+        return Ruling(
+            Outcome.NOT_ROUND,
+            f"the race is not round (lobes of up to {millimetres(known.lobes)}{aside}): in balance "
+            f"{percent(known.left_by_offsets / known.alone)} of the vibration is left",
+        )
     return Ruling(
         Outcome.OFF_CENTRE,
         f"the weights' track is off centre by {millimetres(known.off_centre)}: in balance "

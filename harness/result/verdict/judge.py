@@ -36,10 +36,6 @@ def judge(result: Result, scene: Scene) -> Verdict:
         missing.append("motor.speed")
     if scene.guests:
         return Verdict(called, reason=f"the equations of {', '.join(scene.guests)} are not known")
-    lobed = [b.label for b in scene.balancer if getattr(b, "race", ())]
-    if lobed:
-        what = f"{', '.join(lobed)}: what a race with lobes leaves is not judged here"
-        return Verdict(called, reason=what)
     if missing:
         return Verdict(called, reason=f"{', '.join(missing)} not recorded")
     ran = Ran(

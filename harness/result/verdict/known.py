@@ -10,11 +10,12 @@ from functools import cached_property
 import numpy as np
 
 from ....models.arrays import Array, Complex
-from ....models.assembly import Assembly
+from ....models.assembly import Assembly, weights_of
 from ....models.harmonic_balance import NoResponse, largest_displacement, unbalance_response
 from ....models.linear.balanced import CannotBalance, WeightTable, balanced_angles, check_reach
 from ....models.linear.growth import Growth
 from ....models.linear.off_centre import centred
+from ....models.linear.on_race import OnRace, main_motion, rounded
 from ....models.rotor import LinearRotor
 from ...scene import Scene
 
@@ -72,12 +73,28 @@ class Known:
 
     @cached_property
     def balancing(self) -> Assembly:
-        """The machine with centred tracks whose weights balance at the same angles.
+        """The machine with round, centred tracks whose weights balance at the same angles, or near
+        them.
 
         Raises:
             ArithmeticError, NoResponse: see `centred`.
         """
-        return centred(self.assembly, self.speed)
+        return centred(rounded(self.assembly) if self.lobes else self.assembly, self.speed)
+
+    @cached_property
+    def lobes(self) -> float:
+        """Largest amplitude of a race that is not round [m]; 0 where all are."""
+        races = [weights_of(mounted).race for mounted in self.assembly.weights]
+        return max((one.amplitude for race in races for one in race), default=0.0)
+
+    @cached_property
+    def _rest(self) -> tuple[OnRace, Array]:
+        """On races with lobes, where weights rest next to where they are.
+
+        Raises:
+            ValueError, ArithmeticError: see `main_motion`.
+        """
+        return main_motion(self.assembly, self.speed)
 
     @cached_property
     def off_centre(self) -> float:
@@ -86,8 +103,8 @@ class Known:
 
     @cached_property
     def left_by_offsets(self) -> float:
-        """Vibration that weights leave in balance, as their tracks are off centre [m]."""
-        if not self.off_centre or self.balanced_at is None:
+        """Vibration that weights leave in balance on tracks off centre, or not round [m]."""
+        if not (self.off_centre or self.lobes) or self.balanced_at is None:
             return 0.0
         return float(self.sizes(self.balanced_at)[0])
 
@@ -125,11 +142,21 @@ class Known:
         """Unbalance (..., n) that weights at `angles` (..., K) leave at the stations [kg m]."""
         planes = self.assembly.rotor.planes
         pulls = planes[self.table.plane] * self.table.moment[:, None]
-        left = self.assembly.rotor.unbalance + np.exp(1j * angles) @ pulls
+        turns = np.exp(1j * angles) * self._arms(angles) if self.lobes else np.exp(1j * angles)
+        left = self.assembly.rotor.unbalance + turns @ pulls
         for mounted in self.assembly.weights:  # masses on tracks that are off centre
             mass = mounted.device.added_mass
             left = left + mass * mounted.offset * planes[mounted.plane]
         return np.asarray(left)
+
+    def _arms(self, angles: Array) -> Array:
+        """Distance of weights at `angles` (..., K) from their track's centre over the radius."""
+        devices = [weights_of(mounted) for mounted in self.assembly.weights]
+        ends = np.cumsum([device.count for device in devices])[:-1]
+        parts = np.split(np.asarray(angles), ends, axis=-1)
+        return np.concatenate(
+            [d.arms(part) / d.track_radius for d, part in zip(devices, parts, strict=True)], axis=-1
+        )
 
     def response(self, moments: Complex) -> Complex:
         """Steady motion (2, n) of the loaded rotor by an unbalance (n,): x = Re(found e^{i beta}).
@@ -204,7 +231,7 @@ class Known:
         try:
             if self.scene.rotor.is_free:
                 return growth_beside_rigid(self.balancing, self.speed)
-            return find_growth(self.balancing, self.speed)
+            return find_growth(self.assembly if self.lobes else self.balancing, self.speed)
         except (ValueError, ArithmeticError):
             return None
 
@@ -219,6 +246,8 @@ class Known:
     def balanced_at(self) -> Array | None:
         """Angles of the weights (K,) in the balanced motion next to where they are [rad]."""
         try:
+            if self.lobes:
+                return self._rest[1]
             return balanced_angles(self.balancing)
         except (ValueError, ArithmeticError):
             return None
@@ -229,7 +258,10 @@ class Known:
         revolution, where supports are not alike."""
         from ....models.linear.linearised import linearise
 
-        system, w = linearise(self.balancing), self.speed
+        system, w = linearise(self.balancing) if not self.lobes else None, self.speed
+        if system is None:
+            machine, angles = self._rest
+            system = machine.linearised(angles)
         values = np.linalg.eigvals(system.at_speed(w))
         slowest = values[values.real.argmax()] if len(values) else complex(-math.inf)
         return float(abs(slowest))

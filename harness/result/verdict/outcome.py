@@ -13,6 +13,7 @@ class Outcome(str, Enum):
     OVER_CAPACITY = "over capacity"
     OUT_OF_REACH = "out of reach"
     OFF_CENTRE = "track off centre"
+    NOT_ROUND = "race not round"
     BELOW_CRITICAL = "below critical"
     UNSTABLE = "unstable"
     NEUTRAL = "neutral"
@@ -56,6 +57,7 @@ _REMEDIES = {
     Outcome.OVER_CAPACITY: "use more or heavier weights, or a larger track",
     Outcome.OUT_OF_REACH: "use a balancer in a second plane",
     Outcome.OFF_CENTRE: "centre the tracks of the weights",
+    Outcome.NOT_ROUND: "take a rounder race",
     Outcome.BELOW_CRITICAL: "run above the critical speed",
     Outcome.UNSTABLE: "see `autobalancer speeds` for the speeds that balance",
     Outcome.NEUTRAL: "give the rotor and its balancers damping",

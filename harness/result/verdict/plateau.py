@@ -131,6 +131,7 @@ class Run:
             outcome=found.outcome,
             remedy=found.outcome.remedy,
             left_behind=found.left_behind,
+            left_by_race=known.left_by_offsets or None if known.lobes else None,
             growth=known.growth.rate if known.growth else None,
             growth_error=known.growth.error if known.growth else None,
             needed=known.reach.needed if known.reach else None,

@@ -35,6 +35,9 @@ def sentences(verdict: Verdict) -> Iterator[str]:
         yield f"V{said}{f'; not judged: {verdict.reason}' if verdict.reason else ''}."
     yield from _parts(verdict)
     yield from _unbalance(verdict)
+    if verdict.left_by_race is not None and verdict.outcome is not Outcome.NOT_ROUND:
+        left = millimetres(verdict.left_by_race)
+        yield f"The race is not round: in balance it leaves {left}."
     yield from _thinness(verdict)
     yield from _stops(verdict)
     yield from _plateaus(verdict)

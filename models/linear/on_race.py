@@ -1,0 +1,291 @@
+"""Weights at rest in the rotor on races with lobes, and small motions about that rest.
+
+With P = e + rho e^{i theta} the place of a weight and q = (rho' + i rho) e^{i theta} the way it
+goes, a weight rests in a rotor that turns at w where
+
+    Re(q* (zeta + P)) = 0,
+
+zeta the forward part of its plane's motion, by all unbalance, that of the weights with it.  So the
+rotor does not rest: it whirls by what the race leaves.  Small motions about it are those of
+`linearised` with m q for m R i e^{i theta}, and a spring that a race without lobes has not:
+
+    kappa theta'' + (b/m) theta' = -Re(q* D^2 zeta)/l^2 - w^2 s theta,   l = |q|,
+    s = -(l^2 + Re(q'* (zeta + P)))/l^2.
+
+So turns of the weights that leave all moments as they are have rates of their own.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.integrate import solve_ivp
+
+from ..arrays import Array, Complex
+from ..assembly import Assembly, weights_of
+from ..harmonic_balance import unbalance_response
+from ..race import path
+from .balanced import balanced_angles
+from .linearised import (
+    Couplings,
+    Linearised,
+    RotorParts,
+    fastest_rate,
+    linearise_at,
+    small_motions,
+    spread,
+)
+from .off_centre import centred
+
+_NEWTON = 60  # iterations
+_RANK = 1e-9  # turns that change moments by a smaller share of the most do not
+_LONGEST_TURN = 0.3  # rad of an iteration
+_SOLVED = 1e-11  # of the radius: what is left of the equations
+_CREEP_TIMES, _LEAST_SLOPE = 60.0, 1e-7  # time constants, of the largest lobe over the radius
+
+
+class NoRest(ArithmeticError):
+    """No motion was found in which weights rest on their races and the rotor turns."""
+
+
+@dataclass(frozen=True, eq=False)
+class Places:
+    """Of K weights at given angles: P, q and q', each (K,) [m]."""
+
+    place: Complex
+    along: Complex
+    bend: Complex
+
+
+@dataclass(frozen=True, eq=False)
+class OnRace:
+    """A machine whose weights are on races with lobes, at one speed [rad/s].
+
+    Raises:
+        ValueError: the supports' axes differ, or slide.
+    """
+
+    assembly: Assembly
+    speed: float
+
+    def __post_init__(self) -> None:
+        rotor = self.assembly.loaded_rotor
+        rotor.refuse_sliders("weights at rest on a race with lobes")
+        parts = RotorParts.of(rotor)
+        halves = [parts.half_stiffness, parts.half_damping, *(parts.turning or ())[1::2]]
+        if any(np.any(half) for half in halves):
+            raise NoRest(
+                "race: weights rest on lobes only where supports are alike along x and y; run the "
+                "scene instead"
+            )
+
+    @cached_property
+    def _columns(self) -> tuple[NDArray[np.int_], Array, Array, Array]:
+        """Of each weight (K,): its plane, mass [kg], kappa and drag over mass [1/s]."""
+        rows = [
+            (m.plane, one.mass, one.kappa, one.drag / one.mass)
+            for m in self.assembly.weights
+            for one in weights_of(m).each
+        ]
+        plane, *others = np.array(rows, float).reshape(-1, 4).T
+        return plane.astype(int), others[0], others[1], others[2]
+
+    def places(self, angles: Array) -> Places:
+        """Where weights at `angles` (K,) [rad] are, and where they go."""
+        columns, first = [], 0
+        for mounted in self.assembly.weights:
+            device = weights_of(mounted)
+            theta = angles[first : first + device.count]
+            first += device.count
+            rho, slope, bend, _ = path(device.track_radius, device.race, theta)
+            turn = np.exp(1j * theta)
+            columns.append((mounted.offset + rho * turn, (slope + 1j * rho) * turn,
+                            (bend + 2j * slope - rho) * turn))  # fmt: skip
+        place, along, curved = (np.concatenate(parts) for parts in zip(*columns, strict=True))
+        return Places(place, along, curved)
+
+    @cached_property
+    def _stations(self) -> Complex:
+        """Forward motion (n, n) of all stations by a unit of unbalance at each [m/(kg m)]."""
+        rotor = self.assembly.loaded_rotor
+        each = [
+            unbalance_response(replace(rotor, unbalance=unit), [self.speed])[0]
+            for unit in np.eye(rotor.stations, dtype=complex)
+        ]
+        return np.array([0.5 * (x + 1j * y) for x, y in each])
+
+    @cached_property
+    def _forward(self) -> Complex:
+        """The same of the planes (p, n)."""
+        found: Complex = self.assembly.loaded_rotor.planes @ self._stations.T
+        return found
+
+    def unbalance(self, places: Places) -> Complex:
+        """Of rotor and weights at the stations (n,) [kg m]."""
+        plane, mass, *_ = self._columns
+        rotor = self.assembly.loaded_rotor
+        return np.asarray(rotor.unbalance + (mass * places.place) @ rotor.planes[plane])
+
+    def whirl(self, angles: Array) -> Complex:
+        """Displacement (n,) of the stations in the rotor's axes [m]."""
+        found: Complex = self.unbalance(self.places(angles)) @ self._stations
+        return found
+
+    def missing(self, angles: Array) -> Array:
+        """Re(q* (zeta + P)) of each weight (K,) [m^2]."""
+        at, plane = self.places(angles), self._columns[0]
+        centre = (self._forward @ self.unbalance(at))[plane]
+        return np.asarray((at.along.conj() * (centre + at.place)).real)
+
+    def _slopes(self, angles: Array) -> Array:
+        """Derivatives (K, K) of `missing`."""
+        at, (plane, mass, *_) = self.places(angles), self._columns
+        rotor = self.assembly.loaded_rotor
+        centre = (self._forward @ self.unbalance(at))[plane]
+        moved = (self._forward @ rotor.planes.T)[np.ix_(plane, plane)] * (mass * at.along)
+        found: Array = (at.along.conj()[:, None] * moved).real
+        own = (at.bend.conj() * (centre + at.place)).real + np.abs(at.along) ** 2
+        return found + np.diag(own)
+
+    def rest_near(self, angles: Array, *, creeps: bool) -> Array:
+        """Angles (K,) of a rest next to `angles` [rad].
+
+        Args:
+            creeps: whether weights first creep along the race, as under a heavy drag: to the rests
+                that are stable above the critical speed.
+
+        Raises:
+            NoRest: none was found.
+        """
+        theta = self._crept(angles) if creeps else angles.copy()
+        size = np.array([weights_of(m).track_radius for m in self.assembly.weights]).max()
+        for _ in range(_NEWTON):
+            left = self.missing(theta)
+            if np.abs(left).max() <= _SOLVED * size * size:
+                return theta
+            turn = np.linalg.lstsq(self._slopes(theta), -left, rcond=1e-14)[0]
+            theta = theta + turn * min(1.0, _LONGEST_TURN / max(np.abs(turn).max(), 1e-300))
+        raise NoRest(f"no rest of weights on their race was found at {self.speed:g} rad/s")
+
+    def _crept(self, angles: Array) -> Array:
+        """Where weights creep while the rotor nearly rests: turns that change moments follow
+        Newton's method, the others the race as under a heavy drag."""
+        devices = [weights_of(m) for m in self.assembly.weights]
+        size = np.concatenate([np.full(d.count, d.track_radius) for d in devices])
+        steep = [o.order**2 * o.amplitude / d.track_radius for d in devices for o in d.race]
+        length = _CREEP_TIMES / max([_LEAST_SLOPE, *(s for s in steep if s > 0.0)])
+        plane, mass, *_ = self._columns
+        pulls = (mass[:, None] * self.assembly.loaded_rotor.planes[plane]).T
+
+        def creep(_t: float, theta: Array) -> Array:
+            left, moments = self.missing(theta) / size**2, pulls * self.places(theta).along
+            _, values, rows = np.linalg.svd(np.vstack([moments.real, moments.imag]))
+            rank = int((values > _RANK * values[0]).sum())
+            seen, unseen = rows[:rank], rows[rank:]
+            slopes = seen @ (self._slopes(theta) / size[:, None] ** 2) @ seen.T
+            newton = np.linalg.lstsq(slopes, seen @ left, rcond=None)[0]
+            turned: Array = unseen.T @ (unseen @ left) - seen.T @ newton
+            return turned
+
+        solved = solve_ivp(creep, (0.0, length), angles, "LSODA", rtol=1e-6, atol=1e-9)
+        found: Array = solved.y[:, -1]
+        return found if np.isfinite(found).all() else angles.copy()
+
+    def linearised(self, angles: Array) -> Linearised:
+        """Small motions about the rest at these angles, at this speed alone."""
+        rotor, at = self.assembly.loaded_rotor, self.places(angles)
+        plane, mass, kappa, slowing = self._columns
+        centre = (self._forward @ self.unbalance(at))[plane]
+        square = np.abs(at.along) ** 2
+        spring = -(square + (at.bend.conj() * (centre + at.place)).real) / (kappa * square)
+        planes = rotor.planes[plane]
+        tangent = np.hstack([at.along.real[:, None] * planes, at.along.imag[:, None] * planes])
+        column = (mass[:, None] * tangent).T
+        couplings = Couplings(
+            pull_turn=column,
+            pull_rate=column,
+            feed=np.eye(len(angles)),
+            drag=slowing / kappa,
+            drive=tangent / (kappa * square)[:, None],
+            spring=spring,
+        )
+        loaded = spread(np.eye(2), rotor.mass) - column @ couplings.drive
+        found = small_motions(RotorParts.of(rotor), loaded, couplings)
+        steady = np.concatenate([found[:3], found[5:]])
+        return Linearised(
+            steady=steady,
+            cosine=found[3],
+            sine=found[4],
+            turning=np.zeros_like(found[3]),
+            constant=True,
+            neutral=0,
+            free_decay=np.zeros(0),
+            fastest=fastest_rate(rotor, loaded),
+            angles=angles,
+            wave=max([0.0, *(ring.wave_speeds[1] for _, ring in rotor.waves)]),
+        )
+
+
+def has_lobes(assembly: Assembly) -> bool:
+    """Whether any race is not round."""
+    return any(weights_of(mounted).race for mounted in assembly.weights)
+
+
+def rounded(assembly: Assembly) -> Assembly:
+    """The same with round races."""
+    return replace(
+        assembly,
+        balancers=tuple(
+            replace(m, device=replace(m.device, race=())) if m in assembly.weights else m  # type: ignore[arg-type]
+            for m in assembly.balancers
+        ),
+    )
+
+
+def main_motion(
+    assembly: Assembly, speed: float, near: Array | None = None
+) -> tuple[OnRace, Array]:
+    """The machine and the angles (K,) [rad] at which its weights rest where they nearly balance.
+
+    Two weights of a plane have one such rest next to where they would balance on round races; of
+    three and more it is one to which they creep from there.
+
+    Args:
+        near: a rest at a speed nearby (K,) [rad], which is followed.
+
+    Raises:
+        CannotBalance, ArithmeticError: see `balanced.balanced_angles` of round races in the centre.
+        NoRest: none was found.
+    """
+    found = OnRace(assembly, speed)
+    if near is not None:
+        try:
+            angles = found.rest_near(near, creeps=False)
+            if np.abs(angles - near).max() < _LONGEST_TURN:
+                return found, angles
+        except NoRest:
+            pass
+    at_rest = balanced_angles(centred(rounded(assembly), speed))
+    planes = [m.plane for m in assembly.weights for _ in m.angles]
+    several = max(planes.count(plane) for plane in set(planes)) > 2
+    return found, found.rest_near(at_rest, creeps=several)
+
+
+def systems_at(assembly: Assembly, speeds: NDArray) -> tuple[list[Linearised], NDArray[np.int_]]:
+    """As `linearised.linearise_at`; with lobes about the rest at each speed.
+
+    Raises:
+        CannotBalance, ValueError: as there.
+        NoRest: see `main_motion`.
+    """
+    if not has_lobes(assembly):
+        return linearise_at(assembly, speeds)
+    each, which = np.unique(speeds, return_inverse=True)
+    systems, angles = [], None
+    for speed in each.tolist():
+        machine, angles = main_motion(assembly.at_speed(speed), speed, angles)
+        systems.append(machine.linearised(angles))
+    return systems, which.reshape(-1)

@@ -1,0 +1,51 @@
+"""Speeds and verdicts on races with lobes: about the true steady motion, and what it leaves."""
+
+from __future__ import annotations
+
+import re
+
+import pytest
+
+from tests.harness.master.test_races import balls, machine
+
+
+def fan(amplitude: float, **run):
+    race = [{"lobes": 2, "amplitude": amplitude, "angle": 0.3}]
+    return machine(balancer=balls(race=race), run=run or {"revolutions": 300})
+
+
+def test_speeds_say_what_is_left_and_runs_leave_it():
+    found = fan(2e-5).speeds(10.0, 200.0, "criterion,floquet,cosim,proved")
+    (crossing,) = found.methods["floquet"]
+    assert crossing.above == "stable"
+    assert crossing.speed == pytest.approx(43.934254, abs=1e-4)
+    assert set(found.refused) == {"criterion", "proved", "cosim"}
+    assert all("round" in why or "lobes" in why for why in found.refused.values())
+    assert "0.0448 mm are left at 100 rad/s" in found.refused["cosim"]
+    at = {round(one.speed): one for one in found.whirl.at}
+    assert at[105].amplitude[0] == pytest.approx(4.4837e-5, rel=1e-3)
+    assert at[10].amplitude[0] > 5e-4  # below the critical speed
+
+
+def test_growth_changes_its_sign_where_runs_do():
+    """A degree of speed on both sides of the limit, judged by runs."""
+    scene = fan(2e-5, revolutions=600)
+    ends = {}
+    for speed in (42.0, 47.0):
+        run = scene.replace({"operation.speed": speed, "balls.angles": [2.35, 3.97]}).run()
+        ends[speed] = abs(run["rotor.x"] + 1j * run["rotor.y"])[-500:].max()
+    assert ends[47.0] < 1e-4 < 5e-4 < ends[42.0]
+
+
+@pytest.mark.parametrize(
+    ("amplitude", "balanced", "words"),
+    [
+        (2e-5, True, "The race is not round: in balance it leaves 0.045 mm"),
+        (1.5e-4, False, "the race is not round .*: in balance 18 % of the vibration is left"),
+    ],
+)
+def test_the_verdict_says_what_the_race_leaves(amplitude, balanced, words):
+    verdict = fan(amplitude).run()._verdict
+    assert verdict.balanced is balanced
+    assert verdict.left_by_race == pytest.approx(verdict.vibration, rel=1e-2)
+    assert re.search(words, str(verdict))

@@ -1,0 +1,79 @@
+"""The main motion on races with lobes: against integrated runs, and equations differenced anew."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from autobalancer.models.assembly import Assembly, Mounted, SpeedProfile
+from autobalancer.models.linear.on_race import NoRest, main_motion, rounded
+from autobalancer.models.lobes import Lobes, Race
+from autobalancer.models.monolith import simulate
+from autobalancer.models.rotor import LinearRotor
+from autobalancer.models.stability import find_growth
+from autobalancer.models.weights import Weights
+
+SPEED = 100.0
+
+
+def machine(*lobes: Lobes, count: int = 2, kappa: float = 1.0, offset: complex = 0j) -> Assembly:
+    rotor = LinearRotor.planar(10.0, 1e4, 60.0, unbalance=0.02)
+    weights = Weights(count, 0.15, 0.1, 0.6, kappa, race=lobes)
+    angles = tuple(math.tau * k / count + 0.1 for k in range(count))
+    return Assembly(rotor, (Mounted("balls", weights, 0, angles, (0.0,) * count, offset),))
+
+
+@pytest.mark.parametrize(
+    ("order", "angle", "millimetres"),
+    [(2, 0.0, 0.70193631), (2, math.pi / 4.0, 0.10693227), (1, 0.7, 0.19995759),
+     (3, 0.0, 0.23936903)],
+)  # fmt: skip
+def test_two_balls_leave_what_sixty_integrated_seconds_of_another_program_end_with(
+    order, angle, millimetres
+):
+    found, angles = main_motion(machine(Lobes(order, 2e-4, angle)), SPEED)
+    assert 1e3 * abs(found.whirl(angles)[0]) == pytest.approx(millimetres, abs=1e-8)
+
+
+@pytest.mark.parametrize("kappa", [1.0, 1.4])
+@pytest.mark.parametrize("count", [2, 3, 5])
+def test_growth_is_that_of_the_equations_in_the_turning_frame_differenced(count, kappa):
+    lobes = (Lobes(2, 1e-4, 0.3), Lobes(5, 2e-5, 1.0))
+    assembly = machine(*lobes, count=count, kappa=kappa)
+    found, angles = main_motion(assembly, SPEED)
+    zeta = complex(found.whirl(angles)[0])
+    race = Race(assembly, SPEED, lobes)
+    assert find_growth(assembly, SPEED).rate == pytest.approx(race._growth(zeta, angles), rel=1e-6)
+
+
+def test_an_offset_beside_lobes_is_rested_upon_as_a_long_run_does():
+    assembly = machine(Lobes(2, 5e-5, 0.3), kappa=1.4, offset=2e-4 - 1e-4j)
+    found, angles = main_motion(assembly, SPEED)
+    start = replace(assembly.balancers[0], angles=tuple(np.add(angles, [0.05, -0.05])))
+    run = simulate(
+        replace(assembly, balancers=(start,)), SpeedProfile.constant(SPEED), [0.0, 12.0], rtol=1e-10
+    )
+    np.testing.assert_allclose(run.theta["balls"][-1], angles, atol=1e-6)
+    assert abs(run.x[-1, 0] + 1j * run.y[-1, 0]) == pytest.approx(
+        abs(found.whirl(angles)[0]), rel=1e-5
+    )
+
+
+def test_lobes_fix_the_turns_that_a_round_race_leaves_open():
+    assembly = machine(Lobes(2, 2e-5, 0.3), count=3)
+    values = np.linalg.eigvals(
+        (pair := main_motion(assembly, SPEED))[0].linearised(pair[1]).at_speed(SPEED)
+    )
+    assert len(values) == 4 + 2 * 3
+    assert values.real.max() < -1e-2
+    assert find_growth(rounded(assembly), SPEED).rate < 0.0
+
+
+def test_supports_of_unlike_stiffness_are_refused_by_name():
+    rotor = LinearRotor.planar(10.0, (1e4, 2e4), 60.0, unbalance=0.02)
+    assembly = replace(machine(Lobes(2, 2e-5)), rotor=rotor)
+    with pytest.raises(NoRest, match="alike along x and y"):
+        main_motion(assembly, SPEED)
