@@ -35,6 +35,8 @@ class UnitPlan:
         sizes: options to build it with.
         start: parameters and start values.
         fmu: file of another origin that steps it; empty: ours.
+        has_contacts: whether its weights can touch or stick; they support no change of w' within a
+            step.
     """
 
     name: str
@@ -42,16 +44,12 @@ class UnitPlan:
     sizes: Mapping[str, Any]
     start: Mapping[str, float | bool]
     fmu: str = ""
+    has_contacts: bool = False
 
     @property
     def driven(self) -> bool:
         """Whether it is told the rotor's speed and acceleration."""
         return "speed" in self.start
-
-    @property
-    def has_contacts(self) -> bool:
-        """Whether its weights can touch or stick; they support no change of w' within a step."""
-        return any(self.start.get(key) for key in ("weight_radius", "rolling_resistance"))
 
     @property
     def file_name(self) -> str:
@@ -163,6 +161,7 @@ def plan(scene: Scene) -> Plan:
                 **(drive if balancer.driven else {}),
             },
             balancer.fmu or "",
+            balancer.can_meet or balancer.can_stick,
         )
         for balancer in scene.balancer
     ]

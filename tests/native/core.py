@@ -90,6 +90,8 @@ Weights = _struct(
     count=c_int,
     **dict.fromkeys(["mass", "track_radius", "drag", "kappa", "radius"], c_double),
     each=_D,
+    lobes=c_int,
+    lobe=_D,
 )
 Quadrature = _struct("Quadrature", damping_rate=c_double, step=c_double, response=c_double * 10)
 Track = _struct(

@@ -120,11 +120,14 @@ def test_the_source_in_a_unit_is_that_of_its_libraries(tmp_path):
     assert _names(path, "sources/") == {f"sources/{SOURCE}"}
 
 
+GENERATED = ("constants.h", "layout.h", "stamp.h", "weights_parameters.h")
+
+
 def test_the_one_source_holds_each_file_once_behind_what_it_includes():
     files = re.findall(r'^#line 1 "(.+)"$', one_source(), re.M)
     special = {name for name in texts() if name.split("/")[0] in ("wasm", "windows")}
     special |= {"lanes/lanes.c", "lanes/lane_names.h", "lanes/lane_number.h"}  # a text of their own
-    assert sorted(files) == sorted({*texts(), "constants.h", "layout.h", "stamp.h"} - special)
+    assert sorted(files) == sorted({*texts(), *GENERATED} - special)
     place = {name: k for k, name in enumerate(files)}
     for name in texts().keys() - special:
         for included in re.findall(r'^#include "(.+)"$', texts()[name], re.M):

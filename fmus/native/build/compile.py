@@ -23,7 +23,7 @@ from pathlib import Path
 
 from ...unit import alternatives
 from ...xml.archive import source, write
-from .layout import constants, header
+from .layout import constants, header, weight_parameters
 from .targets import (
     COMPILE,
     FAST,
@@ -190,7 +190,8 @@ def texts() -> dict[str, str]:
 
 def _complete() -> tuple[dict[str, str], str]:
     """Sources with what is generated, the variables of the units and the stamp; and the stamp."""
-    written = {**texts(), "layout.h": header(), "constants.h": constants()}
+    generated = {"layout.h": header(), "constants.h": constants()}
+    written = {**texts(), **generated, "weights_parameters.h": weight_parameters()}
     total = hashlib.sha256()
     for text in (
         COMPILER,

@@ -150,6 +150,17 @@ def constants() -> str:
 
 
 @cache
+def weight_parameters() -> str:
+    """Text of `weights_parameters.h`: places of the balls' parameters among their variables."""
+    names = [v.name for v in sized_unit("BallBalancer").layout.reals]
+    alike = names[: names.index("weight[1].angle0")]
+    places = ", ".join([*map(str.upper, alike), "FIRST_ANGLE"])
+    lines = ["#ifndef WEIGHTS_PARAMETERS_H", "#define WEIGHTS_PARAMETERS_H", ""]
+    lines += ["/* Written by layout.py from the declaration. */", f"enum {{ {places} }};"]
+    return "\n".join([*lines, "", "#endif", ""])
+
+
+@cache
 def token(unit: SizedUnit, stamp: str) -> str:
     """Identity of a native unit: GUID in FMI 2.0, instantiation token in FMI 3.0.
 

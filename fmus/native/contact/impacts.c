@@ -49,7 +49,7 @@ void impact_add(Impact *impact, const WeightsInOrder *weights, int plane, int cl
                                        gap(weights, k) <= TOUCHING_ANGLE || closes(weights, k, soon)))) {
             impact->pairs[pair].behind = first + k;
             impact->pairs[pair].ahead = first + (k + 1) % n;
-            impact->pairs[pair].restitution = track->restitution;
+            impact->pairs[pair].restitution = track_touch(track).restitution;
             impact->pairs[pair].lasting = lasts;
             impact->contacts++;
         }

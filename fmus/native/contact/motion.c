@@ -127,7 +127,7 @@ int track_torque(const Track *track, const double *angles, const double *speeds,
     const double carried = weights_added_mass(&track->weights);
     int k;
     weights_torque(&track->weights, angles, speeds, &now, torque);
-    if (track->rolling_resistance > 0.0) {
+    if (track->grip > 0.0) {
         const int code =
             add_resistance(track, angles, speeds, contacts, &now, torque, scratch, failure);
         if (code) {

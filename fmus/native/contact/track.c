@@ -58,6 +58,12 @@ static int check_options(const Track *track, Failure *failure)
     return FINE;
 }
 
+Touch track_touch(const Track *track)
+{
+    const Touch touch = {track->restitution, track->rolling_resistance};
+    return touch;
+}
+
 int track_prepare(Track *track, Failure *failure)
 {
     Weights *weights = &track->weights;

@@ -31,6 +31,12 @@ typedef struct {
     bool eventful;       /* weights can collide or stick */
 } Track;
 
+/* What acts between weights that touch, and between a weight and the track. */
+typedef struct {
+    double restitution, resistance; /* e; mu over load */
+} Touch;
+
+Touch track_touch(const Track *track);
 /* Check the parameters and set what follows from them; 0, or what is not allowed. */
 int track_prepare(Track *track, Failure *failure);
 

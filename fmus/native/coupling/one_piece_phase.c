@@ -61,9 +61,9 @@ void one_piece_make_phase(const Composite *c, Machine *m)
             PhaseWeight *own = phase->weights + i;
             own->track = track;
             own->lasts = balls->track.full;
-            own->restitution = balls->track.restitution;
             own->radius = balls->track.weights.track_radius;
-            own->grip = balls->track.rolling_resistance;
+            own->touch = track_touch(&balls->track);
+            own->grip = own->touch.resistance;
         }
         track += balls != NULL;
     }

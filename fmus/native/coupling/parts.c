@@ -34,20 +34,14 @@ int composite_part_failed(Unit *unit, const Part *part)
     return unit_fail(unit, "%s: %s", part->unit->name, part->unit->reason.at);
 }
 
-/* Start value of a parameter as the file was built. */
-static double built_with(const Unit *unit, const Part *part, size_t parameter)
-{
-    return unit->starts[part->first + parameter];
-}
-
 bool part_meets_as_built(const Unit *unit, const Part *part)
 {
-    return part_balls(part) && part->unit->layout.sizes.weights > 1 && built_with(unit, part, WEIGHT_RADIUS) > 0.0;
+    return part_balls(part) && weights_meet(part->unit, unit->starts + part->first);
 }
 
 bool part_sticks_as_built(const Unit *unit, const Part *part)
 {
-    return part_balls(part) && built_with(unit, part, ROLLING) > 0.0;
+    return part_balls(part) && weights_stick(unit->starts + part->first);
 }
 
 int composite_refuse_events(Unit *unit)
@@ -63,13 +57,12 @@ int composite_refuse_events(Unit *unit)
     }
     for (k = 1; k < c->parts_without_motor; k++) {
         const Part *part = c->parts + k;
-        const Balls *balls = part_balls(part);
         const double *real = part->unit->real;
-        if (balls && ((real[WEIGHT_RADIUS] > 0.0 && balls->count > 1 && !part_meets_as_built(unit, part)) ||
-                      (real[ROLLING] > 0.0 && !part_sticks_as_built(unit, part)))) {
-            return unit_fail(unit, "%s.weight_radius, .rolling_resistance: model exchange has event indicators for "
-                             "what is above 0 in the file; build it with these values, or use co-simulation",
-                             part->unit->name);
+        if (part_balls(part) && ((weights_meet(part->unit, real) && !part_meets_as_built(unit, part)) ||
+                                 (weights_stick(real) && !part_sticks_as_built(unit, part)))) {
+            return unit_fail(unit, "%s%s: model exchange has event indicators for what is above 0 in the file; build "
+                             "it with these values, or use co-simulation",
+                             part->unit->name, WEIGHTS_EVENT_KEYS);
         }
     }
     return 0;

@@ -27,9 +27,9 @@ typedef struct {
     int touches;     /* whether it did before the phase was decided */
     int group, begins; /* the group it is in, and whether as its first */
     double spacing;  /* to the next where they touch [rad] */
-    double restitution;
     double radius;   /* R [m] */
     double grip;     /* mu */
+    Touch touch;
     double slip;     /* way it slides against its resistance: -1 or 1; 0: there is none, or it rests */
     double side;     /* wall that carries it: 1 the outer, -1 the inner */
     double free;     /* phi'' of the coefficient to come on a track that is held */

@@ -53,7 +53,7 @@ static void fill_impact(const Machine *m, Impact *impact)
         impact->rate[w] = turning_of(m) + phase_rate(m, w);
         const int closes_ring = own->lasts && phase->groups[own->group].first == own->ahead;
         if (own->ahead >= 0 && !closes_ring && (own->joined || touches(m, w))) {
-            const ImpactPair pair = {w, own->ahead, own->lasts, 0, own->restitution, 0.0};
+            const ImpactPair pair = {w, own->ahead, own->lasts, 0, own->touch.restitution, 0.0};
             impact->pairs[impact->contacts++] = pair;
         }
     }

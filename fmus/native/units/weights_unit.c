@@ -5,6 +5,7 @@
 #include "units/weights_unit.h"
 #include "base/elementary.h"
 #include "constants.h"
+#include "weights_parameters.h"
 #include "contact/pulse.h"
 
 /* Angles, speeds, contacts (N,) each, impulse owed and pulse given as xi, eta each, of which plain
@@ -58,6 +59,18 @@ static int flag(const Unit *unit, const char *name)
     return 0;
 }
 
+const char WEIGHTS_EVENT_KEYS[] = ".weight_radius, .rolling_resistance";
+
+bool weights_meet(const Unit *unit, const double *parameters)
+{
+    return unit->layout.sizes.weights > 1 && parameters[WEIGHT_RADIUS] > 0.0;
+}
+
+bool weights_stick(const double *parameters)
+{
+    return parameters[ROLLING_RESISTANCE] > 0.0;
+}
+
 static int refuse_size(Unit *unit, double size, double radius)
 {
     return unit_fail(unit, "weight_radius = %v m: such weights do not fit on a track of radius %v m, which "
@@ -82,9 +95,9 @@ static int weights_parameters(Unit *unit)
     track->weights.lobe = real + FIRST_ANGLE + (unit->layout.sizes.unequal ? 5 : 2) * (size_t)own->count;
     track->weight_radius = real[WEIGHT_RADIUS];
     track->restitution = real[RESTITUTION];
-    track->mobility = real[MOBILITY];
-    track->rolling_resistance = real[ROLLING];
-    track->offset = complex_of(real[OFFSET_XI], real[OFFSET_ETA]);
+    track->mobility = real[TRACK_MOBILITY];
+    track->rolling_resistance = real[ROLLING_RESISTANCE];
+    track->offset = complex_of(real[TRACK_OFFSET_XI], real[TRACK_OFFSET_ETA]);
     own->quadrature = quadrature_empty();
     for (k = 0; k < 2 * own->count; k++) {
         own->turned[k].angle = not_a_number();
@@ -198,7 +211,7 @@ static void take_off_answer(double mobility, Complex pulse, Complex given, doubl
 /* Whether a step of this length ends behind its first event. */
 static bool ends_at_event(const Unit *unit, double length)
 {
-    return ((const Balls *)unit->own)->stop_at_contact && length >= unit->real[SHORTEST_STOPPED];
+    return ((const Balls *)unit->own)->stop_at_contact && length >= unit->real[SHORTEST_STOPPED_STEP];
 }
 
 /* One step of weights that may touch or stick. */

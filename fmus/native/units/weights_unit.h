@@ -10,10 +10,7 @@
 
 enum { SIGNALS = 2 };
 
-/* Parameters, and inputs from the first of them on. */
-enum { MASS, TRACK_RADIUS, KAPPA, DRAG, WEIGHT_RADIUS, RESTITUTION, MOBILITY, ROLLING };
-enum { OFFSET_XI = 8, OFFSET_ETA = 9 };
-enum { SHORTEST_STOPPED = 10, FIRST_ANGLE = 11 };
+/* Inputs from the first of them on, and outputs; parameters are in weights_parameters.h, written by layout.py. */
 enum { ANGLE = 8, SPEED = 9, ACCELERATION = 10 };
 enum { FORCE = 0, FORCE_SLOPE = 2, ADDED_MASS = 4 };
 
@@ -30,6 +27,13 @@ typedef struct {
     Complex given[2]; /* force as of race_answer, */
     double given_torque[2];
 } Balls;
+
+/* -- weights_unit.c ------------------------------------------------------------------------ */
+
+/* Whether weights with these parameters can touch one another, or stick; and the keys that decide it. */
+bool weights_meet(const Unit *unit, const double *parameters);
+bool weights_stick(const double *parameters);
+extern const char WEIGHTS_EVENT_KEYS[];
 
 /* -- weights_motion.c ---------------------------------------------------------------------- */
 
