@@ -9,6 +9,8 @@ import pytest
 
 from autobalancer.fmus.native.build.compile import texts
 
+from .core import STRUCTURES
+
 _COMMENT = re.compile(r'/\*.*?\*/|"(?:\\.|[^"\\\n])*"', re.S)
 _DEFINED = re.compile(r"^(?!static|typedef)[A-Za-z_][\w *]*?\b(\w+)\([^;{]*\)\n\{", re.M)
 _TABLE = re.compile(r"^const Equations (\w+)", re.M)
@@ -47,3 +49,17 @@ def test_every_file_has_a_name_of_its_own():
     names = [stem.rpartition("/")[2] for stem in stems]
     assert len(names) > 40
     assert {name for name in names if names.count(name) > 1} == set()
+
+
+def _members(name: str) -> list[str]:
+    """Of a structure, as its header has them."""
+    headers = "".join(text for file, text in texts().items() if file.endswith(".h"))
+    body = re.search(rf"typedef struct {{([^}}]*)}} {name};", _COMMENT.sub("", headers))
+    assert body, name
+    listed = [re.sub(r"\[.*?\]", "", part) for part in body[1].split(";") if part.strip()]
+    return [re.findall(r"\w+", one)[-1] for part in listed for one in part.split(",")]
+
+
+@pytest.mark.parametrize("structure", STRUCTURES, ids=lambda structure: structure.__name__)
+def test_structures_of_the_tests_are_those_of_the_headers(structure):
+    assert [field[0] for field in structure._fields_] == _members(structure.__name__)

@@ -61,27 +61,6 @@ const double *rotor_matrix(Unit *unit, double speed, double step)
     return kept->matrix;
 }
 
-double *rotor_speed_now(const Unit *unit)
-{
-    return unit->memory + MOTION + 4 * ((const Rotor *)unit->own)->stations;
-}
-
-double *rotor_slider_states(const Unit *unit)
-{
-    return unit->memory + MOTION + 4 * ((const Rotor *)unit->own)->stations + 2;
-}
-
-double *rotor_stop_states(const Unit *unit)
-{
-    return rotor_slider_states(unit) + SLIDER_DOUBLES * ((const Rotor *)unit->own)->slider_count;
-}
-
-Holds rotor_holds(const Rotor *own)
-{
-    const Holds made = {own->sliders, own->cubics, own->stops, own->slider_count, own->cubic_count, own->stop_count};
-    return made;
-}
-
 /* Of a line of the bearings' table. */
 static int make_taylor_of(Unit *unit, int line)
 {

@@ -92,6 +92,17 @@ int rotor_of_parameters(Unit *unit);
 void rotor_given_starts(const Layout *layout, double *real);
 int rotor_of_matrices(Unit *unit);
 
+/* -- rotor_memory.c ---------------------------------------------------------------------- */
+
+/* Where the memory holds the speed that the outputs belong to. */
+double *rotor_speed_now(const Unit *unit);
+/* Directions and forces of the sliders in the unit's memory. */
+double *rotor_slider_states(const Unit *unit);
+/* States of the stops in the unit's memory. */
+double *rotor_stop_states(const Unit *unit);
+/* What holds the rotor beside its matrices. */
+Holds rotor_holds(const Rotor *own);
+
 /* -- rotor_forces.c ---------------------------------------------------------------------- */
 
 /* Make the forces from the parameters, after all else; 0, or 1 with the reason. */
@@ -122,14 +133,6 @@ void rotor_apply(Rotor *own, const double *matrix);
    in fixed axes, x and y alternating; the acceleration is less gravity's, which every body on the rotor
    feels: what an accelerometer would read. */
 int rotor_propagate(Unit *unit, double step);
-/* Where the memory holds the speed that the outputs belong to. */
-double *rotor_speed_now(const Unit *unit);
-/* Directions and forces of the sliders in the unit's memory. */
-double *rotor_slider_states(const Unit *unit);
-/* States of the stops in the unit's memory. */
-double *rotor_stop_states(const Unit *unit);
-/* What holds the rotor beside its matrices. */
-Holds rotor_holds(const Rotor *own);
 /* Bring own->taylor up to date with the masses that the planes carry now; 1 with the reason. */
 int rotor_make_taylor(Unit *unit);
 /* Vectors (x, y alternating) turned by the angle with this cosine and sine; `to` may be `pairs`. */
