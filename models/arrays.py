@@ -14,6 +14,12 @@ Indices = NDArray[np.intp]
 Numbers = NDArray[Any]  # floats, or the objects that a proof computes with instead
 
 
+def zeros(shape: tuple[int, ...], like: Numbers) -> Numbers:
+    """Zeros of the kind of another array's numbers."""
+    found = np.zeros(shape, object if like.dtype == object else float)
+    return found
+
+
 def numbers(values: Any) -> Numbers:
     """An array of floats, or of the objects that a proof computes with instead."""
     array = np.asarray(values)

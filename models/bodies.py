@@ -17,12 +17,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from .arrays import Numbers, numbers
+from .arrays import Numbers, numbers, zeros
 from .rotor import LinearRotor
 from .supports import Support, diagonal_pair, two_ways
 
 GROUND, ROTOR = "ground", "rotor"
 AXES = "xy"
+APART = 2.5  # damping of coordinates that are held, over rate times mass; 2 is critical
 
 
 @dataclass(frozen=True)
@@ -156,7 +157,7 @@ def with_bodies(
             held.append(two_ways(one, *(a - b for a, b in zip(own, under, strict=True))))
         held += _locked(body, places, mass)
     if n == 1:  # the disc's bending is its way from what carries it; other shafts bend alone
-        if places.free.get(carrier, AXES) != AXES and rotor.internal_damping.any():
+        if places.free.get(carrier, AXES) != AXES and bool(np.any(rotor.internal_damping != 0)):
             raise ValueError(
                 f"internal_damping: not on the body {carrier!r}, which is free along "
                 f"{places.free[carrier]} alone"
@@ -184,7 +185,8 @@ def _locked(body: Body, places: Places, mass: Numbers) -> list[Support]:
     """What holds coordinates of a body along an axis in which it cannot move.
 
     They are there, as both axes have the same ones, and nothing pushes them.  They are held as by
-    the feet of the free axis, with critical damping, and stay at zero.
+    the feet of the free axis, with more than critical damping, and stay at zero: their rates are
+    -rate/2 and -2 rate.  Equal ones would have no modes of their own, which proofs need.
     """
     if body.free == AXES:
         return []
@@ -197,9 +199,12 @@ def _locked(body: Body, places: Places, mass: Numbers) -> list[Support]:
         (foot.stiffness[1 - locked] * one.T @ one for one, foot in pairs), np.eye(own) * 0
     )
     inertia = mass[first : first + own, first : first + own]
-    rate = float(np.abs(np.linalg.eigvals(np.linalg.solve(inertia, springs))).max()) ** 0.5
-    stiffness, damping = np.zeros((2, 2, own, own)), np.zeros((2, 2, own, own))
-    stiffness[locked, locked], damping[locked, locked] = rate**2 * inertia, 2.0 * rate * inertia
+    # any rate would do, as nothing pushes them: it need not be exact
+    roots = np.linalg.eigvals(np.linalg.solve(inertia.astype(float), springs.astype(float)))
+    rate = float(np.abs(roots).max()) ** 0.5
+    stiffness, damping = (zeros((2, 2, own, own), inertia) for _ in range(2))
+    stiffness[locked, locked] = rate**2 * inertia
+    damping[locked, locked] = APART * rate * inertia
     return [Support(rows, stiffness, damping, across=0)]
 
 

@@ -16,12 +16,13 @@ with u = d and u' = 0, stays one of the element; the rate -1/tau that is added i
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
-from .arrays import Numbers
+from .arrays import Numbers, zeros
 from .rotor import LinearRotor
 from .supports import Support
 
@@ -53,9 +54,27 @@ def zener(stiffness: float, loss_factor: float, frequency: float) -> Zener:
     0.836038...
     """
     square = loss_factor * loss_factor
-    ratio = 2.0 * square + 2.0 * loss_factor * math.sqrt(1.0 + square)
+    ratio = 2.0 * square + 2.0 * loss_factor * _root(1.0 + square)
     static = stiffness * (2.0 + ratio) / (2.0 * (1.0 + ratio))
-    return Zener(static, ratio * static, 1.0 / (frequency * math.sqrt(1.0 + ratio)))
+    return Zener(static, ratio * static, 1.0 / (frequency * _root(1.0 + ratio)))
+
+
+def _root(value: Any) -> Any:
+    """Of a float, or of a number that a proof computes with instead."""
+    return value.sqrt() if hasattr(value, "sqrt") else math.sqrt(value)
+
+
+def foot_numbers(supports: int, bodies: Iterable[tuple[int, bool]]) -> Iterator[list[int]]:
+    """Numbers, from 0, that the feet of each body have among the supports of `with_bodies`.
+
+    Args:
+        supports: how many the rotor has.
+        bodies: of each the number of its feet, and whether it moves along one axis alone, so that
+            a support that holds the other one stands behind its feet.
+    """
+    for feet, is_held in bodies:
+        yield list(range(supports, supports + feet))
+        supports += feet + is_held
 
 
 def with_rubber(rotor: LinearRotor, elements: Mapping[int, Sequence[Zener]]) -> LinearRotor:
@@ -68,21 +87,24 @@ def with_rubber(rotor: LinearRotor, elements: Mapping[int, Sequence[Zener]]) -> 
     wide = rotor.widened(len(elements))
     supports = list(wide.supports)
     for place, (number, pair) in enumerate(elements.items(), start=rotor.stations):
-        inertia = sum(one.branch * one.time**2 for one in pair) / 2.0 or float(rotor.mass[0, 0])
+        inertia = sum(one.branch * one.time * one.time for one in pair) / 2.0
+        if isinstance(inertia, float) and not inertia:
+            inertia = float(rotor.mass[0, 0])
         wide.mass[place, place] = inertia
         inner = np.eye(wide.stations)[place]
         supports[number] = _element(supports[number], inner, pair, inertia)
     return replace(wide, supports=tuple(supports), inner=rotor.inner + len(elements))
 
 
-def _element(support: Support, inner: Numbers, pair: Sequence[Zener], inertia: float) -> Support:
+def _element(support: Support, inner: Numbers, pair: Sequence[Zener], inertia: Any) -> Support:
     """A support of d, then u; `inertia` [kg] scales the equation of u, which has no size."""
     count = support.across
-    stiffness, damping = (np.zeros((2, 2, count + 1, count + 1)) for _ in range(2))
+    stiffness, damping = (zeros((2, 2, count + 1, count + 1), support.damping) for _ in range(2))
     damping[:, :, :count, :count] = support.damping
     for axis, one in enumerate(pair):
         d, u = axis * (count - 1), count
-        slow, fast = inertia / one.time**2, inertia / one.time
+        fast = inertia / one.time
+        slow = fast / one.time
         stiffness[axis, axis, d, [d, u]] = one.static + one.branch, -one.branch
         stiffness[axis, axis, u, [d, u]] = -slow, slow
         damping[axis, axis, u, [d, u]] = -fast, 2.0 * fast

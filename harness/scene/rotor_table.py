@@ -18,7 +18,7 @@ from ...models.arrays import Numbers
 from ...models.bodies import GROUND, ROTOR, with_bodies
 from ...models.rotor import LinearRotor
 from ...models.rotor import Slider as LinearSlider
-from ...models.rubber import Zener, with_rubber, zener
+from ...models.rubber import Zener, foot_numbers, with_rubber, zener
 from .bearing import GRAVITY, Bearing
 from .bodies import BodyTable, refuse_half_of_rubber
 from .feeds import Feeds, Start, fed
@@ -208,13 +208,12 @@ class RotorTable(Table):
             for k, spring in enumerate(springs):
                 pair = _elements(spring, self.support_loss_factor, self.loss_frequency)
                 found.append((f"support {k + 1}", places[k], (k, pair)))
-        number = len(places)
-        for body in self.bodies:
-            for k, foot in enumerate(body.feet, start=1):
+        shapes = [(len(body.feet), body.free != "xy") for body in self.bodies]
+        for body, numbers in zip(self.bodies, foot_numbers(len(places), shapes), strict=True):
+            for k, (foot, number) in enumerate(zip(body.feet, numbers, strict=True), start=1):
                 if foot.loss_factor and foot.loss_frequency:
                     pair = _elements(foot.stiffness, foot.loss_factor, foot.loss_frequency)
                     found.append((f"{body.name}.foot[{k}]", foot.position, (number, pair)))
-                number += 1 + (body.free != "xy") * (k == len(body.feet))
         return found
 
     @property

@@ -19,6 +19,7 @@ from ..bodies import Body, Foot, with_bodies
 from ..constants import SAME_PLACE
 from ..linear.linearised import RotorParts
 from ..rotor import LinearRotor
+from ..rubber import Zener, foot_numbers, with_rubber, zener
 from .slopes import Exact, Number, Sloped, ball, largest
 
 _NO_ARGUMENTS = (  # of a constructor of `LinearRotor`, or used apart from it
@@ -153,10 +154,12 @@ def rotor_balls(
         given |= {"elastic": _elastic, "solve": _solve, "larger": largest}
     try:
         rotor: LinearRotor = getattr(LinearRotor, kind)(**given)
+        if table["bodies"]:
+            rotor = _with_bodies(rotor, table, places)
     except ValueError as error:
         raise Unproved(str(error)) from error
-    if table["bodies"]:
-        rotor = _with_bodies(rotor, table, places)
+    if rubber := _rubber(table):
+        rotor = with_rubber(rotor, rubber)
     masses = balls([0] * rotor.plane_count)
     for plane, mass in added:
         masses[plane] += mass
@@ -178,14 +181,8 @@ def rotor_balls(
 
 def _refuse_unproved(table: Mapping[str, Any]) -> None:
     """Raise Unproved for what the formulas in balls do not have."""
-    if table["support_loss_factor"] or any(
-        foot["loss_factor"] for body in table["bodies"] for foot in body["feet"]
-    ):
-        raise Unproved("rubber (support_loss_factor, loss_factor) is not proved: use floquet")
     if any(bearing["stiffness"] is None for bearing in table["bearings"]):
         raise Unproved("bearings over the speed (table, journal) are not proved: use floquet")
-    if any(body["free"] != "xy" for body in table["bodies"]):
-        raise Unproved("a body that is free along one axis is not proved: use floquet")
 
 
 def _with_bodies(
@@ -203,11 +200,38 @@ def _with_bodies(
         Body(
             body["name"], body["mass"], body["transverse_inertia"], body["center"],
             tuple(Foot(f["position"], f["stiffness"], f["damping"]) for f in body["feet"]),
-            body["on"],
+            body["on"], body["free"],
         )
         for body in table["bodies"]
     ]  # fmt: skip
     return with_bodies(rotor, supports, places, bodies, table["on"])
+
+
+def _rubber(table: Mapping[str, Any]) -> dict[int, list[Zener]]:
+    """Elements along x and y of the supports and feet that are rubber, by their numbers."""
+    found = {}
+    count = 1 if table["kind"] == "planar" else 2
+    if table["support_loss_factor"]:
+        springs = table["support_stiffness" if table["kind"] == "flexible" else "stiffness"]
+        for number, spring in enumerate([springs] if count == 1 else springs):
+            found[number] = _elements(spring, table["support_loss_factor"], table["loss_frequency"])
+    bodies = table["bodies"]
+    shapes = [(len(body["feet"]), body["free"] != "xy") for body in bodies]
+    for body, numbers in zip(bodies, foot_numbers(count, shapes), strict=True):
+        for foot, number in zip(body["feet"], numbers, strict=True):
+            if foot["loss_factor"]:
+                found[number] = _elements(
+                    foot["stiffness"], foot["loss_factor"], foot["loss_frequency"]
+                )
+    return found
+
+
+def _elements(spring: Sequence[Any], factor: Sequence[Any], frequency: Any) -> list[Zener]:
+    """Of rubber along x and y; one object where both are alike, so that they are proved to be."""
+    first = zener(spring[0], factor[0], frequency)
+    if spring[0] is spring[1] and factor[0] is factor[1]:
+        return [first, first]
+    return [first, zener(spring[1], factor[1], frequency)]
 
 
 def _solve(matrix: Exact, right: Exact) -> Exact:
