@@ -81,6 +81,33 @@ def test_lanes_of_other_kinds_go_on_beside_each_other():
     assert found[0].tobytes() == found[1].tobytes()
 
 
+def test_cross_terms_of_bearings_act_in_every_lane():
+    """They differ between lanes, and without them the motion is another."""
+    bearings = [
+        {
+            "support": k,
+            "stiffness": [[1.0, 0.2], [-0.1, 1.1]],
+            "damping": [[0.2, 0.03], [0.01, 0.2]],
+        }
+        for k in (1, 2)
+    ]
+    changes = {"rotor.bearings": bearings}
+    changes |= dict.fromkeys(("rotor.support_stiffness", "rotor.support_damping"))
+    table = {
+        "rotor.stiffness_xy[1,1]": (0.05, 0.3),
+        "rotor.damping_yx[3,3]": (-0.05, 0.05),
+    }
+    alone, *others = (batch("three_mass_shaft", table, side, **changes) for side in (1, 2, 3, 4))
+    assert alone[2] == [""] * RUNS
+    assert len({row.tobytes() for row in alone[0]}) == RUNS
+    for beside in others:
+        assert beside[0].tobytes() == alone[0].tobytes()
+        assert beside[1].tobytes() == alone[1].tobytes()
+    plain = dict.fromkeys(table, (0.0, 0.0))
+    straight = batch("three_mass_shaft", plain, 4, **changes)
+    assert np.abs(straight[0] - alone[0]).max() > 1e-4 * np.abs(alone[0]).max()
+
+
 def test_gravity_acts_in_every_lane():
     table = {"weights.drag": (0.01, 0.05)}
     heavy, beside = (
