@@ -41,10 +41,10 @@ def sentence(data: Captured) -> str:
         known = not math.isnan(found.release_speed)
         let_go = in_both(found.release_speed, "rad/s") if known else ""
         by = f"; a slow run-up lets all go by {let_go}" if known else ""
-        return (
-            f"Closed form: no {called} can be left behind at {at}{by}"
-            f"{_drag(data, 'left behind only below drag')}."
-        )
+        below = "left behind only below drag"
+        if found.drag_ratio >= 1.0:  # a window of drags above the present one
+            below = "at some other drags they can be, never from drag"
+        return f"Closed form: no {called} can be left behind at {at}{by}{_drag(data, below)}."
     natural, motion = max(found.motions, key=lambda pair: (pair[1].weights, pair[1].drag_ratio))
     several = f"{motion.weights} of {found.count}"
     size = data.amplitude(motion)
@@ -87,7 +87,7 @@ def _drag(data: Captured, words: str) -> str:
     times = f" ({brief(ratio, digits)} times the present one)" if data.drag_given else ""
     if not ratio:
         return ""
-    return f"; {words} {value}{times}{' on' if words.startswith('never') else ''}"
+    return f"; {words} {value}{times}{' on' if 'never' in words else ''}"
 
 
 def limits(data: Captured) -> list[str]:

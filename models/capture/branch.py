@@ -28,6 +28,7 @@ _FARTHEST_POLE = 1.5  # of the rotor's speed: weights lag below a natural freque
 LAGS = 0.02  # of the rotor's speed: weights that lag by more are left behind
 WITH = 0.004  # of it: weights that lag by less turn with the rotor
 _FARTHEST_PEAK = 3.0  # half widths between a pole and its peak
+_WORTH_REFINING = 0.4  # limit of the drag over the drag that can be 1
 _SAME_PEAK = 0.05  # half widths: peaks so near are one
 _REFINEMENTS, _AT_ONCE = 4, 9  # each time one of so many points less one is kept
 
@@ -82,51 +83,83 @@ def find_branches(receptance: Receptance, lag: Lag, speed: float) -> Branches:
     return _branches(receptance, lag, speed, poles, pole[at], every[at])
 
 
-def at_drags(branches: Branches, receptance: Receptance, lag: Lag, rows: Indices) -> Branches:
-    """Some of the branches, of weights that have other drags in the same proportion."""
+def at_drags(
+    branches: Branches, receptance: Receptance, lag: Lag, rows: Indices, factors: Array
+) -> Branches:
+    """Some of the branches (b,), of weights whose drags are multiplied by one factor (b,) each."""
     numbers, pole = branches.numbers[rows], branches.pole[rows]
-    return _branches(receptance, lag, branches.speed, branches.poles, pole, numbers)
+    args = branches.speed, branches.poles, pole, numbers, factors
+    found = _coarse(receptance, lag, *args, _POINTS_BELOW - 1)  # no peak is as far below
+    high = np.flatnonzero(drag_ratios(found) > _WORTH_REFINING)
+    if len(high) and len(lag.groups) > 1:
+        _refine(found, receptance, lag, high, factors[high])
+    return found
 
 
 def _branches(
     receptance: Receptance, lag: Lag, speed: float, poles: Poles, pole: Indices, numbers: Array
 ) -> Branches:
     """Those of numbers (b, c) of weights near poles (b,), by rising pole."""
-    own = near_poles(receptance, lag, poles.select(pole), speed, numbers)
-    frequency = _grid(own)
-    start = np.angle(poles.shapes[:, lag.planes]).astype(float)[pole]
-    lags, phases = lag.at(receptance, frequency, speed, numbers, start)
-    peak, held, top = _peaks(frequency, lags, own)
-    lower = np.append(0.0, poles.frequency)[pole]
-    lowest = np.where(pole > 0, 0.5 * (lower + poles.frequency[pole]), 0.0)
-    found = Branches(
-        speed, poles, own, pole, lowest, numbers, peak, held, frequency, lags, phases, top
-    )
-    rows = np.flatnonzero(~np.isnan(peak))
+    found = _coarse(receptance, lag, speed, poles, pole, numbers)
+    rows = np.flatnonzero(~np.isnan(found.peak))
     if len(rows) and len(lag.groups) > 1:
         _refine(found, receptance, lag, rows)
     _drop_twins(found)
     return found
 
 
+def _coarse(
+    receptance: Receptance,
+    lag: Lag,
+    speed: float,
+    poles: Poles,
+    pole: Indices,
+    numbers: Array,
+    factors: float | Array = 1.0,
+    first: int = 0,
+) -> Branches:
+    """The same from one point of the grid on, with peaks as high as between its points."""
+    own = near_poles(receptance, lag, poles.select(pole), speed, numbers, factors)
+    frequency = _grid(own)[:, first:]
+    start = np.angle(poles.shapes[:, lag.planes]).astype(float)[pole]
+    lags, phases = lag.at(receptance, frequency, speed, numbers, start, factors)
+    peak, held, top = _peaks(frequency, lags, own)
+    lower = np.append(0.0, poles.frequency)[pole]
+    lowest = np.where(pole > 0, 0.5 * (lower + poles.frequency[pole]), 0.0)
+    return Branches(
+        speed, poles, own, pole, lowest, numbers, peak, held, frequency, lags, phases, top
+    )
+
+
 def near_poles(
-    receptance: Receptance, lag: Lag, poles: Poles, speed: float | Array, numbers: Array
+    receptance: Receptance,
+    lag: Lag,
+    poles: Poles,
+    speed: float | Array,
+    numbers: Array,
+    factors: float | Array = 1.0,
 ) -> Poles:
     """Natural frequencies (b,) while numbers (b, c) of weights are left behind."""
     found = poles
     for _ in range(_POLE_STEPS):
-        forward = lag.others(found.frequency[:, None], speed, numbers, 1)[..., 0]
+        forward = lag.others(found.frequency[:, None], speed, numbers, 1, factors)[..., 0]
         found = receptance.moved(poles, forward)
     return found
 
 
-def _refine(branches: Branches, receptance: Receptance, lag: Lag, rows: Indices) -> None:
+def _refine(
+    branches: Branches,
+    receptance: Receptance,
+    lag: Lag,
+    rows: Indices,
+    factors: float | Array = 1.0,
+) -> None:
     """Peaks of several groups, which can turn over between two points."""
     top = branches.top[rows]
     around = branches.frequency[rows, top - 1], branches.frequency[rows, top + 1]
     numbers, phases = branches.numbers[rows], branches.phases[rows, top]
     near = branches.own.select(rows), around, branches.lowest[rows]
-    found = first_peaks(receptance, lag, *near, branches.speed, numbers, phases)
+    found = first_peaks(receptance, lag, *near, branches.speed, numbers, phases, factors)
     known = ~np.isnan(found[0])
     branches.peak[rows[known]], branches.lag[rows[known]] = (x[known] for x in found)
 
@@ -217,14 +250,33 @@ def _between(w: Array, lags: Array, at: float) -> float:
     return found if at >= w[0] else math.nan
 
 
-def ratio_below_speed(branches: Branches, row: int) -> float:
-    """Largest lag over Om - w of a brake that rises up to the rotor's speed; 0: no motion."""
-    w, lags = branches.frequency[row], branches.lags[row]
-    at = (1.0 - LAGS) * branches.speed
+def drag_ratios(branches: Branches) -> Array:
+    """Drag over the present one (b,) below which weights are left behind; 0: none are.
+
+    Of k < N with the others at their present drag.
+    """
+    speed = branches.speed
+    with np.errstate(invalid="ignore"):
+        ratios = branches.lag / (speed - branches.peak)
+        # the peak is near the rotor's speed, or above it
+        near = np.flatnonzero(speed - branches.peak < LAGS * speed)
+    if len(near):
+        ratios[near] = _below_speed(branches, near)
+    return np.where(np.isfinite(ratios), np.maximum(ratios, 0.0), 0.0)
+
+
+def _below_speed(branches: Branches, rows: Indices) -> Array:
+    """Largest lag over Om - w (r,) of brakes that rise up to the rotor's speed."""
+    w, lags = branches.frequency[rows], branches.lags[rows]
+    at, every, last = (1.0 - LAGS) * branches.speed, np.arange(len(rows)), w.shape[1] - 1
     below = w <= at
-    ratios = [_between(w, lags, at) / (branches.speed - at)]
-    ratios += (lags[below] / (branches.speed - w[below])).tolist()
-    return max((ratio for ratio in ratios if ratio > 0.0), default=0.0)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        ratios = np.where(below & (lags > 0.0), lags / (branches.speed - w), 0.0).max(axis=1)
+        after = np.clip(below.sum(axis=1), 1, last)
+        (w0, w1), (lag0, lag1) = ((x[every, after - 1], x[every, after]) for x in (w, lags))
+        part = np.clip((at - w0) / (w1 - w0), 0.0, 1.0)
+        there = lag0 ** (1.0 - part) * lag1**part / (branches.speed - at)
+    return np.where(below[:, 0] & (there > ratios), there, ratios)
 
 
 def largest_slip(branches: Branches) -> float:

@@ -22,9 +22,9 @@ import numpy as np
 from ..arrays import Array
 from ..assembly import Assembly, weights_of
 from ..harmonic_balance import NoResponse, largest_displacement, unbalance_response
-from .branch import WITH, Branches, find_branches, follow, largest_slip
+from .branch import WITH, Branches, drag_ratios, find_branches, follow, largest_slip
 from .groups import Group, Lag, groups_of
-from .limit import drag_limit, drag_ratio
+from .limit import drag_limit
 from .receptance import Poles, Receptance
 from .release import release_speeds
 
@@ -212,6 +212,7 @@ def _natural(branches: Branches, receptance: Receptance, lag: Lag) -> Sequence[N
     released = release_speeds(branches, receptance, lag, rows)
     frequency, phases = follow(branches, receptance, lag, rows)
     amplitude = _amplitudes(branches, receptance, lag, rows, frequency, phases)
+    ratios = drag_ratios(branches)
     motions: dict[int, list[LeftBehind]] = {}
     for k, row in enumerate(rows.tolist()):
         peak, held = float(branches.peak[row]), float(branches.lag[row])
@@ -219,7 +220,7 @@ def _natural(branches: Branches, receptance: Receptance, lag: Lag) -> Sequence[N
         motions.setdefault(int(branches.pole[row]), []).append(
             LeftBehind(
                 int(numbers.sum()), tuple(int(n) for n in numbers), float(released[k]),
-                drag_ratio(branches, row), float(frequency[k]), amplitude[k],
+                float(ratios[row]), float(frequency[k]), amplitude[k],
                 (peak, held), branches.phases[row, branches.top[row]],
             )
         )  # fmt: skip

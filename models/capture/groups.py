@@ -135,6 +135,7 @@ class Lag:
         speed: float | Array,
         numbers: Array,
         phases: Array,
+        factors: float | Array = 1.0,
     ) -> tuple[Array, Array]:
         """Lag (r, j) and angles (r, j, c) at which the torques of all groups balance.
 
@@ -143,13 +144,15 @@ class Lag:
             speed: of the rotor, one or (r,).
             numbers: (r, c) of weights left behind; the others turn with the rotor.
             phases: (r, c) from which Newton's method begins.
+            factors: of all drags, one or (r,).
 
         Returns:
             NaN where there is no such motion near these angles.
         """
-        others = self.others(frequency, speed, numbers, receptance.parts)
+        others = self.others(frequency, speed, numbers, receptance.parts, factors)
         g = receptance.between_planes(receptance.of_planes(frequency, speed), others)
-        pull, moments = numbers * self._resistance, self.moments(numbers)
+        pull = numbers * self._resistance * np.reshape(factors, (-1, 1))
+        moments = self.moments(numbers)
         size = (frequency * frequency) ** 2
         if len(self.groups) == 1:
             lag = size * -g[0, 0].imag * (moments**2 / pull)
@@ -167,7 +170,14 @@ class Lag:
         lag, angles = balance(torque, *(np.repeat(x, points, axis=0) for x in (pull, phases)))
         return lag.reshape(frequency.shape), angles.reshape(*frequency.shape, -1)
 
-    def others(self, frequency: Array, speed: float | Array, numbers: Array, parts: int) -> Complex:
+    def others(
+        self,
+        frequency: Array,
+        speed: float | Array,
+        numbers: Array,
+        parts: int,
+        factors: float | Array = 1.0,
+    ) -> Complex:
         """Force per displacement of a plane of weights that turn with the rotor [N/m].
 
         They swing in the rotor at w - Om (at -w - Om for the backward part of the motion) and are
@@ -186,11 +196,12 @@ class Lag:
         for rate, which in self._rates:
             masses = (free @ which).T[..., None]
             if masses.any():
+                turned = 1j * rate * np.reshape(factors, (-1, 1))
                 # the force of the backward part acts on its conjugate
                 for part, sign in enumerate((1.0, -1.0)[:parts]):
                     relative = sign * frequency - om
                     relative += relative == 0.0
-                    force = half / (relative * (sign * 1j * rate - relative))
+                    force = half / (relative * (sign * turned - relative))
                     found[part * count : (part + 1) * count] += masses * force
         return found
 

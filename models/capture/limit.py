@@ -1,99 +1,107 @@
-"""Drag from which on no weights can be left behind at a speed of the rotor."""
+"""Drag from which on no weights can be left behind at a speed of the rotor.
+
+The limit of k = N is exact, and the least that is possible.  The drag of weights that turn with the
+rotor acts on its motion, as internal damping does: at another drag the limit of k < N is another
+one.  Between L(d)/d = 1 and a second such place, where the others feed the motion most, nothing
+may be left behind: a window.  The limit is the largest drag d with L(d) >= d.
+"""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 
 import numpy as np
 
-from ..arrays import Array
-from .branch import LAGS, Branches, at_drags, ratio_below_speed
+from ..arrays import Array, Indices
+from .branch import Branches, at_drags, drag_ratios, near_poles
 from .groups import Lag
 from .receptance import Receptance
 
-_STEPS = 12  # at most
-_REACHED = 1e-3  # relative
-_SMALL = 0.4  # of the largest limit: rows below it are left out at the next drag
-_NOTHING = 1e-3  # limit over the drag that stands for none
-_JUMP, _AT_JUMP = 10.0, 0.01  # slope of the logarithms that is a jump, and how near it is found
+_LADDER = np.concatenate([np.linspace(0.0, 1.0, 26), np.linspace(1.08, 2.2, 15)])  # log of drags
+_LADDERS = 4  # at most, each from the end of the one before
+_HOPELESS = 0.3  # L(d)/d, by the damping of the natural frequency at d, that is never 1
+_NEAR = 0.7  # of the rotor's speed: peaks and natural frequencies above it move with the drag
+_FINER = np.linspace(0.0, 1.0, 9)  # between two drags
+_STEEPEST, _AT_JUMP = 10.0, 2e-3  # slope of the logarithms that is a jump, and how near it is found
 _FAR_BELOW = 0.8  # of the limit of k = N, which is exact: k < N of one group do not decide
 
 
-def drag_ratio(branches: Branches, row: int) -> float:
-    """Limit of one row over the present drag; of k < N with the others at their present drag."""
-    peak, held = float(branches.peak[row]), float(branches.lag[row])
-    left = branches.speed - peak
-    near = left < LAGS * branches.speed  # the peak is near the rotor's speed, or above it
-    return ratio_below_speed(branches, row) if near else held / left
-
-
 def drag_limit(branches: Branches, receptance: Receptance, lag: Lag) -> float:
-    """Limit over the present drag, of all drags in their proportion; 0: no natural frequency.
-
-    The limit of k = N is exact and the least that is possible.  The drag of weights that turn with
-    the rotor acts on its motion: at another drag the limit of k < N is another one.  The drag is
-    looked for at which it is the drag itself, from the limit of k = N upwards.
-    """
-    ratios = _ratios(branches)
+    """Limit over the present drag, of all drags in their proportion; 0: no natural frequency."""
+    ratios = drag_ratios(branches)
     count = sum(one.count for one in lag.groups)
     all_left = branches.numbers.sum(axis=1) == count
     whole, part = (float(ratios[which].max(initial=0.0)) for which in (all_left, ~all_left))
-    if len(lag.groups) == 1 and part <= _FAR_BELOW * whole:
+    if (len(lag.groups) == 1 and part <= _FAR_BELOW * whole) or not (whole or part):
         return whole
-
-    if not (whole or part):
-        return 0.0
-    rows = np.arange(len(ratios))
-
-    def excess(log_factor: float) -> float:
-        """Logarithm of the limit at a drag over this drag."""
-        nonlocal rows
-        there = Lag(lag.groups, math.exp(log_factor) * lag.drags)
-        found = _ratios(at_drags(branches, receptance, there, rows))
-        largest = float(found.max(initial=0.0))
-        if _SMALL < largest < 1.0 / _SMALL:  # near the limit, others do not become it
-            rows = rows[found > _SMALL * largest]
-        return math.log(max(largest, _NOTHING))
-
-    least = math.log(whole) if whole else -math.inf
-    return math.exp(_root(excess, math.log(max(whole, part)), least))
+    search = _Search(branches, receptance, lag, np.flatnonzero(~all_left), ratios)
+    limit = search.above(whole or min(part, 1.0), whole)
+    # the present drag may lie in a window that is narrower than the steps of the search
+    return limit if limit >= 1.0 or part < 1.0 else search.above(1.0, 1.0)
 
 
-def _root(excess: Callable[[float], float], at_zero: float, least: float) -> float:
-    """Where a falling function, which may jump, passes 0, not below `least`.
+class _Search:
+    """The largest drag at which k < N weights can be left behind, by several drags at once."""
 
-    x + excess(x) is the next guess until two points enclose the root.
+    def __init__(
+        self, branches: Branches, receptance: Receptance, lag: Lag, rows: Indices, ratios: Array
+    ) -> None:
+        self._branches, self._receptance, self._lag = branches, receptance, lag
+        self._rows, self._now = rows, ratios[rows]
 
-    Args:
-        at_zero: its value at 0.
-    """
-    low, high, at_low, at_high, before = -math.inf, math.inf, 0.0, 0.0, 0.0
-    x, at = 0.0, at_zero
-    for _ in range(_STEPS):
-        if abs(at) <= _REACHED or (at < 0.0 and x <= least):
-            return x
-        again = at * before > 0.0  # the other end stays: half its value (Illinois)
-        if at > 0.0:
-            low, at_low, at_high = x, at, at_high * (0.5 if again else 1.0)
-        else:
-            high, at_high, at_low = x, at, at_low * (0.5 if again else 1.0)
-        before, width = at, high - low
-        jumps = at_low - at_high > _JUMP * max(width, _AT_JUMP)
-        if width <= (_AT_JUMP if jumps else _REACHED):
-            return high
-        if math.isinf(width):
-            x = max(least, x + at)
-        else:
-            x = low + width * (0.5 if jumps else at_low / (at_low - at_high))
-        at = excess(x)
-    return x if math.isinf(high) else high
+    def above(self, lowest: float, whole: float) -> float:
+        """It, or `whole`, that of k = N, where there is none above the lowest drag."""
+        drags = lowest * np.exp(_LADDER)
+        for _ in range(_LADDERS):
+            found = self._ratios(drags)
+            high = np.flatnonzero(found.max(axis=1) >= 1.0)
+            if not len(high):
+                return whole
+            k = int(high[-1])
+            if k + 1 < len(drags):
+                return self._between(drags[k], drags[k + 1])
+            drags = drags * (drags[-1] / drags[0])
+        return float(drags[0])
 
+    def _between(self, low: float, high: float) -> float:
+        """Where the largest L(d)/d falls to 1, or the end of a jump."""
+        while True:
+            drags = low * (high / low) ** _FINER
+            with np.errstate(divide="ignore"):
+                found = np.log(self._ratios(drags).max(axis=1))
+            k = min(int(np.flatnonzero(found[:-1] >= 0.0)[-1:].sum()), len(drags) - 2)
+            low, high = drags[k], drags[k + 1]
+            width, fall = math.log(high / low), found[k] - found[k + 1]
+            if fall < _STEEPEST * width:
+                return float(low * math.exp(width * found[k] / fall)) if found[k] > 0.0 else low
+            if width < _AT_JUMP:
+                return float(high)
 
-def _ratios(branches: Branches) -> Array:
-    """Limits (b,) over the present drag; 0: none."""
-    ratios = np.zeros(len(branches.peak))
-    for row in np.flatnonzero(~np.isnan(branches.peak)).tolist():
-        ratio = drag_ratio(branches, row)
-        ratios[row] = ratio if math.isfinite(ratio) else 0.0
-    return ratios
+    def _ratios(self, drags: Array) -> Array:
+        """L(d)/d (d, rows) at factors of the drags; 0 where it is certainly below 1."""
+        found = np.zeros((len(drags), len(self._rows)))
+        which, at = np.nonzero(self._can_be_high(drags))
+        if len(at):
+            branches = at_drags(
+                self._branches, self._receptance, self._lag, self._rows[at], drags[which]
+            )
+            found[which, at] = drag_ratios(branches)
+        return found
+
+    def _can_be_high(self, drags: Array) -> Array:
+        """Whether L(d)/d can be 1, (d, rows): where the damping at d does not exclude it.
+
+        L(d) is in proportion to one over the damping while the peak stays where it is.
+        """
+        rows, branches = self._rows, self._branches
+        poles = branches.poles.select(np.tile(branches.pole[rows], len(drags)))
+        numbers = np.tile(branches.numbers[rows], (len(drags), 1))
+        factors = np.repeat(drags, len(rows))
+        there = near_poles(
+            self._receptance, self._lag, poles, branches.speed, numbers, factors
+        ).decay.reshape(len(drags), -1)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            high = self._now * branches.own.decay[rows] > _HOPELESS * there * drags[:, None]
+            far = np.maximum(branches.peak, branches.poles.frequency[branches.pole])[rows]
+            unknown = ~(far < _NEAR * branches.speed)
+        return (there > 0.0) & (high | unknown)

@@ -60,6 +60,7 @@ def first_peaks(
     speed: float | Array,
     numbers: Array,
     phases: Array,
+    factors: float | Array = 1.0,
 ) -> tuple[Array, Array]:
     """Place and height (r,) of the first local maximum near natural frequencies; NaN: none.
 
@@ -69,18 +70,19 @@ def first_peaks(
         lowest: (r,) where the side of the next lower natural frequency begins [rad/s].
         speed: of the rotor, one or (r,) [rad/s].
         numbers, phases: (r, c) of the weights left behind, and of the groups to begin with.
+        factors: of all drags, one or (r,).
     """
     low, high = around
     low = np.minimum(low, np.maximum(poles.frequency - _TURN_OVER * poles.decay, lowest))
-    w, lags, turned = _along(receptance, lag, low, high, _POINTS, speed, numbers, phases)
+    w, lags, turned = _along(receptance, lag, low, high, _POINTS, speed, numbers, phases, factors)
     peak, held, top = find_peaks(w, lags, np.arange(float(_POINTS)))
     ends = np.flatnonzero(~np.isnan(peak) & np.isnan(lags[range(len(w)), top + 1]))
     if len(ends):
-        there = speed if np.ndim(speed) == 0 else np.asarray(speed)[ends]
+        there, scaled = (x if np.ndim(x) == 0 else np.asarray(x)[ends] for x in (speed, factors))
         last = ends, top[ends]
         w, lags, _ = _along(
             receptance, lag, w[last], w[ends, top[ends] + 1], _AT_END, there, numbers[ends],
-            turned[last],
+            turned[last], scaled,
         )  # fmt: skip
         gone = np.logical_or.accumulate(np.isnan(lags), axis=1)
         best = np.where(gone, -np.inf, lags).argmax(axis=1)
@@ -98,7 +100,8 @@ def _along(
     speed: float | Array,
     numbers: Array,
     phases: Array,
+    factors: float | Array,
 ) -> tuple[Array, Array, Array]:
     """Evenly spread speeds (r, points) of the weights, lags there, and phases (r, points, c)."""
     w = low[:, None] + (high - low)[:, None] * np.linspace(0.0, 1.0, points)
-    return w, *lag.at(receptance, w, speed, numbers, phases)
+    return w, *lag.at(receptance, w, speed, numbers, phases, factors)

@@ -21,7 +21,7 @@ from .branch import Branches, near_poles
 from .groups import Lag
 from .peaks import find_peaks, first_peaks
 from .receptance import Poles, Receptance
-from .roots import find_roots
+from .roots import Roots
 
 Truths = NDArray[np.bool_]
 _FARTHEST = 10.0  # operating speeds up to which a release is looked for
@@ -64,40 +64,74 @@ def release_speeds(branches: Branches, receptance: Receptance, lag: Lag, rows: A
 
 def _followed(peaks: _MovingPeaks, limit: Array, largest: Array) -> Array:
     """Release speeds up to limits (r,); `largest` steps over a speed."""
-    ends = _brackets(peaks, limit, largest)
-    _, excess, other, there = ends
-    closed = np.flatnonzero(there * excess <= 0.0)
-    never = (there > 0.0) & (excess > 0.0) & (other >= limit)
-    found = np.where(never, math.inf, math.nan)
-    found[closed] = find_roots(lambda x, rows: peaks(x, closed[rows]), *ends[:, closed])
-    return found
-
-
-def _brackets(peaks: _MovingPeaks, limit: Array, largest: Array) -> Array:
-    """Two speeds and their excesses (4, r), between which the sign changes, or the last two."""
-    last = np.full(len(limit), peaks.speed)
-    excess = peaks.excess.copy()
-    other, there, sign, part = last.copy(), excess.copy(), np.sign(excess), np.ones(len(excess))
-    for _ in range(_BRACKETING):
-        open_ = (there * sign > 0.0) & (other < limit) & (part > _SMALLEST_PART)
-        same = np.flatnonzero(open_)
-        if not len(same):
+    brackets, roots = _Brackets(peaks, limit, largest), Roots(len(limit))
+    searched, known = brackets.open(), roots.open()
+    for _ in range(2 * _BRACKETING):
+        rows = np.concatenate([searched, known])
+        if not (count := len(rows)):
             break
-        now, most = other[same], largest[same] * other[same]
-        slope = np.full(len(same), -1.0)  # of a peak that stays where it is
-        moved = same[now != last[same]]
-        slope[now != last[same]] = (there - excess)[moved] / (other - last)[moved]
-        ahead = -_OVERSHOT * there[same] / np.minimum(slope, _FLATTEST)
-        step = np.clip(ahead + sign[same] * _BEYOND * now, -most, most)
-        lowest = 0.5 * (now + peaks.place[same])  # the excess is positive at the peak itself
-        ahead = np.maximum(now + step * part[same], lowest)
-        found = peaks(ahead, same)
-        lost = np.isnan(found)
-        part[same] = np.where(lost, 0.25 * part[same], np.minimum(1.0, 2.0 * part[same]))
-        kept = same[~lost]
-        last[kept], excess[kept] = now[~lost], there[kept]
-        other[kept], there[kept] = ahead[~lost], found[~lost]
-    return np.stack([last, excess, other, there])
+        first = len(searched)
+        x = np.empty(count)
+        x[:first], x[first:] = brackets.ahead(searched), roots.guess(known)
+        values = peaks(x, rows)
+        if len(known):
+            roots.take(known, x[first:], values[first:])
+        if first:
+            brackets.take(searched, x[:first], values[:first])
+            closed = searched[brackets.closed(searched)]
+            roots.begin(closed, brackets.ends[:, closed])
+            searched = brackets.open()
+        known = roots.open()
+    return np.where(brackets.never(), math.inf, roots.found)
+
+
+class _Brackets:
+    """Two speeds and their excesses, between which the sign changes.
+
+    Attributes:
+        ends: (4, r) a speed, the excess there, the last speed, and the excess there.
+    """
+
+    def __init__(self, peaks: _MovingPeaks, limit: Array, largest: Array) -> None:
+        self._peaks, self._limit, self._largest = peaks, limit, largest
+        now = np.full(len(limit), peaks.speed)
+        self.ends = np.stack([now, peaks.excess, now, peaks.excess])
+        self._sign, self._part = np.sign(peaks.excess), np.ones(len(limit))
+
+    def open(self) -> Indices:
+        """Rows whose sign has not changed yet."""
+        _, _, other, there = self.ends
+        same = (there * self._sign > 0.0) & (other < self._limit) & (self._part > _SMALLEST_PART)
+        return np.flatnonzero(same)
+
+    def closed(self, rows: Indices) -> Truths:
+        """Which of some rows have a sign that has changed."""
+        return np.asarray(self.ends[1, rows] * self.ends[3, rows] <= 0.0)
+
+    def never(self) -> Truths:
+        """Rows whose excess is positive up to the limit."""
+        _, excess, other, there = self.ends
+        return np.asarray((there > 0.0) & (excess > 0.0) & (other >= self._limit))
+
+    def ahead(self, rows: Indices) -> Array:
+        """The next speeds of some rows."""
+        last, excess, now, there = self.ends[:, rows]
+        most = self._largest[rows] * now
+        with np.errstate(divide="ignore", invalid="ignore"):
+            slope = np.where(now == last, -1.0, (there - excess) / (now - last))
+        ahead = -_OVERSHOT * there / np.minimum(slope, _FLATTEST)
+        step = np.clip(ahead + self._sign[rows] * _BEYOND * now, -most, most)
+        lowest = 0.5 * (now + self._peaks.place[rows])  # the excess is positive at the peak itself
+        return np.maximum(now + step * self._part[rows], lowest)
+
+    def take(self, rows: Indices, speeds: Array, values: Array) -> None:
+        """Excesses there, NaN where the peak is lost."""
+        lost = np.isnan(values)
+        part = self._part[rows]
+        self._part[rows] = np.where(lost, 0.25 * part, np.minimum(1.0, 2.0 * part))
+        kept = rows[~lost]
+        self.ends[:2, kept] = self.ends[2:, kept]
+        self.ends[2:, kept] = speeds[~lost], values[~lost]
 
 
 class _MovingPeaks:
