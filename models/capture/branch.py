@@ -11,6 +11,7 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..arrays import Array, Indices
 from .groups import Lag, ordered_numbers
@@ -85,15 +86,25 @@ def find_branches(receptance: Receptance, lag: Lag, speed: float) -> Branches:
 
 def at_drags(
     branches: Branches, receptance: Receptance, lag: Lag, rows: Indices, factors: Array
-) -> Branches:
-    """Some of the branches (b,), of weights whose drags are multiplied by one factor (b,) each."""
-    numbers, pole = branches.numbers[rows], branches.pole[rows]
-    args = branches.speed, branches.poles, pole, numbers, factors
-    found = _coarse(receptance, lag, *args, _POINTS_BELOW - 1)  # no peak is as far below
-    high = np.flatnonzero(drag_ratios(found) > _WORTH_REFINING)
-    if len(high) and len(lag.groups) > 1:
-        _refine(found, receptance, lag, high, factors[high])
-    return found
+) -> tuple[Branches, Indices]:
+    """Some of the branches (b,), of weights whose drags are multiplied by one factor (b,) each.
+
+    Returns:
+        Those whose weights may be left behind, and which of the rows they are.
+    """
+
+    def find(at: Indices, first: int) -> Branches:
+        numbers, pole = branches.numbers[rows[at]], branches.pole[rows[at]]
+        args = branches.speed, branches.poles, pole, numbers, factors[at]
+        return _coarse(receptance, lag, *args, first)
+
+    near = find(np.arange(len(rows)), _POINTS_BELOW - 1)  # no peak is as far below
+    at = np.flatnonzero(drag_ratios(near) > _WORTH_REFINING)
+    found = find(at, 0)
+    if len(at) and len(lag.groups) > 1:
+        known = np.flatnonzero(~np.isnan(found.peak))
+        _refine(found, receptance, lag, known, factors[at[known]])
+    return found, at
 
 
 def _branches(
@@ -121,6 +132,7 @@ def _coarse(
     """The same from one point of the grid on, with peaks as high as between its points."""
     own = near_poles(receptance, lag, poles.select(pole), speed, numbers, factors)
     frequency = _grid(own)[:, first:]
+    _move_to(frequency, (1.0 - LAGS) * speed)
     start = np.angle(poles.shapes[:, lag.planes]).astype(float)[pole]
     lags, phases = lag.at(receptance, frequency, speed, numbers, start, factors)
     peak, held, top = _peaks(frequency, lags, own)
@@ -203,6 +215,12 @@ def _grid(poles: Poles) -> Array:
     return np.hstack([centre - width * below, centre + width * _ABOVE])
 
 
+def _move_to(frequency: Array, at: float) -> None:
+    """The nearest points of each row to a frequency within it."""
+    rows = np.flatnonzero((frequency[:, 0] < at) & (frequency[:, -1] > at))
+    frequency[rows, np.abs(frequency[rows] - at).argmin(axis=1)] = at
+
+
 def _peaks(frequency: Array, lags: Array, poles: Poles) -> tuple[Array, Array, Indices]:
     """Local maximum of each row that is nearest to its pole, by the inverse of a resonance."""
     width = np.maximum(poles.decay, _NARROWEST * poles.frequency)
@@ -267,16 +285,37 @@ def drag_ratios(branches: Branches) -> Array:
 
 def _below_speed(branches: Branches, rows: Indices) -> Array:
     """Largest lag over Om - w (r,) of brakes that rise up to the rotor's speed."""
-    w, lags = branches.frequency[rows], branches.lags[rows]
-    at, every, last = (1.0 - LAGS) * branches.speed, np.arange(len(rows)), w.shape[1] - 1
-    below = w <= at
+    w, lags, speed = branches.frequency[rows], branches.lags[rows], branches.speed
+    below = w <= (1.0 - LAGS) * speed
     with np.errstate(divide="ignore", invalid="ignore"):
-        ratios = np.where(below & (lags > 0.0), lags / (branches.speed - w), 0.0).max(axis=1)
-        after = np.clip(below.sum(axis=1), 1, last)
-        (w0, w1), (lag0, lag1) = ((x[every, after - 1], x[every, after]) for x in (w, lags))
-        part = np.clip((at - w0) / (w1 - w0), 0.0, 1.0)
-        there = lag0 ** (1.0 - part) * lag1**part / (branches.speed - at)
+        ratios = np.where(below & (lags > 0.0), lags / (speed - w), 0.0).max(axis=1)
+    there = _nearest_lags(branches, rows) / (LAGS * speed)
     return np.where(below[:, 0] & (there > ratios), there, ratios)
+
+
+def _nearest_lags(branches: Branches, rows: Indices) -> Array:
+    """Lags (r,) at the speed from which on weights turn with the rotor."""
+    w, at = branches.frequency[rows], (1.0 - LAGS) * branches.speed
+    return branches.lags[rows, np.clip((w < at).sum(axis=1), 0, w.shape[1] - 1)]
+
+
+def can_be_held(branches: Branches) -> NDArray[np.bool_]:
+    """Whether there is a motion (b,) on the rising side of the brake, as `follow` finds it."""
+    w, lags, speed, every = branches.frequency, branches.lags, branches.speed, len(branches.peak)
+    nearest = (1.0 - LAGS) * speed
+    with np.errstate(invalid="ignore"):
+        near = ~(branches.peak <= nearest)
+        high = np.where(near, nearest, branches.peak)
+        at_high = np.where(near, _nearest_lags(branches, np.arange(every)), branches.lag)
+        total = w + lags
+        falls = np.zeros(w.shape, bool)
+        falls[:, 1:] = total[:, :-1] > total[:, 1:]
+        ends = (np.isnan(lags) | (total <= speed) | falls) & (w < high[:, None])
+        last = w.shape[1] - 1 - ends[:, ::-1].argmax(axis=1)
+        crosses = total[np.arange(every), last] <= speed
+        return np.asarray(
+            crosses & (high + at_high > speed) & (branches.peak + branches.lag > speed)
+        )
 
 
 def largest_slip(branches: Branches) -> float:

@@ -165,10 +165,10 @@ class Lag:
             angles[..., 1] = np.where(np.isnan(turned), phases[:, 1:], phases[:, :1] + turned)
             return size * lag, angles
         torque = 1j * size * at * (moments.T[:, None] * moments.T)[..., None]
-        torque = np.moveaxis(torque.reshape(*torque.shape[:2], -1), -1, 0)
+        torque = np.moveaxis(torque.reshape(*torque.shape[:2], frequency.size), -1, 0)
         points = frequency.shape[1]
         lag, angles = balance(torque, *(np.repeat(x, points, axis=0) for x in (pull, phases)))
-        return lag.reshape(frequency.shape), angles.reshape(*frequency.shape, -1)
+        return lag.reshape(frequency.shape), angles.reshape(*frequency.shape, len(self.groups))
 
     def others(
         self,

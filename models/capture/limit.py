@@ -13,14 +13,15 @@ import math
 import numpy as np
 
 from ..arrays import Array, Indices
-from .branch import Branches, at_drags, drag_ratios, near_poles
+from .branch import Branches, at_drags, can_be_held, drag_ratios, near_poles
 from .groups import Lag
 from .receptance import Receptance
 
-_LADDER = np.concatenate([np.linspace(0.0, 1.0, 26), np.linspace(1.08, 2.2, 15)])  # log of drags
+_LADDER = np.concatenate([np.linspace(0.0, 0.8, 17), np.linspace(0.9, 2.0, 12)])  # log of drags
 _LADDERS = 4  # at most, each from the end of the one before
 _HOPELESS = 0.3  # L(d)/d, by the damping of the natural frequency at d, that is never 1
 _NEAR = 0.7  # of the rotor's speed: peaks and natural frequencies above it move with the drag
+_NOT_HELD = 0.5  # L(d)/d at most, where no motion belongs to it
 _FINER = np.linspace(0.0, 1.0, 9)  # between two drags
 _STEEPEST, _AT_JUMP = 10.0, 2e-3  # slope of the logarithms that is a jump, and how near it is found
 _FAR_BELOW = 0.8  # of the limit of k = N, which is exact: k < N of one group do not decide
@@ -82,10 +83,11 @@ class _Search:
         found = np.zeros((len(drags), len(self._rows)))
         which, at = np.nonzero(self._can_be_high(drags))
         if len(at):
-            branches = at_drags(
+            branches, high = at_drags(
                 self._branches, self._receptance, self._lag, self._rows[at], drags[which]
             )
-            found[which, at] = drag_ratios(branches)
+            ratios, held = drag_ratios(branches), can_be_held(branches)
+            found[which[high], at[high]] = np.where(held, ratios, np.minimum(ratios, _NOT_HELD))
         return found
 
     def _can_be_high(self, drags: Array) -> Array:

@@ -5,6 +5,7 @@ rotor, from random starts, in slow run-ups and at constant speed.
 """
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -18,6 +19,7 @@ from autobalancer.models.linear.modes import modes
 from autobalancer.models.rotor import LinearRotor
 from autobalancer.models.weights import Weights
 from tests.studies.left_behind.draw import draw
+from tests.studies.left_behind.machine import run
 
 GREEN = {"damping": 0.02, "drag": 0.001}  # a light ball balancer of the literature
 
@@ -166,6 +168,36 @@ def test_the_drag_limit_is_a_limit_when_it_is_set(kind, number):
     above = capture(drawn.with_drag(1.02 * limit).assembly, speed)
     assert not above.motions
     assert above.drag_ratio == pytest.approx(1.0 / 1.02, rel=3e-3)
+
+
+def near_its_speed():
+    """A gyroscopic rotor with a natural frequency 4 % below its speed, and the speed."""
+    random = np.random.default_rng([77, 4, 59])
+    drawn = draw("gyroscopic", random)
+    lowest = float(modes(drawn.assembly.loaded_rotor, 0.0).natural_frequencies.min())
+    drawn = drawn.with_drag(float(np.exp(random.uniform(np.log(0.1), np.log(10.0)))))
+    return drawn, lowest * random.uniform(2.0, 5.0)
+
+
+def test_the_drag_limit_covers_drags_beyond_a_gap():
+    """Between two ranges of drag no three weights are held; an integration holds two above it."""
+    drawn, speed = near_its_speed()
+    limit = capture(drawn.assembly, speed).drag_ratio
+    for part in (0.2, 0.3, 0.5, 0.8, 0.95):
+        there = capture(drawn.with_drag(part * limit).assembly, speed)
+        assert there.drag_ratio == pytest.approx(1.0 / part, rel=5e-3)
+    inside = drawn.with_drag(0.8 * limit)
+    ((_, held),) = capture(inside.assembly, speed).motions
+    assert held.numbers == (0, 2)
+    rates = np.array([speed, speed, held.frequency, held.frequency])
+    weights = [replace(w, drag=w.drag * (1.0 + 1e-4 * k)) for k, w in enumerate(inside.weights)]
+    end = 300.0 * math.tau / speed
+    args = [(0.0, speed)], np.array([1.0, 4.0, 0.0, 0.05]), rates, end, 20, 120
+    windows, _ = run(inside.rotor, weights, *args)
+    means = windows[-4:, 2::3].mean(axis=0)
+    assert means[2:] == pytest.approx([held.frequency] * 2, rel=1e-3)
+    assert (means[:2] > 0.99 * speed).all()
+    assert capture(drawn.with_drag(1.05 * limit).assembly, speed).all_pass is not False
 
 
 def test_weights_are_let_go_where_phases_between_planes_turn_over():
