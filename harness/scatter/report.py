@@ -9,11 +9,9 @@ import numpy as np
 
 from ..master.merged import SHORT
 from ..output.table import Sheet
-from ..output.words import kinds_of
 from ..scene.grade import GRADES
 from .study import Scatter
 
-QUANTILES = (0.05, 0.5, 0.95, 0.99)
 CONFIDENCE = 0.95
 _SAME = 1e-3  # relative: so near amplitudes are one
 MOST_REASONS = 5  # said; the table has all
@@ -22,16 +20,7 @@ MOST_REASONS = 5  # said; the table has all
 def document(scatter: Scatter) -> dict[str, Any]:
     """Everything that the command says."""
     paths = [one.path for one in scatter.variations]
-    return {
-        "scene": scatter.title,
-        "machines": len(scatter.values),
-        "seed": scatter.seed,
-        "vary": [one.text for one in scatter.variations],
-        "failed": int((~scatter.ran).sum()),
-        "reasons": [
-            {"machines": count, "such_as": text}
-            for count, text in kinds_of(scatter.failure[~scatter.ran])
-        ],
+    return scatter.about() | {
         "failures": [
             {
                 "machine": int(k) + 1,
@@ -45,12 +34,10 @@ def document(scatter: Scatter) -> dict[str, Any]:
         "left_behind": int((scatter.behind[scatter.ran] > 0).sum()),
         "other_motion": int(scatter.unbalanced.sum()),
         "without_balancers": _without(scatter),
-        "residual": {
-            f"{q:g}": float(np.quantile(scatter.residual[scatter.ran], q)) for q in QUANTILES
-        },
+        "residual": scatter.quantiles(scatter.residual),
         "grades": [] if scatter.left_out else _grades(scatter),
         "no_grades": scatter.left_out,
-        "importance": _importance(scatter),
+        "importance": scatter.importance(scatter.residual),
     }
 
 
@@ -85,23 +72,6 @@ def _grades(scatter: Scatter) -> list[dict[str, Any]]:
             }
         )
     return rows
-
-
-def _importance(scatter: Scatter) -> list[dict[str, Any]]:
-    """Spearman's rank correlation of each value with the residual amplitude, the largest first.
-
-    Machines that failed are left out.  Nothing where all machines vibrate alike.
-    """
-    from scipy.stats import spearmanr
-
-    values, residual = scatter.values[scatter.ran], scatter.residual[scatter.ran]
-    if len(residual) < 3 or np.ptp(residual) == 0.0:
-        return []
-    rows = [
-        {"path": one.path, "rank_correlation": float(spearmanr(column, residual).statistic)}
-        for one, column in zip(scatter.variations, values.T, strict=True)
-    ]
-    return sorted(rows, key=lambda row: -abs(row["rank_correlation"]))
 
 
 def grade_table(said: Mapping[str, Any]) -> Sheet:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
 from pathlib import Path
 from typing import ClassVar
 
@@ -19,35 +18,30 @@ from ..master.merged import merged, names_of_states
 from ..master.names import weight
 from ..master.one_file import composition
 from ..master.schedule import end_time
-from ..output.outcome import Outcome
 from ..output.store import open_store
 from ..output.table import Sheet
-from ..output.workers import Progress, Workers, in_order
+from ..output.workers import Progress, Workers
 from ..result.alike import table_of
 from ..result.many import cosimulate_many
 from ..scene import Scene
 from ..scene.balancer import WeightBalancer
 from ..scene.grade import moments, residual_unbalance
+from .drawn import Columns, Drawn, Vector, run_drawn
 from .vary import Variation, drawn, refuse_drawn, refuse_wrong
 
 CHUNK = 50  # machines worked on together: some seconds at most
-Vector = NDArray[np.float64]
 _NUMBERS = (
     *("residual", "grade", "settled", "merged", "behind", "alone"),
     *("largest", "largest_alone"),
 )  # of a machine
 BEHIND = 0.02  # of its speed: weights that lag by more, at the end and on average, are left behind
-Columns = tuple[NDArray[np.float64], NDArray[np.object_]]  # (m, numbers), failure
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Scatter(Outcome):
+class Scatter(Drawn):
     """Machines of a scene, and what came of each.
 
     Attributes:
-        title: of the scene.
-        variations, seed: what the machines were drawn from.
-        values: (n, variations) of every machine.
         residual: (n,) largest amplitude in the last revolution [m]; NaN where the run failed.
         grade: (n,) of ISO 21940-11 that the residual unbalance at the end just meets [mm/s]; NaN
             where the run failed or the scene's balancers do not tell their unbalance.
@@ -57,7 +51,6 @@ class Scatter(Outcome):
         behind: (n,) weights that are left behind at the end.
         alone: (n,) steady amplitude of the same machine without balancers [m]; NaN: not known.
         largest, largest_alone: (n,) of the run, and of that without balancers [m].
-        failure: (n,) why a run failed; else empty.
         left_out: why there are no grades; else empty.
         has_weights: not only liquid.
     """
@@ -65,10 +58,6 @@ class Scatter(Outcome):
     drawn_by: ClassVar[str] = "..scatter.plot:plot_scatter"
     document_by: ClassVar[str] = "..scatter.report:document"
 
-    title: str
-    variations: tuple[Variation, ...]
-    seed: int
-    values: Vector
     residual: Vector
     grade: Vector
     settled: Vector
@@ -77,7 +66,6 @@ class Scatter(Outcome):
     alone: Vector
     largest: Vector
     largest_alone: Vector
-    failure: NDArray[np.object_]
     left_out: str = ""
     has_weights: bool = True
 
@@ -87,25 +75,20 @@ class Scatter(Outcome):
         more = self.residual >= self.alone
         return np.asarray(self.ran & (self.behind == 0) & more & self.has_weights)
 
-    @cached_property
-    def ran(self) -> NDArray[np.bool_]:
-        """(n,) which runs did not fail."""
-        return np.asarray(self.failure == "")
-
     def table(self) -> Sheet:
         """One line a machine."""
-        heads = [one.path for one in self.variations]
-        outcomes = (self.residual, self.grade, self.settled, self.merged)
-        compared = (self.behind, self.alone, self.largest, self.largest_alone)
-        numbers = np.column_stack([self.values, *outcomes, *compared])
-        rows = [
-            ["" if math.isnan(number) else number for number in row] + [failure]
-            for row, failure in zip(numbers.tolist(), self.failure, strict=True)
-        ]
-        heads += ["residual amplitude [m]", "grade [mm/s]", "settled", "merged"]
-        heads += ["weights left behind", "amplitude without balancers [m]"]
-        heads += ["largest amplitude [m]", "largest without balancers [m]", "failure"]
-        return Sheet(heads, rows, title=self.title)
+        return self._sheet(
+            {
+                "residual amplitude [m]": self.residual,
+                "grade [mm/s]": self.grade,
+                "settled": self.settled,
+                "merged": self.merged,
+                "weights left behind": self.behind,
+                "amplitude without balancers [m]": self.alone,
+                "largest amplitude [m]": self.largest,
+                "largest without balancers [m]": self.largest_alone,
+            }
+        )
 
 
 def scatter(
@@ -127,7 +110,6 @@ def scatter(
     values = drawn(variations, count, seed)
     refuse_drawn(typical, variations, values)
     paths = [one.path for one in variations]
-    jobs = [(scene, paths, values[i : i + CHUNK]) for i in range(0, count, CHUNK)]
     made_for = {
         "content": "scatter",
         "scene": tomli_w.dumps(scene.document),
@@ -136,22 +118,22 @@ def scatter(
         "number of machines": str(count),
     }
     kept = None if store is None else open_store(store, made_for)
-    parts = in_order(_machines, jobs, workers, progress, kept)
-    numbers, failure = map(np.concatenate, zip(*parts, strict=True))
-    left_out = "" if moments(scene) is not None else "the unbalance of a liquid is not known"
-    study = Scatter(
-        scene.heading,
-        tuple(variations),
-        seed,
-        values,
-        **dict(zip(_NUMBERS, numbers.T, strict=True)),
+    try:
+        numbers, failure = run_drawn(
+            _machines, (scene, paths), values, CHUNK, workers, progress, kept
+        )
+    except SimulationError as error:
+        raise SimulationError(f"{scene.name}: no machine could be run: {error}") from error
+    return Scatter(
+        title=scene.heading,
+        variations=tuple(variations),
+        seed=seed,
+        values=values,
         failure=failure,
-        left_out=left_out,
+        **dict(zip(_NUMBERS, numbers.T, strict=True)),
+        left_out="" if moments(scene) is not None else "the unbalance of a liquid is not known",
         has_weights=any(isinstance(one, WeightBalancer) for one in scene.balancer),
     )
-    if not study.ran.any():
-        raise SimulationError(f"{scene.name}: no machine could be run: {study.failure[0]}")
-    return study
 
 
 def _machines(job: tuple[Scene, list[str], Vector]) -> Columns:

@@ -4,70 +4,49 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
 from typing import Any, ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..errors import SceneError, SimulationError, UserError
 from ..master.unit_run import UnitRun
-from ..output.outcome import Outcome
 from ..output.table import Sheet
-from ..output.words import kinds_of
-from ..output.workers import Progress, Workers, in_order
+from ..output.workers import Progress, Workers
 from ..result.system import run_system
 from ..scene.system import System
+from .drawn import QUANTILES, Columns, Drawn, Vector, run_drawn
 from .vary import EXAMPLE, Variation, drawn
 
 CHUNK = 4  # systems worked on together: some seconds at most
-QUANTILES = (0.05, 0.5, 0.95, 0.99)
-Vector = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class SystemScatter(Outcome):
+class SystemScatter(Drawn):
     """Systems with drawn start values, and what came of each.
 
     Attributes:
-        title: of the system.
-        variations, seed: what the systems were drawn from.
-        values: (n, variations) of every system.
         signals: (s,) names; `signal_units` what they are measured in.
         largest: (n, s) largest magnitude of each signal; NaN where the run failed.
         end: (n, s) value of each signal at the end.
-        failure: (n,) why a run failed; else empty.
     """
 
     drawn_by: ClassVar[str] = "..scatter.plot_system:plot_scatter"
     document_by: ClassVar[str] = "..scatter.systems:document"
 
-    title: str
-    variations: tuple[Variation, ...]
-    seed: int
-    values: Vector
     signals: tuple[str, ...]
     signal_units: dict[str, str]
     largest: Vector
     end: Vector
-    failure: NDArray[np.object_]
-
-    @cached_property
-    def ran(self) -> NDArray[np.bool_]:
-        """(n,) which runs did not fail."""
-        return np.asarray(self.failure == "")
 
     def table(self) -> Sheet:
         """One line a system."""
-        heads = [one.path for one in self.variations]
-        for what in ("largest", "at the end"):
-            heads += [_head(name, what, self.signal_units[name]) for name in self.signals]
-        numbers = np.column_stack([self.values, self.largest, self.end]).tolist()
-        rows = [
-            ["" if np.isnan(number) else number for number in row] + [failure]
-            for row, failure in zip(numbers, self.failure, strict=True)
-        ]
-        return Sheet([*heads, "failure"], rows, title=self.title)
+        return self._sheet(
+            {
+                _head(name, what, self.signal_units[name]): outcome[:, k]
+                for what, outcome in (("largest", self.largest), ("at the end", self.end))
+                for k, name in enumerate(self.signals)
+            }
+        )
 
 
 def _head(name: str, what: str, unit: str) -> str:
@@ -94,16 +73,22 @@ def scatter_system(
         units = {n: run.units[n.partition(".")[0]].measured_in[n.partition(".")[2]] for n in names}
     values = drawn(variations, count, seed)
     paths = [one.path for one in variations]
-    jobs = [(system, paths, names, values[i : i + CHUNK]) for i in range(0, count, CHUNK)]
-    parts = in_order(_outcomes, jobs, workers, progress)
-    numbers, failure = map(np.concatenate, zip(*parts, strict=True))
-    found = SystemScatter(
-        system.heading, tuple(variations), seed, values, tuple(names), units,
-        numbers[:, : len(names)], numbers[:, len(names) :], failure,
-    )  # fmt: skip
-    if not found.ran.any():
-        raise SimulationError(f"{system.label}: no system could be run: {failure[0]}")
-    return found
+    try:
+        common = (system, paths, names)
+        numbers, failure = run_drawn(_outcomes, common, values, CHUNK, workers, progress)
+    except SimulationError as error:
+        raise SimulationError(f"{system.label}: no system could be run: {error}") from error
+    return SystemScatter(
+        title=system.heading,
+        variations=tuple(variations),
+        seed=seed,
+        values=values,
+        failure=failure,
+        signals=tuple(names),
+        signal_units=units,
+        largest=numbers[:, : len(names)],
+        end=numbers[:, len(names) :],
+    )
 
 
 def _variations(vary: Mapping[str, Any] | Iterable[str]) -> list[Variation]:
@@ -142,7 +127,7 @@ def _typical(system: System, variations: Sequence[Variation]) -> System:
 
 def _outcomes(
     job: tuple[System, list[str], list[str], Vector],
-) -> tuple[Vector, NDArray[np.object_]]:
+) -> Columns:
     """Largest magnitudes and ends of signals; a system that fails costs itself alone."""
     system, paths, names, values = job
     numbers = np.full((len(values), 2 * len(names)), np.nan)
@@ -160,44 +145,18 @@ def _outcomes(
 
 def document(found: SystemScatter) -> dict[str, Any]:
     """Everything that the command says."""
-    failed = ~found.ran
-    return {
-        "scene": found.title,
-        "machines": len(found.values),
-        "seed": found.seed,
-        "vary": [one.text for one in found.variations],
-        "failed": int(failed.sum()),
-        "reasons": [
-            {"machines": count, "such_as": text} for count, text in kinds_of(found.failure[failed])
-        ],
+    return found.about() | {
         "signals": {
             name: {
                 "unit": found.signal_units[name],
-                "largest": _quantiles(found.largest[found.ran, k]),
-                "end": _quantiles(found.end[found.ran, k]),
-                "importance": _importance(found, found.largest[found.ran, k]),
-                "importance_of_end": _importance(found, found.end[found.ran, k]),
+                "largest": found.quantiles(found.largest[:, k]),
+                "end": found.quantiles(found.end[:, k]),
+                "importance": found.importance(found.largest[:, k]),
+                "importance_of_end": found.importance(found.end[:, k]),
             }
             for k, name in enumerate(found.signals)
         },
     }
-
-
-def _quantiles(values: Vector) -> dict[str, float]:
-    return {f"{q:g}": float(np.quantile(values, q)) for q in QUANTILES}
-
-
-def _importance(found: SystemScatter, outcome: Vector) -> list[dict[str, Any]]:
-    """Spearman's rank correlation of each value with an outcome, the largest first."""
-    from scipy.stats import spearmanr
-
-    if len(outcome) < 3 or np.ptp(outcome) == 0.0:
-        return []
-    rows = [
-        {"path": one.path, "rank_correlation": float(spearmanr(column, outcome).statistic)}
-        for one, column in zip(found.variations, found.values[found.ran].T, strict=True)
-    ]
-    return sorted(rows, key=lambda row: -abs(row["rank_correlation"]))
 
 
 def quantile_table(said: Mapping[str, Any]) -> Sheet:
