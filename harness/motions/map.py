@@ -13,10 +13,10 @@ from numpy.typing import NDArray
 from ..capture.captured import captured
 from ..errors import SceneError
 from ..output.table import Sheet
-from ..output.workers import Progress, Workers, in_order
+from ..output.workers import Progress, Workers
 from ..scene import Scene
 from ..stability.axis import Axis, Map, refuse_axes
-from ..stability.map_store import open_map
+from ..stability.map_store import compute_points
 from .outcome import wilson
 from .study import find_motions
 
@@ -54,14 +54,8 @@ class MotionsMap(Map):
 
     def table(self) -> Sheet:
         """One line a point of the grid."""
-        rows = []
-        for (j, i), failure in np.ndenumerate(self.failure):
-            numbers = (self.share[j, i], self.behind[j, i])
-            rows.append(
-                (*self._place(j, i), *(("", "") if failure else map(float, numbers)), failure)
-            )
-        heads = (*self.labels, "share balanced", "share left behind", "failure")
-        return Sheet(heads, rows, title=self.title)
+        columns = {"share balanced": self.share, "share left behind": self.behind}
+        return self._sheet(columns, self.failure)
 
 
 def motions_map(
@@ -77,12 +71,14 @@ def motions_map(
     refuse_axes(x, y)
     captured(scene)  # refuses what has no weights, and dry friction
     points = [(v, w) for v in y.values.tolist() for w in x.values.tolist()]
-    jobs = [(scene.replace({y.path: v, x.path: w})) for v, w in points]
-    kept = None if store is None else open_map(store, "map of motions", scene, x, y)
-    rows = in_order(_point, jobs, workers, progress, kept)
+    jobs = [scene.replace({y.path: v, x.path: w}) for v, w in points]
+    parts = compute_points(
+        _point, jobs, "map of motions", scene, (x, y),
+        workers=workers, progress=progress, store=store,
+    )  # fmt: skip
     share, behind, failure = (
         np.array(column, dtype).reshape(len(y.values), len(x.values))
-        for column, dtype in zip(zip(*rows, strict=True), (float, float, object), strict=True)
+        for column, dtype in zip(parts, (float, float, object), strict=True)
     )
     if np.isnan(share).all():
         raise SceneError(f"no point of the map could be run: {failure[0, 0]}")

@@ -9,8 +9,9 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from ..capture.captured import captured
-from ..output.picture import COLOURS, Field, Panel, Picture, PlotAxis
+from ..output.picture import COLOURS, Picture, PlotAxis
 from ..output.plot import Drawing, metres, save
+from ..stability.plot import coloured
 from ..units import shown_in
 from .kinds import Kind
 
@@ -92,14 +93,8 @@ def plot_sweep(data: Sweep, path: Path | None = None) -> Path | Drawing:
 
 def plot_motions_map(data: MotionsMap, path: Path | None) -> Path | Picture:
     """Share of run-ups that balances as colour."""
-    x, y = (
-        PlotAxis(label, log=axis.log)
-        for label, axis in zip(data.labels, (data.x, data.y), strict=True)
-    )
     quantity = PlotAxis("run-ups that balance", "%", limits=(0.0, 100.0))
-    field = Field(data.x.values, data.y.values, 100.0 * data.share, quantity)
-    picture = Picture(data.title, [Panel((x, y), [], field)], height=4.6, width=8.6)
-    return picture if path is None else picture.save(path)
+    return coloured(data, path, 100.0 * data.share, quantity)
 
 
 def _share(point: Point, name: str) -> float:

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import UserError
 from ..output.outcome import Outcome
+from ..output.table import Sheet
 from ..scene import Scene
 from ..scene.quantities import LARGEST
 from ..scene.replace import SPEED, in_full
@@ -103,9 +105,27 @@ class Map(Outcome):
         """Names and units of both axes."""
         return self.x.label(self.scene), self.y.label(self.scene)
 
-    def _place(self, y: int, x: int) -> tuple[float, float]:
-        """Values of both axes at a point of the grid."""
-        return float(self.x.values[x]), float(self.y.values[y])
+    def _sheet(
+        self, columns: Mapping[str, NDArray[Any]], failure: NDArray[np.object_] | None = None
+    ) -> Sheet:
+        """One line a point of the grid.
+
+        Args:
+            columns: grids by their heads.
+            failure: why a point has failed, the last column; there the others are empty.
+        """
+        rows = []
+        for j, i in np.ndindex(len(self.y.values), len(self.x.values)):
+            failed = failure is not None and failure[j, i]
+            cells = ["" if failed else _plain(grid[j, i]) for grid in columns.values()]
+            cells += [] if failure is None else [failure[j, i]]
+            rows.append((float(self.x.values[i]), float(self.y.values[j]), *cells))
+        heads = (*self.labels, *columns, *(() if failure is None else ("failure",)))
+        return Sheet(heads, rows, title=self.title)
+
+
+def _plain(value: Any) -> Any:
+    return value.item() if isinstance(value, np.generic) else value
 
 
 def refuse_axes(x: Axis, y: Axis) -> None:

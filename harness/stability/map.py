@@ -16,12 +16,12 @@ from ...models.assembly import Assembly
 from ...models.stability import growth_map_with_errors
 from ..output.table import Sheet
 from ..output.words import kinds_of
-from ..output.workers import Progress, Workers, in_order
+from ..output.workers import Progress, Workers
 from ..scene import Scene
 from ..scene.replace import SPEED
 from .axis import Axis, Map, refuse_axes
 from .boundaries import criterion_of
-from .map_store import open_map
+from .map_store import compute_points
 
 Vector = NDArray[np.float64]
 Reasons = NDArray[np.object_]  # why points have no growth rate; empty where they have
@@ -79,14 +79,16 @@ class StabilityMap(Map):
 
     def table(self) -> Sheet:
         """One line a point of the grid."""
-        rows = []
-        for (j, i), growth in np.ndenumerate(self.growth):
-            word = ""
-            if self.criterion is not None:
-                word = "stable" if self.criterion[j, i] < 0.0 else "unstable"
-            rows.append((*self._place(j, i), float(growth), word, float(self.error[j, i])))
-        heads = (*self.labels, "growth rate [1/s]", "criterion", "error of the rate [1/s]")
-        return Sheet(heads, rows, title=self.title)
+        word = np.full(self.growth.shape, "", dtype=object)
+        if self.criterion is not None:
+            word[:] = np.where(self.criterion < 0.0, "stable", "unstable")
+        return self._sheet(
+            {
+                "growth rate [1/s]": self.growth,
+                "criterion": word,
+                "error of the rate [1/s]": self.error,
+            }
+        )
 
 
 def stability_map(
@@ -109,11 +111,11 @@ def stability_map(
     rows = _ROWS if fast.path == SPEED else 1
     starts = range(0, len(slow.values), rows)
     jobs = [(scene, slow.path, slow.values[i : i + rows].tolist(), fast) for i in starts]
-    kept = None
-    if store is not None:
-        kept = open_map(store, "stability map with errors", scene, x, y)
-    strips = in_order(_strip, jobs, workers, progress, kept)
-    grids = [np.concatenate(arrays) for arrays in zip(*strips, strict=True)]
+    parts = compute_points(
+        _strip, jobs, "stability map with errors", scene, (x, y),
+        workers=workers, progress=progress, store=store,
+    )  # fmt: skip
+    grids = [np.concatenate(arrays) for arrays in parts]
     growth, error, criterion, why_not = (grid.T if transposed else grid for grid in grids)
     applies = bool(np.isfinite(criterion).any())
     return StabilityMap(

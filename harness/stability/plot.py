@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -83,14 +84,25 @@ def plot_run_map(data: RunMap, path: Path | None) -> Path | Picture:
         limits = min(low, 0.99 * top), top
         shown = np.fmax(shown, low, where=np.isfinite(shown), out=np.full_like(shown, np.nan))
     amplitude = PlotAxis(name, unit, log=top > 0.0, limits=limits)
+    j, i = np.nonzero(data.settled == 0.0)
+    dots = Line((data.x.values[i], data.y.values[j]), "not settled", "#000000", "dots")
+    return coloured(data, path, shown, amplitude, [dots] if len(i) else [])
+
+
+def coloured(
+    data: Map,
+    path: Path | None,
+    values: np.ndarray,
+    quantity: PlotAxis,
+    lines: Sequence[Line] = (),
+) -> Path | Picture:
+    """A grid of values as colours over both axes of a map."""
     x, y = (
         PlotAxis(label, log=axis.log)
         for label, axis in zip(data.labels, (data.x, data.y), strict=True)
     )
-    j, i = np.nonzero(data.settled == 0.0)
-    dots = Line((data.x.values[i], data.y.values[j]), "not settled", "#000000", "dots")
-    field = Field(data.x.values, data.y.values, shown, amplitude)
-    panel = Panel((x, y), [dots] if len(i) else [], field)
+    field = Field(data.x.values, data.y.values, values, quantity)
+    panel = Panel((x, y), list(lines), field)
     picture = Picture(data.title, [panel], height=4.6, width=8.6)
     return picture if path is None else picture.save(path)
 

@@ -14,12 +14,12 @@ from numpy.typing import NDArray
 from ..master.one_file import composition
 from ..output.table import Sheet
 from ..output.words import kinds_of
-from ..output.workers import Progress, Workers, in_order
+from ..output.workers import Progress, Workers
 from ..result.alike import refuse_unvaried, table_of
 from ..result.many import cosimulate_many
 from ..scene import Scene
 from .axis import Axis, Map, refuse_axes
-from .map_store import open_map
+from .map_store import compute_points
 
 _RESULTS = ("residual", "settled", "failure")
 Rows = NDArray[np.float64]
@@ -57,13 +57,8 @@ class RunMap(Map):
 
     def table(self) -> Sheet:
         """One line a point of the grid."""
-        rows = []
-        for (j, i), failure in np.ndenumerate(self.failure):
-            numbers = (self.residual[j, i], self.settled[j, i])
-            shown = ("", "") if failure else map(float, numbers)
-            rows.append((*self._place(j, i), *shown, failure))
-        heads = (*self.labels, "residual amplitude [m]", "settled", "failure")
-        return Sheet(heads, rows, title=self.title)
+        columns = {"residual amplitude [m]": self.residual, "settled": self.settled}
+        return self._sheet(columns, self.failure)
 
 
 def run_map(
@@ -91,9 +86,10 @@ def run_map(
         at = {axis.path: axis.values[end] for axis, end in zip((x, y), ends, strict=True)}
         composition(scene.replace(at))
     jobs = [(scene, x, y.path, value) for value in y.values.tolist()]
-    kept = None if store is None else open_map(store, "map of runs", scene, x, y)
-    rows = in_order(_row, jobs, workers, progress, kept)
-    return RunMap(scene, x, y, *(np.concatenate(column) for column in zip(*rows, strict=True)))
+    parts = compute_points(
+        _row, jobs, "map of runs", scene, (x, y), workers=workers, progress=progress, store=store
+    )
+    return RunMap(scene, x, y, *(np.concatenate(column) for column in parts))
 
 
 def _row(job: tuple[Scene, Axis, str, float]) -> tuple[NDArray, ...]:
