@@ -11,6 +11,7 @@ from __future__ import annotations
 import math
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..arrays import Array, Indices
 from .branch import Branches, at_drags, can_be_held, drag_ratios, near_poles
@@ -90,7 +91,7 @@ class _Search:
             found[which[high], at[high]] = np.where(held, ratios, np.minimum(ratios, _NOT_HELD))
         return found
 
-    def _can_be_high(self, drags: Array) -> Array:
+    def _can_be_high(self, drags: Array) -> NDArray[np.bool_]:
         """Whether L(d)/d can be 1, (d, rows): where the damping at d does not exclude it.
 
         L(d) is in proportion to one over the damping while the peak stays where it is.
@@ -106,4 +107,4 @@ class _Search:
             high = self._now * branches.own.decay[rows] > _HOPELESS * there * drags[:, None]
             far = np.maximum(branches.peak, branches.poles.frequency[branches.pole])[rows]
             unknown = ~(far < _NEAR * branches.speed)
-        return (there > 0.0) & (high | unknown)
+        return np.asarray((there > 0.0) & (high | unknown))
