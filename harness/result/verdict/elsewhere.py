@@ -81,7 +81,8 @@ def turning(case: Case, now: Vibration, weights: Weights, _left: float) -> Rulin
             f"{in_both(nearest, 'rad/s')}",
             left_behind=(mean, nearest),
         )
-    if case.record.seconds > MANY_TIME_CONSTANTS * max(case.known.time_constant, 1.0 / decay.min()):
+    slowest = 1.0 / float(decay.min()) if decay.min() else math.inf
+    if case.record.seconds > MANY_TIME_CONSTANTS * max(case.known.time_constant, slowest):
         return Ruling(
             Outcome.CANNOT_TELL,
             f"{turn}, and this neither settles nor repeats",

@@ -195,6 +195,13 @@ def test_a_profile_is_judged_on_its_plateaus_and_a_standstill_is_not():
     assert "stands still" not in said
 
 
+@pytest.mark.filterwarnings("error")
+def test_balls_without_drag_that_turn_in_an_undamped_rotor_are_neutral():
+    undamped = {"rotor__damping": 0.0, "balls__drag": 0.0}
+    found = verdict(drum(turns=20, balls__speeds=[-100.0] * 3, **undamped))
+    assert found.outcome is Outcome.NEUTRAL
+
+
 @pytest.mark.parametrize(
     ("share", "outcome"), [(0.01, Outcome.BALANCED), (0.1, Outcome.OFF_CENTRE)]
 )
