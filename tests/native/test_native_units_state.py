@@ -171,6 +171,20 @@ def test_a_state_of_one_file_brings_the_unbalance_of_its_time_back(packaging, tm
     assert moved[0] == moved[1]
 
 
+def test_a_new_instance_that_begins_with_a_change_of_the_unbalance_has_the_same_bits(instance):
+    """The step that the change ends is one with the unbalance before it."""
+    change = {"operation.unbalance_changes": [{"time": 2e-3, "amount": 1.0}]}
+    scene = load_scene("two_balls").replace(change)
+    host, new = instance(scene).begin(), instance(scene)
+    host.step(1e-3)
+    state = host.slave.serializeFMUState(host.slave.getFMUState())
+    new.slave.setFMUState(new.slave.deserializeFMUState(state))
+    new.time = host.time
+    host.step(3e-3)
+    new.step(3e-3)
+    assert new.outputs() == host.outputs()
+
+
 @pytest.mark.parametrize("steps", [0, 3])
 @pytest.mark.parametrize(
     "name", ["bristol_friction", "contact_order", "run_up", "small_turbine", "washing_machine_ring"]

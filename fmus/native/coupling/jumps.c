@@ -80,6 +80,9 @@ static int meet_inputs(Unit *unit)
 int composite_meet_host(Unit *unit)
 {
     const Composite *c = unit->own;
+    if (c->course->clock.started > 0.0 && !c->pieces.is_made && one_piece_make(unit)) {
+        return 1; /* the state is a restored one: of what follows all depends on its machine */
+    }
     if (c->motor && outside_jumps(unit)) {
         drive_take_inputs(unit);
         if (composite_begin_anew(unit, unit->time)) {
