@@ -6,6 +6,7 @@ Curves come from the rotor's equations, points and motions from its co-simulated
 from __future__ import annotations
 
 import math
+import warnings
 from dataclasses import dataclass
 from typing import Any, ClassVar, Literal
 
@@ -32,6 +33,7 @@ from ..result.sag import from_sag
 from ..result.supports import HEADS, support_sheet
 from ..scene import Scene
 from ..scene.at_rest import about_restraints
+from ..scene.plausible import ImplausibleWarning
 from ..scene.quantities import LARGEST
 from ..stability.revolution import Revolution
 from ..units import in_both, si_number
@@ -152,8 +154,11 @@ class RotorAnalysis(Outcome):
                 "run.revolutions": RUN_UP_REVOLUTIONS,
             }
         )
-        alone = _displacement(rising.without_balancers()) if self.scene.balancer else None
-        return RunUpMotion(seconds, _displacement(rising), alone)
+        moved = _displacement(rising)
+        with warnings.catch_warnings():  # the scene itself has had its warnings
+            warnings.simplefilter("ignore", ImplausibleWarning)
+            alone = _displacement(rising.without_balancers()) if self.scene.balancer else None
+        return RunUpMotion(seconds, moved, alone)
 
     def forces(self) -> Sheet:
         """Forces at supports and feet at the speed of operation, by the unbalance alone.

@@ -94,3 +94,9 @@ def test_events_that_follow_each_other_too_closely_end_with_a_message(hosted, st
     host = hosted(load_scene("bristol_friction"), {f"rotor.{start}": 1e200})
     said = host.refused(lambda: [host.step(1e-3) for _ in range(5)])
     assert "events follow each other too closely" in said
+
+
+def test_a_motion_that_would_take_years_to_follow_ends_with_a_message(hosted):
+    """Balls at 1e14 rad/s: 3 million steps of the machine are 1e-8 s, and 1e-3 s are asked for."""
+    host = hosted(load_scene("balls_and_liquid"), {"balls.weight[1].speed0": 1e14})
+    assert "the motion is too fast" in host.refused(lambda: host.step(1e-3))

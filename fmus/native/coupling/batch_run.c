@@ -213,9 +213,9 @@ bool batch_run_read(BatchRun *run, BatchCall *all)
     const Composite *c = unit->own;
     while (run->reached <= batch->points) {
         const double point = run->end * ((double)run->reached / (double)batch->points);
-        const double jump = composite_next_jump(c);
+        const double jump = composite_next_jump(c), length = run->end / (double)batch->points;
         if (!composite_reaches(c, smaller(point, jump))) {
-            if (!composite_refuse_many(unit, run->passes, run->end / (double)batch->points)) {
+            if (!composite_refuse_many(unit, run->passes, point - length, length)) {
                 return true;
             }
             batch_run_fail(run, all);

@@ -126,8 +126,9 @@ size_t composite_memory(Composite *c, double *memory);
 int composite_go_to(Unit *unit, double time);
 /* Whether the last step ends there or later. */
 bool composite_reaches(const Composite *c, double time);
-/* 1 with the reason where a step of this length has taken too many of the machine since so many passes. */
-int composite_refuse_many(Unit *unit, double passes, double length);
+/* 1 with the reason where a step of this length from a time on has taken too many of the machine since so many
+   passes, or will at its pace. */
+int composite_refuse_many(Unit *unit, double passes, double begin, double length);
 /* Give a reason where whatever failed gave none. */
 void composite_give_reason(Unit *unit);
 

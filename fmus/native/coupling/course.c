@@ -5,6 +5,8 @@
 /* Parts of a step and of a time: within them a point of the host is the end of a step. */
 static const double REACHED_OF_STEP = 1e-10, REACHED_OF_TIME = 4e-16;
 static const double MOST_MOVES = 1e7; /* within a step of the host: of parts */
+static const double ENOUGH_OF_MOVES = 0.03; /* of that: a pace is known from then on, */
+static const double HOPELESS = 100.0;       /* and one that would take so many times that does not get there */
 
 void composite_give_reason(Unit *unit)
 {
@@ -21,10 +23,16 @@ bool composite_reaches(const Composite *c, double time)
     return !(clock->time < time - point);
 }
 
-int composite_refuse_many(Unit *unit, double passes, double length)
+int composite_refuse_many(Unit *unit, double passes, double begin, double length)
 {
     const Composite *c = unit->own;
-    if (c->course->total.passes - passes <= MOST_MOVES / c->part_count) {
+    const double made = c->course->total.passes - passes, most = MOST_MOVES / c->part_count;
+    const double reached = c->course->clock.time - begin;
+    if (made > ENOUGH_OF_MOVES * most && made * length > HOPELESS * most * reached) {
+        return unit_fail(unit, "a step of %6 s cannot be completed: %6 s of it took %u steps of the machine; the motion is "
+                         "too fast", length, reached, (unsigned long)made);
+    }
+    if (made <= most) {
         return 0;
     }
     return unit_fail(unit, "a step of %6 s takes too many steps of the machine: one call may take 1e7 over "
@@ -45,7 +53,7 @@ static int reach_time(Unit *unit, double end)
             unit->made = course->clock.time - begin;
             return one_piece_show(unit, course->clock.time);
         }
-        if (composite_refuse_many(unit, passes, end - begin)) {
+        if (composite_refuse_many(unit, passes, begin, end - begin)) {
             return 1;
         }
         if (one_piece_step(unit)) {

@@ -97,6 +97,12 @@ def test_run_up_passes_the_resonance_and_stays_below_its_steady_height():
     assert displacement[-1, 0] == pytest.approx(0.005 / (1 - 1 / 9), rel=0.05)
 
 
+@pytest.mark.filterwarnings("error")
+def test_a_run_up_without_balancers_gives_no_warning_that_the_scene_does_not():
+    """Its eccentricity of 20 mm is small beside the tracks, and large for a rotor without any."""
+    load_scene("three_mass_shaft").rotor(0.5, 4.0).run_up()
+
+
 def test_a_run_up_with_and_without_balancers_has_times_of_its_own_each():
     found = load_scene("run_up").rotor(20.0, 60.0)
     data, picture = found.run_up(), found.plot(kind="run-up")
