@@ -65,6 +65,8 @@ class Part:
         found = []
         for k in range(1, self.unit.options.get("sliders", 0) + 1):
             found += [f"slider {k} sticks or slips along {axis}" for axis in "xy"]
+        stops = range(1, self.unit.options.get("stops", 0) + 1)
+        found += [f"stop {k} is touched or lets go" for k in stops]
         weights = range(1, self.unit.options.get("weights", 0) + 1)
         if self.start.get("weight_radius") and len(weights) > 1:
             found += [f"weight {k} meets or leaves the one ahead" for k in weights]
@@ -74,10 +76,10 @@ class Part:
 
     @property
     def has_springs(self) -> bool:
-        """Whether it has sliders behind springs, whose force is no state of model exchange."""
-        return any(
-            v for k, v in self.start.items() if re.fullmatch(r"slider\[\d+\]\.stiffness_[xy]", k)
-        )
+        """Whether it has sliders behind springs, whose force is no state of model exchange, or
+        springs that soften, which end."""
+        ends = r"slider\[\d+\]\.stiffness_[xy]|cubic\[\d+\]\.limit"
+        return any(v for k, v in self.start.items() if re.fullmatch(ends, k))
 
 
 @dataclass(frozen=True)

@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
+import fmpy
 import numpy as np
 import pytest
+from fmpy import platform_tuple
 from scipy.interpolate import CubicHermiteSpline
 
 import autobalancer as ab
+from autobalancer.fmus.composite.build import build_composite
+from autobalancer.harness.master.one_file import composition
 from autobalancer.models.cubic_spring import CubicDisc, free_period
 from autobalancer.models.free_stroke import turning_points
 from autobalancer.models.stops import DiscInRing, FreeBetweenStops, restitution
+from tests.studies import stops as study
 
 pytestmark = pytest.mark.filterwarnings(
     "ignore::autobalancer.harness.scene.plausible.ImplausibleWarning"
@@ -132,3 +137,46 @@ def test_a_spring_that_softens_ends_where_it_pulls_no_more():
         scene.run()
     calm = disc(20.0, cubic_stiffness=-1.0, cubic="axes", initial={"x": 0.5}).run()
     assert np.abs(calm["rotor.x"]).max() <= 0.5 + 1e-9
+
+
+@pytest.mark.slow
+def test_random_machines_state_their_error():
+    """A sample of `python -m tests.studies.stops`."""
+    rng, judged = np.random.default_rng(1), 0
+    for _ in range(4):
+        scene = study.machine(rng)
+        try:
+            true, stated, known, _ = study.judge(scene)
+        except ArithmeticError:
+            continue
+        judged += 1
+        assert not known or true <= min(1e-4, 3.0 * stated)
+    assert judged >= 2
+
+
+@pytest.mark.slow
+def test_the_books_of_energy_of_random_machines_are_kept_to_nine_digits():
+    rng = np.random.default_rng(2)
+    assert max(study.energy(study.machine(rng, 1e-9, bare=True)) for _ in range(2)) <= 1e-9
+
+
+@pytest.mark.parametrize("fmi", [2, 3])
+def test_a_solver_of_the_tool_meets_the_stops_as_co_simulation_does(tmp_path, fmi):
+    stops = [{"gap": 0.2, "stiffness": 9.0, "damping": 0.4}]
+    scene = disc(60.0, 1.05, damping=0.1, unbalance=0.05, cubic_stiffness=0.5, stops=stops)
+    path = build_composite(
+        composition(scene), tmp_path, name="one", fmi=fmi, platforms=[platform_tuple]
+    )
+    names = ["rotor.x", "rotor.y", "rotor.stop[1].touches"]
+    own, solved = (
+        fmpy.simulate_fmu(
+            str(path), fmi_type=kind, stop_time=60.0, output_interval=0.25, output=names,
+            relative_tolerance=1e-9,
+        )
+        for kind in ("CoSimulation", "ModelExchange")
+    )  # fmt: skip
+    size = np.abs(own["rotor.x"]).max()
+    for name in names[:2]:
+        at = np.interp(own["time"], solved["time"], solved[name])
+        assert np.abs(at - own[name]).max() <= 1e-5 * size
+    assert solved[names[2]][-1] == own[names[2]][-1] == 2.0

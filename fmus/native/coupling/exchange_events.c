@@ -5,10 +5,12 @@
 #include "base/elementary.h"
 #include "coupling/composite.h"
 #include "coupling/exchange.h"
+#include "machine/restraints.h"
 
 #define AWAY 1.0             /* an indicator that falls at no time */
 #define STOPPED 1e-9         /* of the rotor's speed: a weight that slides so slowly has come to rest */
 #define SUPPORT_STOPPED 1e-9 /* of the largest displacement in the machine's time: the same of a support */
+#define STOP_SLACK 4e-12 /* of a gap: more than the rounding by which states of stops are decided */
 enum { INDICATOR_ORDER = 2 };
 
 /* -- which there are ------------------------------------------------------------------------------ */
@@ -21,7 +23,7 @@ size_t exchange_indicators(const Unit *unit)
     if (unit->equations != &COMPOSITE_EQUATIONS) {
         return 0;
     }
-    count = 2 * (size_t)c->parts->unit->layout.sizes.sliders;
+    count = 2 * (size_t)c->parts->unit->layout.sizes.sliders + (size_t)c->parts->unit->layout.sizes.stops;
     for (k = 1; k < c->parts_without_motor; k++) {
         const Part *part = c->parts + k;
         count += (size_t)part->unit->layout.sizes.weights *
@@ -85,6 +87,21 @@ static double slider_of(const Machine *m, const PhaseSlider *slider)
     return slider->limit * (1.0 + 2e-12) - absolute(slider->hold[0]);
 }
 
+/* How far a stop is from its next event, over its gap: a distance, or the force over the stiffness. */
+static double stop_of(const Machine *m, const MachineStop *one)
+{
+    const Stop *stop = &one->stop;
+    const double full = stop->stiffness * stop->gap;
+    double across[2], rate[2], beyond, pressure, slack;
+    restraints_across(m, stop->rows, across, rate);
+    beyond = hypotenuse(across[0], across[1]) / stop->gap - 1.0;
+    pressure = stop_pressure(stop, across, rate) / full;
+    slack = 2.0 * stop_rounding(stop, across, rate) / full;
+    return one->state == STOP_APART     ? STOP_SLACK - beyond
+           : one->state == STOP_PRESSES ? pressure + slack
+                                        : smaller(beyond + STOP_SLACK, slack - pressure);
+}
+
 int exchange_events_look(Unit *unit, double *values)
 {
     const Composite *c = unit->own;
@@ -103,6 +120,9 @@ int exchange_events_look(Unit *unit, double *values)
     }
     for (k = 0; m->phase && k < m->phase->slider_count; k++) {
         values[m->phase->sliders[k].number] = slider_of(m, m->phase->sliders + k);
+    }
+    for (k = 0; m->restraints && k < m->restraints->stop_count; k++) {
+        values[at++] = stop_of(m, m->restraints->stops + k);
     }
     for (k = 1; k < c->parts_without_motor; k++) {
         const Part *part = c->parts + k;

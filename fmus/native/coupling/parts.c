@@ -55,6 +55,12 @@ int composite_refuse_events(Unit *unit)
                              c->parts->unit->name);
         }
     }
+    for (k = 0; k < rotor->cubic_count; k++) {
+        if (rotor->cubics[k].limit > 0.0) {
+            return unit_fail(unit, "%s: model exchange has no springs that soften; use co-simulation",
+                             c->parts->unit->name);
+        }
+    }
     for (k = 1; k < c->parts_without_motor; k++) {
         const Part *part = c->parts + k;
         const double *real = part->unit->real;

@@ -30,12 +30,16 @@ double stop_pressure(const Stop *stop, const double *d, const double *v)
     return stop->stiffness * (r - stop->gap) + stop->damping * rate;
 }
 
+double stop_rounding(const Stop *stop, const double *d, const double *v)
+{
+    return STATE_ROUNDING * (stop->stiffness * hypotenuse(d[0], d[1]) + stop->damping * hypotenuse(v[0], v[1]));
+}
+
 int stop_state_of(const Stop *stop, const double *d, const double *v, int state)
 {
     const double r = hypotenuse(d[0], d[1]), beyond = r - stop->gap, near = STATE_ROUNDING * stop->gap;
     const double outwards = d[0] * v[0] + d[1] * v[1], pressure = stop_pressure(stop, d, v);
-    const double rounding =
-        STATE_ROUNDING * (stop->stiffness * r + stop->damping * hypotenuse(v[0], v[1]));
+    const double rounding = stop_rounding(stop, d, v);
     if (beyond < -near) {
         return STOP_APART;
     }
