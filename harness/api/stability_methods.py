@@ -29,8 +29,8 @@ class StabilityMethods(OfScene):
 
     def speeds(
         self,
-        low: float | str,
-        high: float | str,
+        low: float | str | None = None,
+        high: float | str | None = None,
         methods: str | Iterable[str] = DEFAULT_METHODS,
         *,
         narrowest: float | None = None,
@@ -40,7 +40,10 @@ class StabilityMethods(OfScene):
         """Speeds at which balancing begins or ends, by independent methods (Filimonikhina 2017).
 
         Args:
-            low, high: ends of the range [rad/s].
+            low, high: ends of the range [rad/s]; default: from half the lowest natural frequency,
+                or half the highest speed of the operation where that is lower, to 1.25 times this
+                speed, or twice the lowest natural frequency where that is higher, within the
+                tables of bearings.
             methods: criterion (closed form), floquet (linear stability of the equations), cosim
                 (the coupled units), proved (bands); several with commas, or a list.
             narrowest: width of a band that must not be missed [rad/s]; default: range/1000, of
@@ -58,12 +61,16 @@ class StabilityMethods(OfScene):
         >>> found.to_pandas()["above it"].iloc[-1]
         'stable'
         """
+        from autobalancer.harness.errors import UserError
         from autobalancer.harness.stability.boundaries import speeds
 
+        if (low is None) != (high is None):
+            raise UserError("range: give both of its ends, low and high, or none")
+        ends = None if low is None or high is None else (low, high)
         asked = methods.split(",") if isinstance(methods, str) else list(methods)
         names = [name.strip() for name in asked if name.strip()]
         options: dict[str, Any] = {"progress": progress, "within": within}
-        return speeds(self._scene, (low, high), names, narrowest=narrowest, **options)
+        return speeds(self._scene, ends, names, narrowest=narrowest, **options)
 
     def map(
         self,

@@ -30,7 +30,7 @@ _COLOURS = {"stable": GOOD, "unstable": "red", "undecided": "yellow", "neutral":
 
 def command(
     scene: Annotated[str, options.SCENE],
-    range_: Annotated[tuple[str, str], options.RANGE],
+    range_: Annotated[tuple[str, str] | None, options.RANGE_OR_DEFAULT] = None,
     method: Annotated[
         str,
         typer.Option(help="criterion, floquet, cosim, proved; several with commas."),
@@ -51,7 +51,7 @@ def command(
     changes: Annotated[list[str] | None, set_option("rotor.mass=3.0")] = None,
 ) -> None:
     """Find the speeds at which balancing begins or ends."""
-    from ..stability.boundaries import METHODS
+    from ..stability.boundaries import METHODS, default_range
 
     if narrowest is not None and not narrowest > 0.0:
         raise UserError(f"--narrowest {narrowest:g} rad/s: must be positive")
@@ -59,7 +59,9 @@ def command(
     if not names:
         raise UserError(f"--method {method!r}: name at least one of {', '.join(METHODS)}")
     loaded = changed_scene(scene, changes)
-    low, high = options.speed_range(range_)
+    low, high = options.speed_range(range_) if range_ else default_range(loaded)
+    if not range_:
+        say(f"range: {low:.4g} to {high:.4g} rad/s; --range LOW HIGH for another")
     with progress_bar(f"critical speeds of {loaded.name}") as progress:
         result = loaded.speeds(
             low,

@@ -107,6 +107,11 @@ def with_balls(scene: Scene, race: float | None, width: float | None) -> Scene:
     """
     one = scene.balancer[0] if scene.balancer else None
     sized_already = isinstance(one, WeightBalancer) and one.weight_radius
+    if one is not None and not isinstance(one, WeightBalancer):
+        raise SceneError(
+            f"{scene.name}: design: finds the number and size of balls, and balancer[1] is of kind "
+            f'"{one.kind}", without weights: leave it out, and give --race and --width'
+        )
     if not sized_already and (race is None or width is None):
         raise SceneError(
             f"{scene.name}: design: its weights have no size: give --race and --width, the radius "

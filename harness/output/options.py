@@ -41,6 +41,13 @@ RANGE = typer.Option(
     "--range", metavar="LOW HIGH", help="Speeds [rad/s], or with units: 300rpm 3000rpm."
 )
 
+RANGE_OR_DEFAULT = typer.Option(
+    "--range",
+    metavar="LOW HIGH",
+    help="Speeds [rad/s], or with units: 300rpm 3000rpm; default: from half the lowest natural "
+    "frequency to 1.25 times the highest speed of the operation.",
+)
+
 
 def speed_range(given: tuple[str, str]) -> tuple[float, float]:
     """Both speeds of `RANGE` [rad/s]."""

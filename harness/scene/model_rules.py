@@ -12,9 +12,17 @@ if TYPE_CHECKING:
     from ...models.rotor import LinearRotor
     from .scene import Scene
 
+SINGULAR = 4.0 * np.finfo(float).eps  # of a mass matrix with ones on its diagonal
+
 
 def model_problems(scene: Scene, rotor: LinearRotor) -> Iterator[str]:
     """A line for every problem."""
+    if _is_singular(rotor):
+        yield (
+            "rotor: to 16 digits its mass matrix is singular: something moves without inertia "
+            "beside the rest; check mass (kg), inertia (kg m^2), and lengths (m)"
+        )
+        return
     yield from _under_a_motor(scene, rotor)
     if scene.operation.gravity and scene.rotor.is_free:
         yield (
@@ -58,6 +66,15 @@ def model_problems(scene: Scene, rotor: LinearRotor) -> Iterator[str]:
     if scene.balancing:
         yield from scene.balancing.problems(scene.rotor)
     yield from _liquid_windows(scene, rotor)
+
+
+def _is_singular(rotor: LinearRotor) -> bool:
+    """Whether rounding of the mass matrix is as large as the inertia of a motion."""
+    sizes = np.sqrt(np.abs(rotor.mass.diagonal()))
+    if not sizes.all():
+        return True
+    scaled = rotor.mass / sizes / sizes[:, None]
+    return bool(np.linalg.eigvalsh(scaled)[0] <= SINGULAR)
 
 
 def _outside_tables(scene: Scene, rotor: LinearRotor) -> Iterator[str]:

@@ -40,7 +40,7 @@ def understood(scene: Scene) -> str:
     """One line: speed, rotor, balancers."""
     profile, rotor = scene.profile(), scene.rotor
     parts = [f"{scene.name}: {rounded(rotor.mass, 3)} kg at {in_both(profile.end, 'rad/s')}"]
-    frequencies = sorted({f"{w / math.tau:.3g}" for w in _natural(scene)}, key=float)
+    frequencies = sorted({f"{w / math.tau:.3g}" for w in natural_frequencies(scene)}, key=float)
     parts.append(f"natural frequencies {', '.join(frequencies)} Hz")
     if unbalance := _unbalance(scene):
         e = unbalance / rotor.mass
@@ -71,7 +71,7 @@ def _implausible(scene: Scene) -> Iterator[str]:
     speed, rotor = scene.profile().end, scene.rotor
     said = f"speed = {in_both(speed, 'rad/s')}"
     weights = [one for one in scene.balancer if isinstance(one, WeightBalancer)]
-    lowest = min(_natural(scene), default=math.inf)
+    lowest = min(natural_frequencies(scene), default=math.inf)
     fast = max((speed * one.track_radius for one in weights), default=0.0)
     if speed > FASTEST * lowest:
         yield (
@@ -203,7 +203,7 @@ def _discs_without_size(scene: Scene) -> Iterator[str]:
         )
 
 
-def _natural(scene: Scene) -> list[float]:
+def natural_frequencies(scene: Scene) -> list[float]:
     """Natural frequencies of the rotor with its balancers at standstill [rad/s]."""
     rates = np.abs(scene.assembly().resting_rotor.at_bottom.free_rates(0.0)).round(9)
     if scene.rotor.is_free:

@@ -35,6 +35,7 @@ from ..errors import SimulationError, UserError
 from ..output.workers import Progress
 from ..scene import Scene
 from ..scene.at_rest import about_restraints
+from ..scene.plausible import natural_frequencies
 from ..scene.quantities import LARGEST
 from ..units import si_number
 from .crossings import FINE, measured_regions, nodes_around, side
@@ -44,12 +45,33 @@ from .speeds import Speeds, add_regions
 from .whirl import whirls
 
 MOST_SPEEDS = 100_000  # of one scan: more is a slip of the keyboard
+BEYOND = 1.25  # times the highest speed of the operation: end of the default range
 SCAN = 60  # intervals of a co-simulated scan without `narrowest`
+
+
+def default_range(scene: Scene) -> tuple[float, float]:
+    """Speeds [rad/s] from half the lowest natural frequency to beyond those of the operation.
+
+    Below: half the highest speed of the operation where that is lower.  Above: 1.25 times the highest speed of the operation, or twice the lowest natural frequency,
+    whichever is higher; within the tables of bearings.
+
+    Raises:
+        UserError: nothing holds the rotor, and it does not turn.
+    """
+    found = [w for w in natural_frequencies(scene) if w > 0.0]
+    top = max(map(abs, scene.profile().speeds), default=0.0)
+    if not found and not top:
+        raise UserError("range: the rotor has no natural frequency: give --range LOW HIGH")
+    lowest = found[0] if found else top / BEYOND
+    low, high = 0.5 * min(lowest, top or lowest), max(BEYOND * top, 2.0 * lowest)
+    least, most = scene.assembly().rotor.table_speeds
+    low, high = max(low, least), min(high, most)
+    return (low, high) if low < high else (least, most)
 
 
 def speeds(
     scene: Scene,
-    range: tuple[float | str, float | str],
+    range: tuple[float | str, float | str] | None,
     methods: Iterable[str] = DEFAULT_METHODS,
     *,
     narrowest: float | None = None,
@@ -64,7 +86,8 @@ def speeds(
     both ends of the range; without Floquet it scans the range itself.
 
     Args:
-        range, methods, narrowest, progress: as `Scene.speeds`, which says what is raised.
+        range: ends [rad/s]; None: `default_range`.
+        methods, narrowest, progress: as `Scene.speeds`, which says what is raised.
         whirl: whether to run the scene for what remains where weights cannot balance.
         within: tolerances for the method proved: "rotor.stiffness=5%, rotor.damping=10 N s/m".
         separate: co-simulate separate FMUs coupled in Python even where one file can run in C.
@@ -77,6 +100,7 @@ def speeds(
     """
     scene.refuse_unrest("speeds")
     scene.refuse_friction("boundaries of balancing are those")
+    range = default_range(scene) if range is None else range
     low, high = (si_number(end, "rad/s", "range:") for end in range)
     if not 0.0 < low < high <= LARGEST:
         raise UserError(
