@@ -22,7 +22,6 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.integrate import solve_ivp
 
 from ..arrays import Array, Complex
 from ..assembly import Assembly, weights_of
@@ -189,6 +188,8 @@ class OnRace:
             newton = np.linalg.lstsq(slopes, seen @ left, rcond=None)[0]
             turned: Array = unseen.T @ (unseen @ left) - seen.T @ newton
             return turned
+
+        from scipy.integrate import solve_ivp  # a run that shows nothing but words does without
 
         solved = solve_ivp(creep, (0.0, length), angles, "LSODA", rtol=1e-6, atol=1e-9)
         found: Array = solved.y[:, -1]
