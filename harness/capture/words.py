@@ -24,8 +24,8 @@ def sentence(data: Captured) -> str:
     at = in_both(data.speed, "rad/s")
     if found.unstable:
         return (
-            f"Closed form: not judged at {at}: the rotor itself is unstable, by internal damping or "
-            "its bearings, or nothing holds it."
+            f"Closed form: not judged at {at}: the rotor itself is unstable, by internal damping "
+            "or its bearings, or nothing holds it."
         )
     if found.undamped:
         return (

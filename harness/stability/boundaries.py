@@ -52,8 +52,9 @@ SCAN = 60  # intervals of a co-simulated scan without `narrowest`
 def default_range(scene: Scene) -> tuple[float, float]:
     """Speeds [rad/s] from half the lowest natural frequency to beyond those of the operation.
 
-    Below: half the highest speed of the operation where that is lower.  Above: 1.25 times the highest speed of the operation, or twice the lowest natural frequency,
-    whichever is higher; within the tables of bearings.
+    Below: half the highest speed of the operation where that is lower.  Above: 1.25 times that
+    speed, or twice the lowest natural frequency, whichever is higher; within the tables of
+    bearings.
 
     Raises:
         UserError: nothing holds the rotor, and it does not turn.
