@@ -7,7 +7,7 @@ that width is a region of its own.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Literal
@@ -133,8 +133,20 @@ def regions_of(samples: Samples, word: Side = "undecided") -> Regions:
     return Regions(
         sides[stretches[0].sign],
         tuple(Crossing(a.high, sides[b.sign], a.off) for a, b in pairwise(stretches)),
-        tuple(Undecided(s.low, s.high, s.growth_below, word) for s in stretches if s.sign == 0),
+        tuple(
+            Undecided(*_ends(stretches, k, word), s.growth_below, word)
+            for k, s in enumerate(stretches)
+            if s.sign == 0
+        ),
     )
+
+
+def _ends(stretches: Sequence[_Stretch], number: int, word: Side) -> tuple[float, float]:
+    """Of a region: for a neutral one the outermost speeds that are known to be in it."""
+    one, before = stretches[number], stretches[number - 1].off if number else 0.0
+    if word == "neutral":
+        return one.low + before, one.high - one.off
+    return one.low, one.high
 
 
 def _without_islands(samples: Samples) -> NDArray[np.int_]:
