@@ -33,6 +33,7 @@ from .machine import STEPS, library, run
 
 TURNS, WINDOWS = 4000.0, 40  # of a run, half of which decides
 SEED = 2711
+PART = 20  # machines after which it says how many agree so far
 WITNESSES = ((0.0, 1), (1e-9, 1), (0.0, 2), (1e-9, 2))  # rad by which a start is moved, finer steps
 
 
@@ -145,16 +146,24 @@ def main() -> None:
                 f"{kind.name} {count}" for kind, count in (row.package, *row.witnesses)
             )
             print(f"{words}: package {ours}, integration {', '.join(theirs)}", flush=True)
+        if len(found) % PART == 0 or len(found) == machines:
+            print(summary(found), flush=True)
+    names = Counter(f"{row.witnesses[0][0].name.lower()} {row.witnesses[0][1] or ''}"
+                    for row in found if row.is_judged)  # fmt: skip
+    print("by the integration:", ", ".join(f"{n} {name}" for name, n in names.most_common()))
+
+
+def summary(found: list[Row]) -> str:
+    """How many are judged, decided, and named alike."""
     judged = [row for row in found if row.is_judged]
     decided = [row for row in judged if not row.is_undecided]
     agree = sum(row.agrees for row in decided)
     undecided = sum(row.is_undecided for row in found)
     share = f"{agree} of {len(decided)} named alike ({100 * agree / max(len(decided), 1):.1f} %)"
-    print(f"{len(found)} machines: {undecided} undecided by the package, "
-          f"{len(found) - len(judged)} not judged, of the others {share}")  # fmt: skip
-    names = Counter(f"{row.witnesses[0][0].name.lower()} {row.witnesses[0][1] or ''}"
-                    for row in judged)  # fmt: skip
-    print("by the integration:", ", ".join(f"{n} {name}" for name, n in names.most_common()))
+    return (
+        f"{len(found)} machines: {undecided} undecided by the package, "
+        f"{len(found) - len(judged)} not judged, of the others {share}"
+    )
 
 
 if __name__ == "__main__":
