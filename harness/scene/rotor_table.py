@@ -490,7 +490,8 @@ class RotorTable(Table):
     @property
     def _forces(self) -> dict[str, int]:
         """The build options of supports and feet whose forces are outputs."""
-        return {"supports": len(self.supports), "feet": sum(len(b.feet) for b in self.bodies)}
+        feet = sum(len(body.feet) for body in self.bodies)
+        return {"supports": len(self.supports)} | ({"feet": feet} if feet else {})
 
     def _with_supports(self, rotor: LinearRotor) -> LinearRotor:
         """The same rotor with its bodies, and with all that its supports have."""
