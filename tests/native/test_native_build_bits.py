@@ -17,17 +17,18 @@ from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from autobalancer.fmus.native.build.compile import SOURCES, libraries, stamp
 from autobalancer.fmus.native.build.layout import bits
-from autobalancer.harness import load_scene
+from autobalancer.harness import cosimulate, load_scene
 from autobalancer.harness.master.one_file import composition
 
 pytest.importorskip("ziglang", reason="no compiler: ziglang is not installed")
 
 HOST = Path(__file__).parent / "host"
-STEPS = 60
+STEPS, PER_TURN = 60, 7.3  # of the host: in all, and per revolution
 
 # what the host calls; a library of these names stands in for the C library when it is linked
 _C_LIBRARY = ("_exit", "dlopen", "dlsym", "memcpy", "memset", "read", "strlen", "write")
@@ -199,6 +200,51 @@ def test_a_composite_has_the_bits_it_has_on_glibc(machine, scene, changes, outco
         assert pair[0] == pair[1], f"line {number}"
 
 
+# machines that meet events: what happens within the run, and what is changed so that it does
+EVENTFUL = {
+    "impacts": (
+        "finite_weights",
+        {"balls.restitution": 0.6, "balls.drag": 1.0, "balls.speeds": [20.0, -20.0, 9.0]},
+    ),
+    "sticking": (
+        "two_balls",
+        {"weights.rolling_resistance": 0.05, "rotor.friction": [{"limit": 0.05}]},
+    ),
+}
+
+
+@pytest.mark.parametrize("kind", EVENTFUL)
+@pytest.mark.parametrize("machine", [name for name in MACHINES if name != "glibc"])
+def test_a_machine_with_events_has_the_bits_it_has_on_glibc(machine, kind, outcome):
+    """Impacts, contacts, weights and supports that stick: roots of polynomials and pivots."""
+    scene, changes = EVENTFUL[kind]
+    orders = composite(scene, {"tolerance": 1e-6}, changes)
+    expected = outcome("glibc", orders)
+    words = {word for line in expected for word in line.split()}
+    assert len(words) > 0.3 * sum(len(line.split()) for line in expected)
+    for number, pair in enumerate(zip(expected, outcome(machine, orders), strict=True)):
+        assert pair[0] == pair[1], f"line {number}"
+
+
+@pytest.mark.parametrize("kind", EVENTFUL)
+def test_these_machines_meet_events(kind):
+    name, changes = EVENTFUL[kind]
+    tolerance = {"coupling.steps_per_rev": None, "coupling.corrections": None}
+    tolerance |= {"coupling.tolerance": 1e-6, "run.revolutions": STEPS / PER_TURN}
+    scene = load_scene(name).replace({**tolerance, **changes})
+    [balls] = scene.balancer
+    what = "angle" if kind == "impacts" else "speed"
+    record = [f"{balls.label}.weight[{k}].{what}" for k in range(1, balls.count + 1)]
+    found = np.array(list(cosimulate(scene, record=record).signals.values()))
+    if kind == "impacts":
+        touching = 2.0 * math.asin(balls.weight_radius / balls.track_radius)
+        assert np.abs(np.diff(found, axis=0).min(axis=1) - touching).min() <= 1e-6
+    else:  # it stops, and goes on
+        rests = found == 0.0
+        assert (rests[:, 1:] & ~rests[:, :-1]).any()
+        assert (~rests[:, 1:] & rests[:, :-1]).any()
+
+
 @pytest.mark.parametrize("scene", ["two_balls", "drum", "filimonikhina"])
 @pytest.mark.parametrize("machine", [name for name in MACHINES if name != "glibc"])
 def test_machines_side_by_side_have_the_bits_of_one_alone_on_glibc(machine, scene, outcome):
@@ -219,15 +265,18 @@ def test_machines_side_by_side_have_the_bits_of_one_alone_on_glibc(machine, scen
     assert outcome(machine, order(4)) == expected == outcome("glibc", order(2))
 
 
-def composite(scene: str, changes: dict[str, float]) -> list[str]:
-    """A scene's composite, some seven times per revolution."""
+def composite(
+    scene: str, changes: dict[str, float], machine: dict[str, object] | None = None
+) -> list[str]:
+    """A scene's composite, some seven times per revolution; changes of its coupling and machine."""
     loaded = load_scene(scene)
     scheme = "auto" if changes else loaded.coupling.scheme
     steps = {} if changes else {"coupling.steps_per_rev": 12}
     keys = {"coupling.scheme": scheme, "coupling.corrections": None, **steps}
     loaded = loaded.replace({**keys, **{f"coupling.{k}": v for k, v in changes.items()}})
+    loaded = loaded.replace(machine or {})
     made = composition(loaded)
     reals = made.described("Composite").layout.reals
     outputs = [i for i, v in enumerate(reals) if v.causality == "output"]
-    length = 2.0 * math.pi / (7.3 * max(loaded.profile().start, loaded.profile().end))
+    length = 2.0 * math.pi / (PER_TURN * max(loaded.profile().start, loaded.profile().end))
     return [made.token(stamp()), f"{outputs[0]:x} {len(outputs):x} {STEPS:x} {bits(length)}"]
