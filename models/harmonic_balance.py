@@ -14,8 +14,10 @@ from numpy.typing import ArrayLike
 
 from .arrays import Array, Complex
 from .rotor import LinearRotor
+from .supports import CubicSpring, Stop
 
 _STEPS, _NEWTON_HALVINGS = 100, 12  # of Newton's method, of one of its steps
+SMALL = 0.01  # of the stiffness of the supports: what a cubic spring may add
 _SLIDERS_CONVERGED = 1e-9  # of the largest motion without sliders
 
 
@@ -29,8 +31,9 @@ def unbalance_response(rotor: LinearRotor, speeds: ArrayLike) -> Complex:
     Without friction exact.  Gravity is left out: without friction it only shifts the motion.
 
     Raises:
-        NoResponse: a slider is rigid; an undamped rotor has no bounded response; Newton's method
-            does not settle.
+        NoResponse: a slider is rigid or has a free stroke; an undamped rotor has no bounded
+            response; Newton's method does not settle; or the motion reaches a stop, or bends a
+            cubic spring.
     """
     if rotor.varies:
         each = [unbalance_response(rotor.at(float(w)), [w])[0] for w in np.asarray(speeds)]
@@ -40,6 +43,8 @@ def unbalance_response(rotor: LinearRotor, speeds: ArrayLike) -> Complex:
     spring, limit = np.array([(s.stiffness, s.limit) for s in sliders]).reshape(-1, 2).T
     if not spring.all():
         raise NoResponse("sliders: harmonic balance takes those behind a spring alone")
+    if any(slider.free_stroke for slider in sliders):
+        raise NoResponse("sliders: harmonic balance takes those without a free stroke alone")
     w = np.asarray(speeds, float)[:, None, None]
     mass, damping, stiffness = rotor.real_coefficients(0.0)
     _, with_speed, followed = rotor.real_coefficients(1.0)  # both are linear in it
@@ -63,7 +68,27 @@ def unbalance_response(rotor: LinearRotor, speeds: ArrayLike) -> Complex:
         there = _at_sliders(motion[:, at], compliance[:, at], spring, slack)
         pull = _describing(there, spring, slack)[0] * there
         motion = motion - np.einsum("kij,kj->ki", compliance, pull)
-    return motion.reshape(len(w), 2, rotor.stations)
+    found = motion.reshape(len(w), 2, rotor.stations)
+    _refuse_beyond(rotor, found)
+    return found
+
+
+def _refuse_beyond(rotor: LinearRotor, motion: Complex) -> None:
+    """Raise NoResponse where a motion (k, 2, n) is not small for what was left out."""
+    if not rotor.beside:
+        return
+    largest = [float(np.abs(rotor.springs[axis, axis]).max()) for axis in (0, 1)]
+    stiffness = min(largest)
+    for one in rotor.beside:
+        across = np.einsum("an,kan->ka", one.rows, motion)
+        size = float(largest_displacement(across[:, :, None]).max()) if len(across) else 0.0
+        if isinstance(one, Stop) and size >= one.gap:
+            raise NoResponse(
+                f"the vibration of the linear rotor reaches a stop, {size:.3g} m of {one.gap:.3g} m"
+            )
+        bent = isinstance(one, CubicSpring) and max(map(abs, one.stiffness)) * size**2
+        if bent > SMALL * stiffness:
+            raise NoResponse("the vibration of the linear rotor bends a cubic spring")
 
 
 def largest_displacement(displacement: Complex) -> Array:

@@ -95,7 +95,9 @@ def about_rest(assembly: Assembly, speed: float) -> Assembly:
     own = tuple(replace(one, rows=one.rows[:, :n]) for one in more)
 
     def plain(rotor: LinearRotor) -> LinearRotor:
-        return replace(rotor, supports=(*rotor.supports, *own), cubics=(), stops=())
+        beside: tuple[CubicSpring | Stop, ...] = (*rotor.cubics, *rotor.stops)
+        held = (*rotor.supports, *own)
+        return replace(rotor, supports=held, cubics=(), stops=(), beside=beside)
 
     later = tuple((time, plain(rotor)) for time, rotor in assembly.later)
     return replace(assembly, rotor=plain(assembly.rotor), later=later)

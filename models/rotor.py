@@ -66,6 +66,7 @@ class LinearRotor:
         gravity: acceleration of what falls, across the axis in fixed axes, gx + i gy [m/s^2].
         sliders: dry friction in the supports.
         cubics, stops: what else holds it and is not linear.
+        beside: cubic springs and stops that small motions about rest do not feel, left out of it.
         inner: how many of the stations, the last ones, are inner displacements of rubber.
         locked: axis and station from 0 of what does not move, of bodies with one free axis.
         waves: rings of liquid that have become stations, see `with_ring`: number of the station,
@@ -84,6 +85,7 @@ class LinearRotor:
     sliders: tuple[Slider, ...] = ()
     cubics: tuple[CubicSpring, ...] = ()
     stops: tuple[Stop, ...] = ()
+    beside: tuple[CubicSpring | Stop, ...] = ()
     inner: int = 0
     locked: tuple[tuple[int, int], ...] = ()
     waves: tuple[tuple[int, Ring], ...] = ()
@@ -332,11 +334,12 @@ class LinearRotor:
         rows: dict[str, Any] = {
             name: np.pad(getattr(self, name), ((0, 0), behind)) for name in ("planes", "deflection")
         }
-        supports, cubics, stops = (
-            tuple(replace(one, rows=np.pad(one.rows, ((0, 0), behind))) for one in held)
-            for held in (self.supports, self.cubics, self.stops)
-        )
-        held: dict[str, Any] = {"supports": supports, "cubics": cubics, "stops": stops}
+        held: dict[str, Any] = {
+            name: tuple(
+                replace(one, rows=np.pad(one.rows, ((0, 0), behind))) for one in getattr(self, name)
+            )
+            for name in ("supports", "cubics", "stops", "beside")
+        }
         unbalance = np.pad(self.unbalance, behind)
         return replace(self, unbalance=unbalance, **held, **square, **rows)
 

@@ -20,6 +20,7 @@ PACKAGE = "autobalancer"
 # used by the commands alone
 INTERNAL = {
     "Scene.refuse_friction",
+    "Scene.refuse_restraints",
     "Scene.rest_at",
     "Scene.touched_at_rest",
     "Scene.restrained_assembly",

@@ -124,6 +124,7 @@ class RotorAnalysis(Outcome):
         >>> found.response().amplitude.shape  # speeds, stations, axes
         (400, 2, 2)
         """
+        self.scene.refuse_restraints("the response over the speed is that")
         rotor = self.scene.assembly().rotor
         if not np.abs(rotor.unbalance).any():
             name = self.scene.path or self.scene.name

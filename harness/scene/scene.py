@@ -304,6 +304,15 @@ class Scene(Described):
                     "leave the lobes out, or run the scene instead"
                 )
 
+    def refuse_restraints(self, what: str) -> None:
+        """Raise SceneError, where cubic springs or stops hold the rotor, for what is linear."""
+        for key in ("cubic_stiffness", "stops"):
+            if getattr(self.rotor, key):
+                raise SceneError(
+                    f"{self.path or self.name}: rotor.{key}: {what} of a linear rotor; run the "
+                    f"scene instead, or leave {key} out"
+                )
+
     def refuse_changes(self, what: str) -> None:
         """Raise SceneError where the unbalance changes during the run."""
         if self.operation.unbalance_changes:

@@ -196,7 +196,7 @@ def _undamped(poles: Poles, speed: float, lag: Lag) -> float:
 
 
 def _unbalance(assembly: Assembly, speed: float) -> tuple[Array, float]:
-    rotor = assembly.loaded_rotor
+    rotor = replace(assembly.loaded_rotor, beside=())  # it is the closed form of a linear rotor
     try:
         alone = largest_displacement(unbalance_response(rotor, [speed]))[0]
     except NoResponse:

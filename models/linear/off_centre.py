@@ -47,7 +47,7 @@ def centred(assembly: Assembly, speed: float) -> Assembly:
     """
     if not any(mounted.offset for mounted in assembly.weights):
         return assembly
-    rotor = replace(assembly.loaded_rotor, sliders=())
+    rotor = replace(assembly.loaded_rotor, sliders=(), beside=())
     offsets, carried = track_offsets(assembly)
     used = sorted({mounted.plane for mounted in assembly.weights})
     planes = rotor.planes[used]

@@ -109,7 +109,7 @@ class OnRace:
     @cached_property
     def _stations(self) -> Complex:
         """Forward motion (n, n) of all stations by a unit of unbalance at each [m/(kg m)]."""
-        rotor = self.assembly.loaded_rotor
+        rotor = replace(self.assembly.loaded_rotor, beside=())
         each = [
             unbalance_response(replace(rotor, unbalance=unit), [self.speed])[0]
             for unit in np.eye(rotor.stations, dtype=complex)

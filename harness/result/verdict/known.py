@@ -133,7 +133,9 @@ class Known:
         each, own = np.eye(self.loaded.stations, dtype=complex), self.assembly.rotor.stations
         return np.array(
             [
-                unbalance_response(replace(self.loaded, unbalance=u), [self.speed])[0, :, :own]
+                unbalance_response(replace(self.loaded, unbalance=u, beside=()), [self.speed])[
+                    0, :, :own
+                ]
                 for u in each[:own]  # behind them stand waves of liquid
             ]
         )

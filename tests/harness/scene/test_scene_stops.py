@@ -138,3 +138,15 @@ def test_runs_on_cubic_springs_are_those_of_the_reference(cubic):
     for name in names:
         size = np.abs(run[name]).max()
         assert run[name] == pytest.approx(right[name], abs=1e-4 * size)
+
+
+def test_what_compares_with_a_linear_response_refuses_or_says_so():
+    held = planar(stops=[STOP | {"gap": "1 um"}])
+    with pytest.raises(ab.UserError, match=r"rotor\.stops: the response over the speed is that of"):
+        held.rotor().response()
+    with pytest.raises(ab.SceneError, match=r"rotor\.stops: a design compares"):
+        ab.load("drum").replace({"rotor.stops": [STOP]}).design()
+    two = ab.load("two_balls").replace({"rotor.stops": [{"gap": "15 mm", "stiffness": 20.0}]})
+    assert "the vibration of the linear rotor reaches a stop" in str(two.run().summary())
+    far = two.replace({"rotor.stops[1].gap": "1 m"})
+    assert str(far.run().summary()).startswith("Balanced after")
