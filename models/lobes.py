@@ -16,24 +16,19 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
-from scipy.integrate import solve_ivp
-from scipy.optimize import root
 
 from .arrays import Array
 from .assembly import Assembly
+from .linear.on_race import NoRest, OnRace
 from .race import Lobes, path
 from .weights import Weights
 
 _STARTS = 60
 _MANY, _CREEPS = 3, 8  # weights from which on starts creep, and how many do
-_CREEP_TIMES, _LEAST_SLOPE = 60.0, 1e-7  # time constants, of the largest lobe over the radius
-_SOLVED = 1e-9  # of the largest terms
 _NEAR = 1e-6  # rad: the same motion
-_MOVED = 1e-6  # rad, and of the radius: for derivatives
 
 
 @dataclass(frozen=True)
@@ -73,6 +68,9 @@ class Race:
         self.damping = float(rotor.damping_x[0, 0])
         self.internal = float(rotor.internal_damping[0, 0])
         self.unbalance = complex(rotor.unbalance[0])
+        mounted = assembly.weights[0]
+        on_race = replace(mounted, device=replace(device, race=self.lobes))
+        self.assembly = replace(assembly, balancers=(on_race,))
 
     def path(self, angles: Array) -> tuple[Array, Array, Array]:
         """rho and its first two derivatives (N,) [m]."""
@@ -122,71 +120,27 @@ class Race:
         rng, found = np.random.default_rng(seed), dict[tuple[int, ...], Rest]()
         n = self.weights.count
         drawn = rng.uniform(0.0, math.tau, (_STARTS, n))
-        starts = [*drawn] if n < _MANY else [self._crept(angles) for angles in drawn[:_CREEPS]]
-        for angles in starts:
-            solved = root(self._missing, np.concatenate([[0.0, 0.0], angles]), tol=1e-14)
-            zeta = complex(*solved.x[:2]) * self._length
-            small = np.abs(self._missing(solved.x)).max() < _SOLVED
-            if not small or abs(zeta) > self.alone:
+        machine = OnRace(self.assembly, self.speed)
+        for start in drawn if n < _MANY else drawn[:_CREEPS]:
+            try:
+                angles = machine.rest_near(start, "freely" if n >= _MANY else "not")
+            except NoRest:
                 continue
-            angles = np.sort(solved.x[2:] % math.tau)
-            if self._overlap(angles):
+            angles = np.sort(angles % math.tau)
+            zeta = complex(machine.whirl(angles)[0])
+            if abs(zeta) > self.alone or self._overlap(angles):
                 continue
             key = tuple((angles / _NEAR / 10.0).round().astype(int).tolist())
             if key not in found:
-                found[key] = Rest(zeta, tuple(angles.tolist()), self._growth(zeta, angles))
+                system = machine.linearised(angles).at_speed(self.speed)
+                growth = float(np.linalg.eigvals(system).real.max())
+                found[key] = Rest(zeta, tuple(angles.tolist()), growth)
         return sorted(found.values(), key=lambda rest: abs(rest.displacement))
 
     def _overlap(self, angles: Array) -> bool:
         """Whether weights of a size would be in one another's place."""
         apart = np.diff(np.append(angles, angles[0] + math.tau))
         return len(angles) > 1 and bool(apart.min() < 2.0 * self.half_angle * (1.0 - 1e-9))
-
-    def _crept(self, angles: Array) -> Array:
-        """Where weights come to rest that creep along the race, the rotor following at once."""
-        w, one = self.speed, self.weights
-        total = self.mass + one.count * one.mass
-        rotor = complex(self.stiffness / w**2 - total, self.damping / w)
-
-        def along(_t: float, th: Array) -> Array:
-            rho, slope, _ = self.path(th)
-            turn = np.exp(1j * th)
-            zeta = (one.mass * complex((rho * turn).sum()) + self.unbalance) / rotor
-            q = (slope + 1j * rho) * turn
-            pulled: Array = (q.conj() * (zeta + rho * turn)).real / one.track_radius**2
-            return pulled
-
-        steep = [each.order**2 * each.amplitude / one.track_radius for each in self.lobes]
-        length = _CREEP_TIMES / max([_LEAST_SLOPE, *(s for s in steep if s > 0.0)])
-        solved = solve_ivp(along, (0.0, length), angles, "LSODA", rtol=1e-7, atol=1e-10)
-        found: Array = solved.y[:, -1]
-        return found
-
-    @property
-    def _length(self) -> float:
-        return self.weights.track_radius
-
-    def _missing(self, unknown: Array) -> Array:
-        """What is left of the equations at rest, (2 + N,), over their largest terms."""
-        w, one = self.speed, self.weights
-        zeta, angles = complex(*unknown[:2]) * self._length, unknown[2:]
-        rho, slope, _ = self.path(angles)
-        turn = np.exp(1j * angles)
-        rotor = complex(self.stiffness - self.mass * w * w, self.damping * w) * zeta
-        left = rotor / w**2 - one.mass * complex((zeta + rho * turn).sum()) - self.unbalance
-        left /= one.count * one.mass * one.track_radius
-        seen = zeta * np.exp(-1j * angles)
-        pulls = (slope * seen.real + rho * seen.imag + rho * slope) / one.track_radius**2
-        return np.concatenate([[left.real, left.imag], pulls])
-
-    def _growth(self, zeta: complex, angles: Array) -> float:
-        state = np.concatenate([[zeta.real, zeta.imag, 0.0, 0.0], angles, 0.0 * angles])
-        steps = np.full(len(state), _MOVED)
-        steps[:4] *= self._length
-        moves = np.diag(steps)
-        columns = [(self.rates(state + m) - self.rates(state - m)) for m in moves]
-        matrix: NDArray = np.array(columns).T / (2.0 * steps)
-        return float(np.linalg.eigvals(matrix).real.max())
 
 
 def swing(speed: float, lobes: Lobes, radius: float, kappa: float) -> float:

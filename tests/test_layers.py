@@ -37,7 +37,7 @@ MODELS = (
     ("steps", "papers"),
     ("linear",),
     ("capture", "proof", "reference"),
-    ("stability", "monolith"),
+    ("stability", "monolith", "lobes"),
     ("boundaries",),
     ("criteria",),
 )

@@ -241,21 +241,23 @@ class StabilityMethods(OfScene):
         ends = [si_number(end, "rad/s", "sweep:") for end in (low, high)]
         return sweep(self._scene, *ends, seed=seed)
 
-    def race(self, lobes: str, speed: float | str | None = None) -> OutOfRound:
+    def race(self, lobes: str = "", speed: float | str | None = None) -> OutOfRound:
         """What a race that is not round leaves of the vibration, at rest in the rotor.
 
         Args:
             lobes: ORDER=AMPLITUDE@ANGLE, several with commas; an order is 2 for an oval, the
-                amplitude half of its peak-to-valley, the angle that of a lobe in the rotor.
+                amplitude half of its peak-to-valley, the angle that of a lobe in the rotor;
+                default: the scene's own, of all its races together.
             speed: of the rotor [rad/s]; default: the scene's operating speed.
 
         Returns:
-            Vibration left by each lobe and by all, at their angles and at the worst one;
-            `sentence()`.
+            Vibration left by each lobe and by all, at their angles and at the worst one, all
+            races turned together; `sentence()`.
 
         Raises:
-            UserError: lobes are not written like that, or the scene is not a planar rotor, alike
-                in x and y, with one balancer of equal weights.
+            UserError: lobes are not written like that, the scene's supports are not alike in x and
+                y, or, with lobes given here, it is not a planar rotor with one balancer of equal
+                weights.
 
         >>> wheel = ab.Scene(
         ...     rotor=ab.Planar(mass=10.0, stiffness=1e4, damping=60.0, unbalance=0.02),

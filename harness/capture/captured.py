@@ -121,6 +121,20 @@ class Captured(Outcome):
         return limits(self)
 
     @property
+    def held_by_lobes(self) -> float:
+        """Rate in the rotor below which lobes of a race can hold weights [rad/s]; 0: round races.
+
+        A weight at the angular rate r passes a lobe of a race that turns at w where
+        kappa R^2 r^2/2 exceeds what the lobe takes, 2 w^2 R eps.
+        """
+        sizes = [
+            sum(one.amplitude for one in b.race) / (b.kappa * b.track_radius)
+            for b in self.scene.balancer
+            if isinstance(b, WeightBalancer)
+        ]
+        return 2.0 * self.found.speed * math.sqrt(max(sizes, default=0.0))
+
+    @property
     def linear(self) -> str:
         """That supports which are not linear are left out; empty where there are none."""
         keys = {"cubic springs": self.scene.rotor.cubic_stiffness, "stops": self.scene.rotor.stops}
@@ -177,7 +191,6 @@ def captured(scene: Scene, speed: float | None = None) -> Captured:
             "not support a table over the speed: give stiffness and damping at one speed"
         )
     scene.refuse_friction("the closed form of weights that are left behind is that")
-    scene.refuse_lobes("the closed form of weights that are left behind is that")
     found = capture(scene.assembly(), scene.profile().end if speed is None else speed)
     kinds = {one.kind for one in holders}
     given = all(group.drag > 0.0 for group in found.groups)

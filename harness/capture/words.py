@@ -15,6 +15,7 @@ if TYPE_CHECKING:
 
 _EARLY = 1.0  # of 2 Om sqrt(A_u/(kappa R))/(Om - w): the unbalance can catch weights earlier
 
+HELD = 3.0  # times the rate at which lobes hold weights: beyond, they feel the mean
 FAR = 100.0  # times the rotor's speed: a release beyond it is no speed of this machine
 
 
@@ -91,6 +92,18 @@ def _drag(data: Captured, words: str) -> str:
     return f"; {words} {value}{times}{' on' if 'never' in words else ''}"
 
 
+def _lobes(data: Captured) -> str:
+    """What lobes of the race do to weights that are left behind: they turn past them."""
+    passes = data.found.speed - max((n.frequency for n in data.found.natural), default=0.0)
+    said = (
+        "Lobes of the race are left out: weights that are left behind feel their mean; lobes can "
+        f"hold weights that pass them at less than {in_both(data.held_by_lobes, 'rad/s')}"
+    )
+    if 0.0 < passes < HELD * data.held_by_lobes:
+        return f"{said}, and here they would pass at {in_both(passes, 'rad/s')}: not known."
+    return f"{said}."
+
+
 def limits(data: Captured) -> list[str]:
     """What the closed form does not cover here."""
     found, said = data.found, []
@@ -118,6 +131,8 @@ def limits(data: Captured) -> list[str]:
                 "exceeds a track radius: stops or nonlinear supports will limit it."
             )
             break
+    if data.held_by_lobes:
+        said.append(_lobes(data))
     if data.gravity:
         said.append("Gravity is left out: it swings the weights in every revolution.")
     if data.can_stick:

@@ -19,9 +19,9 @@ def command(
         str,
         typer.Option(
             help="ORDER=AMPLITUDE@ANGLE, several with commas: 2=20 um@30 deg is an oval, "
-            "20 um half of its peak-to-valley."
+            "20 um half of its peak-to-valley; default: the scene's own races."
         ),
-    ],
+    ] = "",
     speed: Annotated[
         float | None,
         options.quantity("rad/s", "Of the rotor [rad/s]; default: the scene's.", "--speed"),

@@ -7,10 +7,16 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
+import numpy as np
+
+from ...models.assembly import Assembly, weights_of
+from ...models.linear.on_race import has_lobes, main_motion
 from ...models.lobes import Lobes, Race, Rest
+from ...models.weights import Weights
 from ..errors import UserError
 from ..output.outcome import Outcome
 from ..output.table import Sheet
+from ..result.verdict.known import vibration_alone
 from ..scene import Scene
 from ..units import si_number
 
@@ -43,6 +49,8 @@ class OutOfRound(Outcome):
         """A row for every lobe, and one for all."""
         names = [f"{one.order}" for one in self.lobes] + ["all"] * (len(self.lobes) > 1)
         sizes = [one.amplitude for one in self.lobes] + [None] * (len(self.lobes) > 1)
+        if len(self.left) < len(names):  # all together alone
+            names, sizes = names[-1:], sizes[-1:]
         rows = [
             (name, size, *(_shown(value) for value in pair))
             for name, size, pair in zip(names, sizes, self.left, strict=True)
@@ -110,10 +118,51 @@ def lobes_of(text: str) -> tuple[Lobes, ...]:
     return tuple(found)
 
 
-def out_of_round(scene: Scene, text: str, speed: float | None = None) -> OutOfRound:
+def _own_races(scene: Scene, speed: float) -> OutOfRound:
+    """What the races of a scene leave, several balancers and planes together."""
+    assembly = scene.assembly().at_speed(speed)
+    lobes = tuple(one for m in assembly.weights for one in weights_of(m).race)
+    turned: list[float | None] = []
+    angles: tuple[float, ...] = ()
+    for k, by in enumerate(math.tau * k / _TURNS for k in range(_TURNS)):
+        try:
+            machine, rest = main_motion(_with_turned_races(assembly, by), speed)
+        except (ValueError, ArithmeticError) as error:
+            if k == 0:
+                raise UserError(f"{scene.name}: {error}") from error
+            turned.append(None)
+            continue
+        stable = np.linalg.eigvals(machine.linearised(rest).at_speed(speed)).real.max() < 0.0
+        turned.append(float(np.abs(machine.whirl(rest)).max()) if stable else None)
+        angles = angles or tuple(rest.tolist())
+    worst = max((size for size in turned if size is not None), default=None)
+    names = [getattr(balancer, "kind", "") for balancer in scene.balancer]
+    called = names[0] if len(set(names)) == 1 else "weights"
+    alone = vibration_alone(scene, speed, 0.0)
+    return OutOfRound(scene.heading, called, alone, lobes, ((turned[0], worst),), angles)
+
+
+def _with_turned_races(assembly: Assembly, by: float) -> Assembly:
+    balancers = list(assembly.balancers)
+    for k, mounted in enumerate(balancers):
+        if isinstance(mounted.device, Weights):
+            race = tuple(replace(one, angle=one.angle + by) for one in mounted.device.race)
+            balancers[k] = replace(mounted, device=replace(mounted.device, race=race))
+    return replace(assembly, balancers=tuple(balancers))
+
+
+def out_of_round(scene: Scene, text: str = "", speed: float | None = None) -> OutOfRound:
     """As `Scene.race`, which says what is raised."""
-    lobes, w = lobes_of(text), scene.profile().end if speed is None else speed
+    w = scene.profile().end if speed is None else speed
     assembly = scene.assembly()
+    if not text and not has_lobes(assembly):
+        raise UserError(
+            f"{scene.name}: its races are round: give lobes, as "
+            '"2=20 um@30 deg", or the key race of its weights'
+        )
+    if not text:
+        return _own_races(scene, w)
+    lobes = lobes_of(text)
     try:
         race = Race(assembly, w, lobes)
     except ValueError as error:

@@ -81,7 +81,7 @@ class WeightBalancer(Balancer):
     """Of the track's centre from the plane's, in the rotor."""
     race: Annotated[tuple[Lobes, ...], Feeds("race[{n}].")] = ()
     """Lobes of a track that is not round, `[{lobes = 2, amplitude = "20 um", angle = "30 deg"}]`;
-    [what they leave](../how-to/design.md); default: a circle."""
+    [what they leave](../how-to/race.md); default: a circle."""
     angles: Annotated[tuple[Angle, ...], SI("rad"), Feeds("weight[{n}].angle0")] = ()
     """In the rotor, one a weight; default: evenly spread."""
     speeds: Annotated[tuple[Real, ...], SI("rad/s"), Feeds("weight[{n}].speed0")] = ()

@@ -223,5 +223,7 @@ def _balancers(scene: Scene) -> Iterator[dict[str, Any]]:
         known |= {key: getattr(balancer, key, None) for key in sizes}
         if isinstance(balancer, Ring):
             known |= {"inner_radius": balancer.device.inner_radius}
+        if isinstance(balancer, WeightBalancer):
+            known |= {"race": [one.model_dump() for one in balancer.race]}
         weights = balancer.device.each if isinstance(balancer, WeightBalancer) else ()
         yield known | {"radii": [one.radius for one in weights]}

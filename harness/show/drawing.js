@@ -3,6 +3,7 @@
 const SHOWN_AS = 0.22; // of the rotor's radius: what the largest displacement is drawn as
 const TRAIL = 3; // revolutions
 const GAP = 0.2; // of a chamber's radius: a narrower gap is drawn wider, up to this
+const LOBES = 0.08; // of a race's radius: smaller lobes are drawn larger, up to this
 const WITHIN = 0.9; // of a gap: what a displacement that is less is drawn within
 
 /* Draws a machine; remembers how it magnifies. */
@@ -30,8 +31,10 @@ class Drawing {
     context.textAlign = "left";
     const wider = this.machine.data.balancers.filter((b) => b.chamber_radius)
       .map((b) => gapTimes(b, this.magnification)).filter((times) => times > 1);
+    const lobed = this.machine.data.balancers.filter((b) => b.race?.length);
     const words = [`Displacement × ${shown(this.magnification)}`,
-      ...wider.map((times) => `gap × ${shown(times)}`)];
+      ...wider.map((times) => `gap × ${shown(times)}`),
+      ...lobed.map((b) => `lobes of ${b.label} × ${shown(lobeTimes(b))}`)];
     context.fillText(words.join(", "), 8, height - 8);
     if (this.machine.data.heavy !== null) this.key(width - 90, height - 8);
   }
@@ -173,14 +176,14 @@ class Drawing {
     const tx = x + oxi * Math.cos(turned) - oeta * Math.sin(turned);
     const ty = y - oxi * Math.sin(turned) - oeta * Math.cos(turned);
     c.strokeStyle = colours.line;
-    circle(c, tx, ty, b.track_radius * scale);
+    race(c, tx, ty, b, turned, scale);
     const nominal = Math.max(6, 0.07 * plane.radius * scale);
     machine.weights.forEach(({ label, number }, k) => {
       if (label !== b.label) return;
       const size = (b.radii[number - 1] ?? b.weight_radius) * scale || nominal;
       const angle = machine.now.angles[k] + turned;
-      const [wx, wy] = [tx + b.track_radius * scale * Math.cos(angle),
-        ty - b.track_radius * scale * Math.sin(angle)];
+      const arm = raceRadius(b, machine.now.angles[k]) * scale;
+      const [wx, wy] = [tx + arm * Math.cos(angle), ty - arm * Math.sin(angle)];
       c.strokeStyle = colours.ink;
       if (b.kind === "pendulums") line(c, tx, ty, wx, wy);
       c.fillStyle = weightColour(colours, k);
@@ -264,6 +267,34 @@ class Drawing {
 function gapTimes({ chamber_radius, float_radius }, magnification = Infinity) {
   const most = (GAP * chamber_radius) / (chamber_radius - float_radius);
   return Math.max(1, Math.min(most, magnification));
+}
+
+/* How many times larger the lobes of a race are drawn than they are. */
+function lobeTimes(b) {
+  const largest = b.race.reduce((sum, lobe) => sum + lobe.amplitude, 0);
+  return largest ? Math.max(1, (LOBES * b.track_radius) / largest) : 1;
+}
+
+/* Distance of a weight at an angle in the rotor from the middle of its race, as it is drawn. */
+function raceRadius(b, angle) {
+  if (!b.race?.length) return b.track_radius;
+  const times = lobeTimes(b);
+  return b.race.reduce((rho, lobe) =>
+    rho + times * lobe.amplitude * Math.cos(lobe.lobes * (angle - lobe.angle)), b.track_radius);
+}
+
+/* The path of the weights' centres. */
+function race(c, x, y, b, turned, scale) {
+  if (!b.race?.length) {
+    circle(c, x, y, b.track_radius * scale);
+    return;
+  }
+  c.beginPath();
+  for (let k = 0; k <= 360; k++) {
+    const angle = (TURN * k) / 360, rho = raceRadius(b, angle) * scale;
+    c.lineTo(x + rho * Math.cos(angle + turned), y - rho * Math.sin(angle + turned));
+  }
+  c.stroke();
 }
 
 /* What a front view shows: each plane with balancers; of a bare rotor its first station. */

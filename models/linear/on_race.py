@@ -19,6 +19,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -39,9 +40,12 @@ from .linearised import (
 )
 from .off_centre import centred
 
+Creeps = Literal["not", "freely", "balanced"]
+
 _NEWTON = 60  # iterations
 _RANK = 1e-9  # turns that change moments by a smaller share of the most do not
 _LONGEST_TURN = 0.3  # rad of an iteration
+_MOST_EVALUATIONS = 3_000  # of where weights creep
 _SOLVED = 1e-11  # of the radius: what is left of the equations
 _CREEP_TIMES, _LEAST_SLOPE = 60.0, 1e-7  # time constants, of the largest lobe over the radius
 
@@ -149,17 +153,18 @@ class OnRace:
         own = (at.bend.conj() * (centre + at.place)).real + np.abs(at.along) ** 2
         return found + np.diag(own)
 
-    def rest_near(self, angles: Array, *, creeps: bool) -> Array:
+    def rest_near(self, angles: Array, creeps: Creeps = "not") -> Array:
         """Angles (K,) of a rest next to `angles` [rad].
 
         Args:
-            creeps: whether weights first creep along the race, as under a heavy drag: to the rests
-                that are stable above the critical speed.
+            creeps: whether weights first creep along the race, as under a heavy drag: freely, to
+                the rests that are stable above the critical speed; or balanced, by turns alone that
+                leave the rotor nearly at rest.
 
         Raises:
             NoRest: none was found.
         """
-        theta = self._crept(angles) if creeps else angles.copy()
+        theta = angles.copy() if creeps == "not" else self._crept(angles, creeps)
         size = np.array([weights_of(m).track_radius for m in self.assembly.weights]).max()
         for _ in range(_NEWTON):
             left = self.missing(theta)
@@ -169,9 +174,8 @@ class OnRace:
             theta = theta + turn * min(1.0, _LONGEST_TURN / max(np.abs(turn).max(), 1e-300))
         raise NoRest(f"no rest of weights on their race was found at {self.speed:g} rad/s")
 
-    def _crept(self, angles: Array) -> Array:
-        """Where weights creep while the rotor nearly rests: turns that change moments follow
-        Newton's method, the others the race as under a heavy drag."""
+    def _crept(self, angles: Array, creeps: Creeps) -> Array:
+        """Where weights creep to; balanced, turns that change moments follow Newton's method."""
         devices = [weights_of(m) for m in self.assembly.weights]
         size = np.concatenate([np.full(d.count, d.track_radius) for d in devices])
         steep = [o.order**2 * o.amplitude / d.track_radius for d in devices for o in d.race]
@@ -191,7 +195,18 @@ class OnRace:
 
         from scipy.integrate import solve_ivp  # a run that shows nothing but words does without
 
-        solved = solve_ivp(creep, (0.0, length), angles, "LSODA", rtol=1e-6, atol=1e-9)
+        def freely(_t: float, theta: Array) -> Array:
+            pulled: Array = self.missing(theta) / size**2
+            return pulled
+
+        left = iter(range(_MOST_EVALUATIONS))
+
+        def rate(t: float, theta: Array) -> Array:
+            if next(left, None) is None:
+                raise NoRest(f"weights creep without end on their race at {self.speed:g} rad/s")
+            return creep(t, theta) if creeps == "balanced" else freely(t, theta)
+
+        solved = solve_ivp(rate, (0.0, length), angles, "LSODA", rtol=1e-6, atol=1e-9)
         found: Array = solved.y[:, -1]
         return found if np.isfinite(found).all() else angles.copy()
 
@@ -264,7 +279,7 @@ def main_motion(
     found = OnRace(assembly, speed)
     if near is not None:
         try:
-            angles = found.rest_near(near, creeps=False)
+            angles = found.rest_near(near)
             if np.abs(angles - near).max() < _LONGEST_TURN:
                 return found, angles
         except NoRest:
@@ -272,7 +287,12 @@ def main_motion(
     at_rest = balanced_angles(centred(rounded(assembly), speed))
     planes = [m.plane for m in assembly.weights for _ in m.angles]
     several = max(planes.count(plane) for plane in set(planes)) > 2
-    return found, found.rest_near(at_rest, creeps=several)
+    if several:
+        try:
+            return found, found.rest_near(at_rest, "balanced")
+        except NoRest:
+            pass
+    return found, found.rest_near(at_rest)
 
 
 def systems_at(assembly: Assembly, speeds: NDArray) -> tuple[list[Linearised], NDArray[np.int_]]:

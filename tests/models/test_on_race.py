@@ -45,8 +45,12 @@ def test_growth_is_that_of_the_equations_in_the_turning_frame_differenced(count,
     assembly = machine(*lobes, count=count, kappa=kappa)
     found, angles = main_motion(assembly, SPEED)
     zeta = complex(found.whirl(angles)[0])
-    race = Race(assembly, SPEED, lobes)
-    assert find_growth(assembly, SPEED).rate == pytest.approx(race._growth(zeta, angles), rel=1e-6)
+    race, size = Race(assembly, SPEED, lobes), len(angles)
+    rest = np.concatenate([[zeta.real, zeta.imag, 0.0, 0.0], angles, np.zeros(size)])
+    moves = np.diag([1e-7] * 4 + [1e-6] * (2 * size))
+    columns = [(race.rates(rest + m) - race.rates(rest - m)) / (2.0 * m.max()) for m in moves]
+    expected = np.linalg.eigvals(np.array(columns).T).real.max()
+    assert find_growth(assembly, SPEED).rate == pytest.approx(expected, rel=1e-6)
 
 
 def test_an_offset_beside_lobes_is_rested_upon_as_a_long_run_does():

@@ -20,6 +20,7 @@ from ....models.rotor import LinearRotor
 from ...scene import Scene
 
 BALANCED = 0.05  # of the vibration without balancers: a rotor that vibrates less is balanced
+_NEAR = 0.1  # rad: weights rest there
 _SURELY_BEYOND = 1.5  # of the limit: least squares do not find the least of the largest
 
 
@@ -94,7 +95,18 @@ class Known:
         Raises:
             ValueError, ArithmeticError: see `main_motion`.
         """
-        return main_motion(self.assembly, self.speed)
+        found = main_motion(self.assembly, self.speed)
+        if self.angles is None:
+            return found
+        machine, angles = found
+        try:  # where the weights are there may be another rest, as good
+            here = machine.rest_near(self.angles)
+        except ArithmeticError:
+            return found
+        near = np.abs(here - self.angles).max() < _NEAR
+        rates = np.linalg.eigvals(machine.linearised(here).at_speed(self.speed)).real
+        better = np.abs(machine.whirl(here)).max() <= np.abs(machine.whirl(angles)).max()
+        return (machine, here) if near and better and rates.max() < 0.0 else found
 
     @cached_property
     def off_centre(self) -> float:

@@ -144,3 +144,17 @@ def test_many_side_by_side_end_as_each_alone():
     alone = [scene.run.many({path: [size]}, threads=1)["residual"][0] for size in sizes]
     assert together.tolist() == alone
     assert len(set(alone)) == len(sizes)
+
+
+def test_torque_on_a_motor_comes_from_separate_units_too():
+    scene = machine(operation=MOTOR, balancer=balls(track_offset_xi=3e-3, weight_radius=None))
+    found = errors(scene.replace({"run.record": SIGNALS[:3]}), separate=True)
+    assert max(found.values()) < 2e-4
+
+
+def test_lobes_can_be_fitted_and_scattered():
+    scene = machine(balancer=balls(race=[{"lobes": 2, "amplitude": 1e-3, "angle": 0.3}]))
+    values = {"balls.race[1].amplitude": [5e-4, 1e-3], "balls.race[1].angle": [0.0, 0.6]}
+    found = scene.run.many(values, threads=1)
+    assert not any(found["failure"])
+    assert len(set(found["residual"])) == 2

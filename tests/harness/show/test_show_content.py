@@ -1,6 +1,7 @@
 """What a page is given, and the command that writes it."""
 
 import json
+import math
 
 import pytest
 
@@ -94,3 +95,9 @@ def test_every_weight_has_its_own_radius():
     radii = [0.015, 0.012, 0.015, 0.015, 0.015, 0.015]
     scene = load_scene("washing_machine").replace({"balls.weight_radius": radii})
     assert content(scene)["balancers"][0]["radii"] == radii
+
+
+def test_a_race_with_lobes_is_drawn_with_them():
+    found = content(load_scene("oval_fan"))["balancers"]
+    assert [len(one["race"]) for one in found] == [1, 2]
+    assert found[1]["race"][1] == {"lobes": 3, "amplitude": 1e-6, "angle": math.radians(15.0)}
