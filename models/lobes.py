@@ -23,8 +23,8 @@ import numpy as np
 from .arrays import Array
 from .assembly import Assembly
 from .linear.on_race import NoRest, OnRace
-from .race import Lobes, path
-from .weights import Weights
+from .race import path
+from .weights import Lobes, Weights
 
 _STARTS = 60
 _MANY, _CREEPS = 3, 8  # weights from which on starts creep, and how many do

@@ -11,34 +11,13 @@ n = 3 and more lobes.  Along the path it moves by l = |rho' + i rho| for each ra
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
 from .arrays import Array
+from .weights import Lobes, Weights
 
 MOST_LOBES = 1000  # around a race
-
-
-@dataclass(frozen=True)
-class Lobes:
-    """A harmonic of a race.
-
-    Attributes:
-        order: n, number of lobes.
-        amplitude: eps, half of the peak-to-valley of that order [m].
-        angle: of a lobe in the rotor [rad].
-    """
-
-    order: int
-    amplitude: float
-    angle: float = 0.0
-
-    @property
-    def bend(self) -> float:
-        """What it takes from the curvature of a circle, times the radius squared: of all lobes
-        together less than the radius, or the race bends inwards [m]."""
-        return max(self.order**2 - 1, 1) * self.amplitude
 
 
 def path(radius: float, lobes: Sequence[Lobes], angles: Array) -> tuple[Array, Array, Array, Array]:
@@ -54,3 +33,8 @@ def path(radius: float, lobes: Sequence[Lobes], angles: Array) -> tuple[Array, A
         second = second - n * n * cosine
         third = third + n**3 * sine
     return rho, first, second, third
+
+
+def arms(weights: Weights, angles: Array) -> Array:
+    """Distance of weights at `angles` [rad] from the track's centre [m], of their shape."""
+    return path(weights.track_radius, weights.race, np.asarray(angles, float))[0]

@@ -7,12 +7,28 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
-import numpy as np
-
-from .arrays import Array
-from .race import Lobes, path
-
 KAPPA = {"balls": 7.0 / 5.0, "rollers": 3.0 / 2.0, "pendulums": 1.0}
+
+
+@dataclass(frozen=True)
+class Lobes:
+    """A harmonic of a race.
+
+    Attributes:
+        order: n, number of lobes.
+        amplitude: eps, half of the peak-to-valley of that order [m].
+        angle: of a lobe in the rotor [rad].
+    """
+
+    order: int
+    amplitude: float
+    angle: float = 0.0
+
+    @property
+    def bend(self) -> float:
+        """What it takes from the curvature of a circle, times the radius squared: of all lobes
+        together less than the radius, or the race bends inwards [m]."""
+        return max(self.order**2 - 1, 1) * self.amplitude
 
 
 @dataclass(frozen=True)
@@ -80,10 +96,6 @@ class Weights:
         """
         if self.race:
             raise ValueError(f"{what}: only for round tracks, and that of this balancer has lobes")
-
-    def arms(self, angles: Array) -> Array:
-        """Distance of weights at `angles` [rad] from the track's centre [m]."""
-        return path(self.track_radius, self.race, np.asarray(angles, float))[0]
 
     @property
     def added_mass(self) -> float:

@@ -27,6 +27,7 @@ INTERNAL = {
     "Scene.refuse_changes",
     "Scene.refuse_unrest",
     "Scene.refuse_guests",
+    "Scene.refuse_lobes",
     "Scene.rotor_at",
     "RunMap.lines",
     "Fit.warnings",

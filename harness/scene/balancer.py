@@ -12,10 +12,10 @@ from pydantic import Field, model_validator
 from ...models.assembly import Mounted
 from ...models.papers.capacity import capacity, moment_range
 from ...models.race import MOST_LOBES
-from ...models.race import Lobes as RaceLobes
 from ...models.rotor import LinearRotor
 from ...models.spacing import fits, half_angle, largest_radius, touching
 from ...models.weights import KAPPA, Weights
+from ...models.weights import Lobes as RaceLobes
 from .feeds import Feeds, Start, fed
 from .liquid import Liquid as Liquid
 from .liquid import Ring as Ring

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from ..arrays import Array
 from ..assembly import Assembly, Mounted
 from ..liquid import Liquid
-from ..race import path
+from ..race import arms, path
 from ..ring import Ring
 from ..weights import Weights
 
@@ -72,7 +72,7 @@ class Trajectory:
         device = mounted.device
         assert isinstance(device, Weights)
         masses, theta = np.array([one.mass for one in device.each]), self.theta[balancer]
-        moment: NDArray[np.complex128] = (device.arms(theta) * np.exp(1j * theta)) @ masses
+        moment: NDArray[np.complex128] = (arms(device, theta) * np.exp(1j * theta)) @ masses
         return moment + masses.sum() * mounted.offset
 
     def plane_acceleration(self, plane: int) -> NDArray[np.complex128]:

@@ -12,8 +12,26 @@ ROOT = Path(autobalancer.models.__file__).parents[1]
 DESCRIPTION = {
     f"models.{name}"
     for name in (
-        *("arrays", "assembly", "constants", "liquid", "motor", "ring", "rotor", "rotor_kinds"),
-        *("rotor_matrices", "rotor_tilting", "shaft", "supports", "tilting", "weights"),
+        *(
+            "arrays",
+            "assembly",
+            "constants",
+            "liquid",
+            "motor",
+            "race",
+            "restraints",
+            "ring",
+            "rotor",
+        ),
+        *(
+            "rotor_kinds",
+            "rotor_matrices",
+            "rotor_tilting",
+            "shaft",
+            "supports",
+            "tilting",
+            "weights",
+        ),
     )
 }
 # the fastest vibration, which limits the steps of an integration, and the error of an eigenvalue

@@ -9,9 +9,9 @@ from autobalancer.models.assembly import Assembly, Mounted, SpeedProfile
 from autobalancer.models.lobes import Race
 from autobalancer.models.monolith import simulate
 from autobalancer.models.motor import Drive, MotorDriven
-from autobalancer.models.race import Lobes, path
+from autobalancer.models.race import path
 from autobalancer.models.rotor import LinearRotor
-from autobalancer.models.weights import Weights
+from autobalancer.models.weights import Lobes, Weights
 
 LOBES = (Lobes(2, 4e-3, 0.4), Lobes(5, 5e-4, 1.0))
 RADIUS, KAPPA, SIZE = 0.1, 1.4, 0.01

@@ -16,6 +16,7 @@ from ....models.linear.balanced import CannotBalance, WeightTable, balanced_angl
 from ....models.linear.growth import Growth
 from ....models.linear.off_centre import centred
 from ....models.linear.on_race import OnRace, main_motion, rounded
+from ....models.race import arms
 from ....models.rotor import LinearRotor
 from ...scene import Scene
 
@@ -169,7 +170,8 @@ class Known:
         ends = np.cumsum([device.count for device in devices])[:-1]
         parts = np.split(np.asarray(angles), ends, axis=-1)
         return np.concatenate(
-            [d.arms(part) / d.track_radius for d, part in zip(devices, parts, strict=True)], axis=-1
+            [arms(d, part) / d.track_radius for d, part in zip(devices, parts, strict=True)],
+            axis=-1,
         )
 
     def response(self, moments: Complex) -> Complex:

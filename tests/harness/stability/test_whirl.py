@@ -6,7 +6,7 @@ import math
 import numpy as np
 import pytest
 
-from autobalancer.harness import load_scene, speeds
+from autobalancer.harness import UserError, load_scene, speeds
 from autobalancer.harness.stability import whirl
 from autobalancer.harness.stability.whirl import whirls
 from autobalancer.models.papers.influence import influence
@@ -102,8 +102,11 @@ def test_balance_at_rest_leaves_nothing():
     assert speeds(load_scene("filimonikhina"), (2.0, 3.0), ["floquet"]).whirl is None
 
 
-def test_a_scene_that_does_not_run_in_c_says_so():
-    scene = load_scene("bristol").replace({"coupling.order": 1})
-    found = speeds(scene, (300.0, 340.0), ["floquet"]).whirl
+def test_why_the_runs_are_refused_is_said_in_place_of_the_vibration(monkeypatch):
+    def refuse(*_, **__):
+        raise UserError("drum: too many stations")
+
+    monkeypatch.setattr(whirl, "cosimulate_many", refuse)
+    found = speeds(load_scene("bristol"), (300.0, 340.0), ["floquet"]).whirl
     assert not found.at
-    assert "coupling.order = 1: of one file must be 3" in " ".join(found.lines())
+    assert "is not known: drum: too many stations" in " ".join(found.lines())
