@@ -92,7 +92,7 @@ def _motion(name: str, changes: tuple, times: tuple[float, ...], signals: tuple[
     scene = load_scene(name).replace(dict(changes))
     start = motion_at_start(scene)
     motion, own_error = reference(
-        scene.assembly(), scene.profile(), times, initial=start, rtol=1e-12
+        scene.restrained_assembly(), scene.profile(), times, initial=start, rtol=1e-12
     )
     assert own_error < 2e-8, own_error  # the least error that a test asks for is 1e-7
     return {signal: motion.signal(signal) for signal in signals}

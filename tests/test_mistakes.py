@@ -76,7 +76,6 @@ COMMANDS = [
     ("speeds {f}/drum.toml --range 500 100", "rising"),
     ("speeds {f}/drum.toml --range 0 300", "positive"),
     ("speeds {f}/drum.toml --range 10kg 300", "a speed is expected"),
-    ("speeds {f}/drum.toml", "--range"),
     ("speeds {f}/drum.toml --range 50 300 --method flouqet", "floquet"),
     ("map {f}/drum.toml --x speed=0:300:20:log --y balls.drag=0.1:1:5", "must begin above 0"),
     ("map {f}/drum.toml --x speed=10:300 --y balls.drag=0.1:1:5", "PATH=LOW:HIGH:N"),

@@ -29,6 +29,12 @@ INTERNAL = {
     "Scene.refuse_guests",
     "Scene.refuse_lobes",
     "Scene.rotor_at",
+    "Scatter.about",
+    "Scatter.importance",
+    "Scatter.quantiles",
+    "SystemScatter.about",
+    "SystemScatter.importance",
+    "SystemScatter.quantiles",
     "RunMap.lines",
     "Fit.warnings",
 }

@@ -86,6 +86,7 @@ def content(scene: Scene) -> dict[str, Any]:
         "grades": GRADES,
         "kick": KICK * _moment(scene, made) * profile.end,
         "stations": scene.rotor.stations,
+        "numbered": len(scene.rotor.points) > 1,  # those of bodies are stations too
         "supports": scene.rotor.supports,
         "balancers": list(_balancers(scene)),
         "heavy": _heavy(made),

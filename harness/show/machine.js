@@ -11,7 +11,7 @@ class Machine {
     Object.assign(this, { module, data, built: new Map() });
     this.step = TURN / (SAMPLES * data.window.high);
     this.stations = data.stations.map((_, k) =>
-      data.stations.length > 1 ? `rotor.station[${k + 1}]` : "rotor");
+      data.numbered ? `rotor.station[${k + 1}]` : "rotor");
     this.planes = [...new Set(data.balancers.map((b) => b.plane))];
     this.settings = this.scenes();
     this.restart();
