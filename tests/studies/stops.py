@@ -24,7 +24,7 @@ from autobalancer.harness import cosimulate
 
 REVOLUTIONS = 12
 AGREED = 3e-7  # of the largest displacement: by so much the two integrations may differ
-FEW = 3000  # events of an integration
+FEW = 400  # events of an integration; more of them take minutes
 
 
 def machine(rng: np.random.Generator, tolerance: float = 1e-4, bare: bool = False) -> ab.Scene:
