@@ -12,7 +12,7 @@ from .compared import compared_motion
 from .global_error import largest_difference
 from .recorder import Recorder
 from .schedule import SLIVER
-from .simulation import CoupledRun, Repeated
+from .simulation import CoupledRun
 
 PARTS = 2  # of each step, in the second run
 
@@ -33,7 +33,7 @@ def friction_error(simulation: CoupledRun, recorder: Recorder) -> float:
     shown = compared_motion(scene, simulation.meets_events)
     times, signals = recorder.columns()
     once_more = Recorder(simulation.units, [], shown.signals)
-    simulation.start(again=Repeated(times, PARTS, 1.0))
+    simulation.start(parts=PARTS)
     simulation.record(once_more, None)
     points, found = once_more.columns()
     at = points.searchsorted(times * (1.0 - SLIVER))

@@ -33,7 +33,7 @@ from .runtime import runtime
 from .scales import largest_force
 from .schedule import brief_step, milestones, schedule, step_size
 from .schemes import choose
-from .simulation import Repeated, refuse_loose_tolerance
+from .simulation import refuse_loose_tolerance
 from .system import System
 from .unit_files import find_or_build
 
@@ -59,7 +59,7 @@ class CoSimulation(Coupled):
 
     Raises:
         UnitError: an FMU is missing, corrupt, or of a different build.
-        SceneError: a tolerance is asked of a scheme or an order that cannot keep it.
+        SceneError: the scheme or the order cannot keep a tolerance, and one is given.
     """
 
     def __init__(self, scene: Scene, *, fmus: Path | None = None) -> None:
@@ -90,21 +90,21 @@ class CoSimulation(Coupled):
         changes: Mapping[str, Mapping[str, float | bool]] | None = None,
         step: float | None = None,
         attempt: int | None = None,
-        again: Repeated | None = None,
+        parts: int = 1,
     ) -> None:
         """Restart all units from the scene's start values, `changes` by unit name on top.
 
         Args:
             step: communication step to come [s]; by default the scene's.
             attempt: at a first run with a tolerance; each has more steps than the one before.
-            again: the parts of every step of that run, of which this is a repetition.
+            parts: of every step of the first run, which this one repeats.
 
         Raises:
             SimulationError: a unit refuses its parameters, or no consistent start exists.
         """
         self.time = self.worst_residual = 0.0
         self.steps = self.unconverged = 0
-        first, self._parts = None, again.parts if again else 1
+        first, self._parts = None, parts
         if self.scene.coupling.tolerance is not None and self.coupled:
             first = FEWEST_CHOSEN * FINER_FIRST ** (attempt or 0)
         self._schedule = schedule(self.scene, first)

@@ -16,9 +16,6 @@ ORDER_OF_JUMPS = 1
 # steps end where something sticks or a motor's slope jumps: the error in the time of a nearly
 # missed event is the root of the error of the signals
 ORDER_OF_EVENTS = 2
-# of what may be left in the loop, under a motor, whose acceleration can be far the largest of the
-# forces, and where weights collide: impacts amplify it, and by chance two runs can then agree
-LEFT_OF_JUMPS = 0.01
 # by so much lower is the order by which two runs state their error: by the full order 6 of 328 runs
 # of the truth study erred by 3 to 6.6 times what they stated; under a motor by more: it starts in
 # a few steps that are too long for their order to show
@@ -33,7 +30,6 @@ class Expectation:
         order: the highest with which they shrink.
         steepest_order: as much as an error is trusted to shrink from one run to the next.
         caution: by so much lower is the order by which two runs state their error.
-        left_in_loop: share of the usual residual that may stay in the coupling loop.
         ends_at_events: whether steps end where something sticks, or a motor's slope jumps.
         can_collide: whether weights can; neighbouring motions may then part.
         fastest: vibration of the rotor without damping [rad/s]: longer steps do not follow it.
@@ -42,7 +38,6 @@ class Expectation:
     order: int
     steepest_order: float
     caution: int
-    left_in_loop: float
     ends_at_events: bool
     can_collide: bool
     fastest: float
@@ -64,7 +59,6 @@ def expectation(scene: Scene, meets_events: bool) -> Expectation:
         order=order,
         steepest_order=max(order, ORDER_OF_EVENTS) if has_corners else math.inf,
         caution=MOTOR_CAUTION if motor else CAUTION,
-        left_in_loop=LEFT_OF_JUMPS if motor or can_collide else 1.0,
         ends_at_events=scene.has_events or has_corners,
         can_collide=can_collide,
         fastest=_fastest(scene),

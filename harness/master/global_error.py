@@ -38,13 +38,12 @@ from .names import is_count, kin
 from .neighbours import RESOLVED, turned
 from .recorder import Recorder, Signal
 from .schedule import SLIVER
-from .simulation import CoupledRun, Repeated
+from .simulation import CoupledRun
 
 if TYPE_CHECKING:
     from ..output.workers import Progress
 
 ORDER_HELD = 1  # of steps with held signals, and of all that follows
-LEFT = 2  # power of the parts with which what is left in the loop shrinks at least
 ATTEMPTS = 3  # at a first run, each in finer steps
 # of the tolerance: what further parts are to leave, and two runs may say, for they do not tell by
 # which order errors shrink; if by 1.3 already, the tolerance is still kept within a factor of 3
@@ -60,7 +59,6 @@ ASYMPTOTIC = 0.03  # of the motion: runs that differ by more need not differ by 
 
 OTHER_TOLERANCE = 0.1  # of that asked for, of runs to compare with
 EVERY = 16  # points of the first run are those of the others too: these have steps of their own
-APART = 0.02  # of a step: points nearer to each other are one
 AGREE = 0.3  # of what a run differs from others by: others that agree so far know its error
 
 OTHERWISE = (
@@ -135,7 +133,7 @@ class Controlled:
         while True:
             parts = max(2 * parts, self._next_parts(last))
             try:
-                recorder = self._run(parts, grid, progress)
+                recorder = self._run(parts, progress)
             except SimulationError:  # steps that the tolerance allowed are too long for the loop
                 if parts >= PARTING:
                     raise
@@ -256,10 +254,10 @@ class Controlled:
         progress: Progress | None,
     ) -> dict[str, Signal]:
         """Signals at some times of a run in its own steps, as fine as the result's if need be."""
-        first = self._run(1, None, progress, cosim)
-        points, parts = _merged(first.columns()[0], times), 2
+        self._run(1, progress, cosim)  # raises where these steps are too long for this motion
+        parts = 2
         while True:
-            found = self._at(self._run(parts, points, progress, cosim), times)
+            found = self._at(self._run(parts, progress, cosim), times)
             differs = largest_difference(own, found, scale)
             if differs <= max(self.error, AIM * self.tolerance) or parts >= self.parts:
                 return found
@@ -269,11 +267,11 @@ class Controlled:
         """The first run; where its steps are too long, in shorter ones."""
         for self._first_attempt in range(ATTEMPTS - 1):
             try:
-                return self._run(1, None, progress)
+                return self._run(1, progress)
             except SimulationError:
                 continue
         self._first_attempt = ATTEMPTS - 1
-        return self._run(1, None, progress)
+        return self._run(1, progress)
 
     def _next_parts(self, last: Attempt | None) -> int:
         """Parts of each step of the first run that should keep the tolerance."""
@@ -285,7 +283,6 @@ class Controlled:
     def _run(
         self,
         parts: int,
-        grid: Signal | None,
         progress: Progress | None,
         cosim: CoupledRun | None = None,
     ) -> Recorder:
@@ -293,12 +290,7 @@ class Controlled:
         cosim = cosim or self.cosim
         watched = [*self._compare.signals, *self.uncompared]
         recorder = Recorder(cosim.units, self.names, watched)
-        if grid is None:
-            cosim.start(attempt=self._first_attempt)
-        else:
-            # what is left in the loop must shrink with the rest, or no run would show it
-            share = self.expected.left_in_loop / parts ** max(self.expected.order, LEFT)
-            cosim.start(attempt=self._first_attempt, again=Repeated(grid, parts, share))
+        cosim.start(attempt=self._first_attempt, parts=parts)
         # of a first run it is certain that another follows
         done = self._work_in_first_runs
         work = max(3, done + parts)
@@ -324,16 +316,6 @@ def _shared(grid: Signal) -> NDArray[np.intp]:
     """Places of some points of a run, with its end."""
     places = np.arange(EVERY, len(grid) - 1, EVERY)
     return np.append(places, len(grid) - 1)
-
-
-def _merged(own: Signal, shared: Signal) -> Signal:
-    """Points of a run and others; of its own, those that lie near to another are left out."""
-    beyond = np.concatenate([[-math.inf], shared, [math.inf]])
-    at = np.searchsorted(shared, own)
-    nearest = np.minimum(own - beyond[at], beyond[at + 1] - own)
-    steps = np.diff(own, prepend=own[0] - (own[1] - own[0]))
-    kept = own[(nearest > APART * steps) | (own == own[0])]
-    return np.union1d(kept, shared)
 
 
 def _first_held(longest: float, grid: Signal) -> int:

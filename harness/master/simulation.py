@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
+from typing import TYPE_CHECKING, Any, Protocol
 
 from ..errors import SceneError
 from ..scene import Scene
 from ..scene.run import UNCORRECTED
-from .recorder import Recorder, Signal
+from .recorder import Recorder
 
 if TYPE_CHECKING:
     from typing_extensions import Self
@@ -16,20 +16,6 @@ if TYPE_CHECKING:
     from ..output.workers import Progress
     from .compared import Compared
     from .facts import Facts
-
-
-class Repeated(NamedTuple):
-    """A first run to be repeated in finer steps.
-
-    Attributes:
-        times: its communication points [s].
-        parts: of each of its steps.
-        residual: what may stay in the loop, over what may stay in the first run.
-    """
-
-    times: Signal
-    parts: int
-    residual: float
 
 
 class Simulation(Protocol):
@@ -74,7 +60,7 @@ class CoupledRun(Simulation, Protocol):
     def like(self, scene: Scene) -> Self:
         """A simulation of another scene with the same units, which differs in start values."""
 
-    def start(self, *, attempt: int | None = None, again: Repeated | None = None) -> None:
+    def start(self, *, attempt: int | None = None, parts: int = 1) -> None:
         """Restart from the scene's start values; arguments as of `CoSimulation.start`."""
 
     def compared(self) -> Compared:
@@ -82,7 +68,7 @@ class CoupledRun(Simulation, Protocol):
 
 
 def refuse_loose_tolerance(scene: Scene) -> None:
-    """Raise SceneError where a tolerance is asked of a scheme or an order that cannot keep it."""
+    """Raise SceneError if a tolerance is given and the scheme or the order cannot keep it."""
     coupling = scene.coupling
     if coupling.tolerance is None:
         return

@@ -26,7 +26,6 @@ from .network.wiring import Wire, wired
 from .network.words import notes
 from .network_run import NetworkRun
 from .recorder import Recorder
-from .simulation import Repeated
 
 if TYPE_CHECKING:
     pass
@@ -76,20 +75,20 @@ class UnitRun(NetworkRun):
         self,
         changes: Mapping[str, Mapping[str, Any]] | None = None,
         attempt: int | None = None,
-        again: Repeated | None = None,
+        parts: int = 1,
     ) -> None:
         """Restart all units from their start values, `changes` by unit name on top.
 
         Args:
             attempt: at a first run with a tolerance; each has more steps than the one before.
-            again: the parts of every step of that run, of which this is a repetition.
+            parts: of every step of the first run, which this one repeats.
 
         Raises:
             SimulationError: a unit refuses its start values, or no consistent start exists.
         """
         self.time = self.worst_residual = 0.0
         self.steps = self.unconverged = 0
-        self._parts = again.parts if again else 1
+        self._parts = parts
         self._schedule = [self._first_schedule(attempt or 0)]
         step = self._schedule[0][0] / self._parts
         self._refuse_odd(step)
@@ -147,7 +146,6 @@ class UnitRun(NetworkRun):
             order=CUBIC_ORDER if self.is_cubic else LINEAR_ORDER,
             steepest_order=math.inf,
             caution=1,
-            left_in_loop=1.0,
             ends_at_events=False,
             can_collide=False,
             fastest=0.0,

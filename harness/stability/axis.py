@@ -111,7 +111,7 @@ class Map(Outcome):
         """One line a point of the grid.
 
         Args:
-            columns: grids by their heads.
+            columns: the heading of each column -> its values on the grid.
             failure: why a point has failed, the last column; there the others are empty.
         """
         rows = []

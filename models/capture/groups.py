@@ -206,6 +206,6 @@ class Lag:
         return found
 
     def moments(self, numbers: Array) -> Array:
-        """Static moments (b, c) of bunched weights, by their numbers (b, c) [kg m]."""
+        """Static moments (b, c) of bunched weights [kg m] from their counts (b, c)."""
         pairs = zip(self.groups, numbers.T, strict=True)
         return np.stack([group.bunched(column) for group, column in pairs], axis=1)

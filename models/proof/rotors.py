@@ -208,7 +208,7 @@ def _with_bodies(
 
 
 def _rubber(table: Mapping[str, Any]) -> dict[int, list[Zener]]:
-    """Elements along x and y of the supports and feet that are rubber, by their numbers."""
+    """For the number of each support or foot of rubber, its elements along x and y."""
     found = {}
     count = 1 if table["kind"] == "planar" else 2
     if table["support_loss_factor"]:
