@@ -105,6 +105,7 @@ class CoSimulation(Coupled):
         self.time = self.worst_residual = 0.0
         self.steps = self.unconverged = 0
         first, self._parts = None, parts
+        self._first_steps: list[list[float]] = []
         if self.scene.coupling.tolerance is not None and self.coupled:
             first = FEWEST_CHOSEN * FINER_FIRST ** (attempt or 0)
         self._schedule = schedule(self.scene, first)
@@ -156,18 +157,19 @@ class CoSimulation(Coupled):
         return negligible
 
     def _cover(self, step: float) -> None:
-        """A communication step: behind a jump of the drive, and divided where it has no past."""
+        """A communication step: behind a jump of the drive, and divided where there is no past."""
         started, begin = self.system.has_no_past, self.time
         left = step - self._cross_jump(step)
         halvings = self.scheme.startup_halvings
-        parts = [left]
         if self.system.has_no_past and (started or halvings):
-            parts = doubling_steps(self.system, left, halvings)
-        for number, part in enumerate(parts):
+            halvings = steep_halvings(self.system, self._parts * step, halvings)
+            self._first_steps = divided_doubling(halvings, self._parts)
+        shares = self._first_steps.pop(0) if self._first_steps else [1.0]
+        for number, share in enumerate(shares):
             if number:
                 self._drive_jumps()
-            self._advance_part(part)
-        if started and len(parts) > 1:
+            self._advance_part(share * left)
+        if started and len(shares) > 1:
             self.scheme.after_start(self.system, self.time, step)
         self.time = begin + step
 
@@ -205,8 +207,8 @@ class CoSimulation(Coupled):
         )
 
 
-def doubling_steps(system: System, step: float, halvings: int = 0) -> list[float]:
-    """Lengths that add up to `step` [s], doubling; just `step` where nothing is steep.
+def steep_halvings(system: System, step: float, halvings: int = 0) -> int:
+    """How often the first step [s] is halved; `halvings` where no force starts steeply.
 
     Weights under heavy drag d are pulled into the rotor's motion within 1/d: a cubic over a whole
     first step with the slope of that instant is wrong by d times the step, while its loop
@@ -216,12 +218,30 @@ def doubling_steps(system: System, step: float, halvings: int = 0) -> list[float
         halvings: wanted in any case.
     """
     if system.order == 0 or not system.coupled:
-        return [step]
+        return 0
     for kind in system.kinds:
         largest, slope = np.abs(system.forces.now[kind]).max(axis=0).tolist()
         change = step * slope
         if change > STEEP_FORCE_CHANGE * largest > 0.0:
             steep = math.ceil(math.log2(change / (FIRST_CHANGE * largest)))
             halvings = max(halvings, min(MOST_HALVINGS, steep))
-    first = math.ldexp(step, -halvings)
-    return [first, *(math.ldexp(step, -k) for k in range(halvings, 0, -1))]
+    return halvings
+
+
+def divided_doubling(halvings: int, parts: int) -> list[list[float]]:
+    """Steps that double up to the first one of a run, each divided into parts.
+
+    A finer run divides them as it divides all others: were they the same in both, their errors
+    would be, and the difference of the two runs would not show them.
+
+    Returns:
+        Of each of the `parts` communication steps that take the place of the first one, the lengths
+        of its steps over its own; they add up to 1.
+    """
+    shares: list[list[float]] = [[] for _ in range(parts)]
+    at, end = 0, 1 << halvings  # of the present communication step, in the shortest step
+    for doubling in (0, *range(halvings)):
+        for _ in range(parts):
+            shares[at // end].append(math.ldexp(1.0, doubling - halvings))
+            at += 1 << doubling
+    return shares

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 
@@ -16,7 +18,7 @@ from autobalancer.harness.accuracy.stress.cases_weights import two_pendulums
 from autobalancer.harness.accuracy.stress.run import run_case, stress
 from autobalancer.harness.errors import SimulationError
 from autobalancer.harness.master import facts
-from autobalancer.harness.master.cosimulation import CoSimulation, doubling_steps
+from autobalancer.harness.master.cosimulation import CoSimulation, divided_doubling, steep_halvings
 from autobalancer.harness.master.recorder import recorded
 from autobalancer.harness.result.run import cosimulate
 from autobalancer.models.monolith import reference
@@ -70,9 +72,18 @@ def test_first_step_is_divided_only_where_forces_start_steeply():
         build = load_scene("two_balls").replace({"weights.drag": factor * 0.0125})
         with CoSimulation(build) as cosim:
             cosim.start()
-            lengths = doubling_steps(cosim.system, 0.1)
-            assert (len(lengths) > 1) is divided
-            assert sum(lengths) == pytest.approx(0.1, rel=1e-14)
+            assert (steep_halvings(cosim.system, 0.1) > 0) is divided
+
+
+@pytest.mark.parametrize("parts", [1, 2, 3, 7])
+def test_finer_run_divides_every_one_of_the_first_steps(parts):
+    halvings = 5
+    shares = divided_doubling(halvings, parts)
+    assert [sum(each) for each in shares] == [1.0] * parts
+    ends = np.cumsum([share for each in shares for share in each]) / parts
+    coarse = np.cumsum([0.0, *divided_doubling(halvings, 1)[0]])
+    expected = [np.linspace(a, b, parts + 1)[1:] for a, b in pairwise(coarse)]
+    np.testing.assert_allclose(ends, np.concatenate(expected), rtol=1e-14)
 
 
 def test_given_steps_of_separate_units_are_noted_to_have_no_estimate():
