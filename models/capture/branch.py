@@ -8,7 +8,7 @@ falls, and bunched weights repel each other.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,6 +21,7 @@ from .receptance import Poles, Receptance
 _ABOVE = np.array([0.0, 0.12, 0.3, 0.6, 1.0, 1.6, 2.4, 3.4])  # half widths, beyond a pole
 _NEAR_BELOW = np.array([0.12, 0.3, 0.6, 1.0, 1.6, 2.4])
 _POINTS_BELOW = 16
+_SCREEN = np.array([-1.0, -0.3, 0.0, 0.3, 1.0])  # the first look
 _LOWEST = 0.03  # of a natural frequency: how far down motions are looked for
 _NARROWEST = 1e-7  # half width over frequency, of undamped rotors too
 _SMALLEST_LAG = 1e-3  # of a peak's speed: weights that lag less are let go at once
@@ -29,7 +30,10 @@ _FARTHEST_POLE = 1.5  # of the rotor's speed: weights lag below a natural freque
 LAGS = 0.02  # of the rotor's speed: weights that lag by more are left behind
 WITH = 0.004  # of it: weights that lag by less turn with the rotor
 _FARTHEST_PEAK = 3.0  # half widths between a pole and its peak
-_WORTH_REFINING = 0.4  # limit of the drag over the drag that can be 1
+_WORTH_A_GRID, _WORTH_REFINING = 0.25, 0.4  # limit of the drag over the drag that can be 1
+_FEW = 40  # rows that are not worth a first look
+NEARLY = 0.8  # the same, at a drag beside which it can be 1
+_NOT_HELD = 0.5  # at most, where no motion belongs to it
 _SAME_PEAK = 0.05  # half widths: peaks so near are one
 _REFINEMENTS, _AT_ONCE = 4, 9  # each time one of so many points less one is kept
 
@@ -84,34 +88,66 @@ def find_branches(receptance: Receptance, lag: Lag, speed: float) -> Branches:
     return _branches(receptance, lag, speed, poles, pole[at], every[at])
 
 
-def at_drags(
+def ratios_at_drags(
     branches: Branches, receptance: Receptance, lag: Lag, rows: Indices, factors: Array
-) -> tuple[Branches, Indices]:
-    """Some of the branches (b,), of weights whose drags are multiplied by one factor (b,) each.
+) -> Array:
+    """L(d)/d of some of the branches (b,) whose drags are multiplied by one factor (b,) each.
 
-    Returns:
-        Those whose weights may be left behind, and which of the rows they are.
+    0 where it is far below 1.  From `NEARLY` on only where a motion belongs to it.
     """
+    poles, pole, numbers = branches.poles, branches.pole[rows], branches.numbers[rows]
+    speed = branches.speed
+    own = near_poles(receptance, lag, poles.select(pole), speed, numbers, factors)
+    many = len(rows) > _FEW
+    at = np.arange(len(rows))
+    if many:
+        kept = _worth_a_grid(receptance, lag, speed, poles, pole, numbers, own, factors)
+        at = np.flatnonzero(kept)
 
-    def find(at: Indices, first: int) -> Branches:
-        numbers, pole = branches.numbers[rows[at]], branches.pole[rows[at]]
-        args = branches.speed, branches.poles, pole, numbers, factors[at]
-        return _coarse(receptance, lag, *args, first)
+    def along(first: int) -> Branches:
+        near = poles, pole[at], numbers[at], own.select(at), factors[at]
+        return _coarse(receptance, lag, speed, *near, first)
 
-    near = find(np.arange(len(rows)), _POINTS_BELOW - 1)  # no peak is as far below
-    at = np.flatnonzero(drag_ratios(near) > _WORTH_REFINING)
-    found = find(at, 0)
-    if len(at) and len(lag.groups) > 1:
-        known = np.flatnonzero(~np.isnan(found.peak))
-        _refine(found, receptance, lag, known, factors[at[known]])
-    return found, at
+    found = np.zeros(len(rows))
+    near = along(_POINTS_BELOW - 1 if many else 0)  # no peak is as far below
+    if len(lag.groups) > 1:
+        worth = np.flatnonzero(drag_ratios(near) > _WORTH_REFINING)
+        _refine(near, receptance, lag, worth, factors[at[worth]])
+    found[at] = ratios = drag_ratios(near)
+    if len(high := np.flatnonzero(ratios > NEARLY)):
+        if many:
+            at = at[high]
+            near = replace(along(0), peak=near.peak[high], lag=near.lag[high])
+            ratios = drag_ratios(near)
+        found[at] = np.where((ratios <= NEARLY) | _can_be_held(near), ratios, _NOT_HELD)
+    return found
+
+
+def _worth_a_grid(
+    receptance: Receptance,
+    lag: Lag,
+    speed: float,
+    poles: Poles,
+    pole: Indices,
+    numbers: Array,
+    own: Poles,
+    factors: Array,
+) -> NDArray[np.bool_]:
+    """Whether L(d)/d is not far below 1 (b,) at a few points, or there is no motion at some."""
+    points = own.frequency[:, None] + own.decay[:, None] * _SCREEN
+    points = np.minimum(points, (1.0 - LAGS) * speed)
+    start = _mode_angles(poles, lag, pole)
+    lags, _ = lag.at(receptance, points, speed, numbers, start, factors)
+    low = (lags <= _WORTH_A_GRID * (speed - points)).all(axis=1)
+    return np.asarray(~low & (own.decay > 0.0))
 
 
 def _branches(
     receptance: Receptance, lag: Lag, speed: float, poles: Poles, pole: Indices, numbers: Array
 ) -> Branches:
     """Those of numbers (b, c) of weights near poles (b,), by rising pole."""
-    found = _coarse(receptance, lag, speed, poles, pole, numbers)
+    own = near_poles(receptance, lag, poles.select(pole), speed, numbers)
+    found = _coarse(receptance, lag, speed, poles, pole, numbers, own)
     rows = np.flatnonzero(~np.isnan(found.peak))
     if len(rows) and len(lag.groups) > 1:
         _refine(found, receptance, lag, rows)
@@ -126,14 +162,14 @@ def _coarse(
     poles: Poles,
     pole: Indices,
     numbers: Array,
+    own: Poles,
     factors: float | Array = 1.0,
     first: int = 0,
 ) -> Branches:
-    """The same from one point of the grid on, with peaks as high as between its points."""
-    own = near_poles(receptance, lag, poles.select(pole), speed, numbers, factors)
+    """The same along a grid, from a point of it on, with peaks as high as between its points."""
     frequency = _grid(own)[:, first:]
     _move_to(frequency, (1.0 - LAGS) * speed)
-    start = np.angle(poles.shapes[:, lag.planes]).astype(float)[pole]
+    start = _mode_angles(poles, lag, pole)
     lags, phases = lag.at(receptance, frequency, speed, numbers, start, factors)
     peak, held, top = _peaks(frequency, lags, own)
     lower = np.append(0.0, poles.frequency)[pole]
@@ -141,6 +177,11 @@ def _coarse(
     return Branches(
         speed, poles, own, pole, lowest, numbers, peak, held, frequency, lags, phases, top
     )
+
+
+def _mode_angles(poles: Poles, lag: Lag, pole: Indices) -> Array:
+    """Phases (b, c) of the groups' planes in some modes [rad]."""
+    return np.angle(poles.shapes[:, lag.planes]).astype(float)[pole]
 
 
 def near_poles(
@@ -299,7 +340,7 @@ def _nearest_lags(branches: Branches, rows: Indices) -> Array:
     return branches.lags[rows, np.clip((w < at).sum(axis=1), 0, w.shape[1] - 1)]
 
 
-def can_be_held(branches: Branches) -> NDArray[np.bool_]:
+def _can_be_held(branches: Branches) -> NDArray[np.bool_]:
     """Whether there is a motion (b,) on the rising side of the brake, as `follow` finds it."""
     w, lags, speed, every = branches.frequency, branches.lags, branches.speed, len(branches.peak)
     nearest = (1.0 - LAGS) * speed

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..arrays import Array, Indices
-from .branch import Branches, at_drags, can_be_held, drag_ratios, near_poles
+from .branch import NEARLY, Branches, drag_ratios, near_poles, ratios_at_drags
 from .groups import Lag
 from .receptance import Receptance
 
@@ -22,7 +22,6 @@ _LADDER = np.concatenate([np.linspace(0.0, 0.8, 17), np.linspace(0.9, 2.0, 12)])
 _LADDERS = 4  # at most, each from the end of the one before
 _HOPELESS = 0.3  # L(d)/d, by the damping of the natural frequency at d, that is never 1
 _NEAR = 0.7  # of the rotor's speed: peaks and natural frequencies above it move with the drag
-_NOT_HELD = 0.5  # L(d)/d at most, where no motion belongs to it
 _FINER = np.linspace(0.0, 1.0, 9)  # between two drags
 _STEEPEST, _AT_JUMP = 10.0, 2e-3  # slope of the logarithms that is a jump, and how near it is found
 _FAR_BELOW = 0.8  # of the limit of k = N, which is exact: k < N of one group do not decide
@@ -55,48 +54,61 @@ class _Search:
         """It, or `whole`, that of k = N, where there is none above the lowest drag."""
         drags = lowest * np.exp(_LADDER)
         for _ in range(_LADDERS):
-            found = self._ratios(drags)
+            found = self._along(drags)
             high = np.flatnonzero(found.max(axis=1) >= 1.0)
             if not len(high):
                 return whole
             k = int(high[-1])
             if k + 1 < len(drags):
-                return self._between(drags[k], drags[k + 1])
+                return self._between(drags[k], drags[k + 1], found[k : k + 2])
             drags = drags * (drags[-1] / drags[0])
         return float(drags[0])
 
-    def _between(self, low: float, high: float) -> float:
-        """Where the largest L(d)/d falls to 1, or the end of a jump."""
+    def _along(self, drags: Array) -> Array:
+        """L(d)/d (d, rows) at every second drag, and between two of which one is nearly 1."""
+        every = np.arange(len(self._rows))
+        found = np.zeros((len(drags), len(every)))
+        found[::2] = self._ratios(drags[::2], every)
+        largest = found[::2].max(axis=1)
+        between = 1 + 2 * np.flatnonzero(np.maximum(largest[:-1], largest[1:]) > NEARLY)
+        if len(between):
+            found[between] = self._ratios(drags[between], every)
+        return found
+
+    def _between(self, low: float, high: float, ends: Array) -> float:
+        """Where the largest L(d)/d, (2, rows) at the ends, falls to 1, or the end of a jump."""
         while True:
+            rows = np.flatnonzero(ends.max(axis=0) > NEARLY)
             drags = low * (high / low) ** _FINER
+            each = np.zeros((len(drags), ends.shape[1]))
+            each[0], each[-1] = ends
+            each[1:-1, rows] = self._ratios(drags[1:-1], rows)
             with np.errstate(divide="ignore"):
-                found = np.log(self._ratios(drags).max(axis=1))
+                found = np.log(each.max(axis=1))
             k = min(int(np.flatnonzero(found[:-1] >= 0.0)[-1:].sum()), len(drags) - 2)
-            low, high = drags[k], drags[k + 1]
+            low, high, ends = drags[k], drags[k + 1], each[k : k + 2]
             width, fall = math.log(high / low), found[k] - found[k + 1]
             if fall < _STEEPEST * width:
                 return float(low * math.exp(width * found[k] / fall)) if found[k] > 0.0 else low
             if width < _AT_JUMP:
                 return float(high)
 
-    def _ratios(self, drags: Array) -> Array:
-        """L(d)/d (d, rows) at factors of the drags; 0 where it is certainly below 1."""
-        found = np.zeros((len(drags), len(self._rows)))
-        which, at = np.nonzero(self._can_be_high(drags))
+    def _ratios(self, drags: Array, rows: Indices) -> Array:
+        """L(d)/d (d, r) at factors of the drags, of some rows; 0 where it is certainly below 1."""
+        found = np.zeros((len(drags), len(rows)))
+        which, at = np.nonzero(self._can_be_high(drags, rows))
         if len(at):
-            branches, high = at_drags(
-                self._branches, self._receptance, self._lag, self._rows[at], drags[which]
+            found[which, at] = ratios_at_drags(
+                self._branches, self._receptance, self._lag, self._rows[rows[at]], drags[which]
             )
-            ratios, held = drag_ratios(branches), can_be_held(branches)
-            found[which[high], at[high]] = np.where(held, ratios, np.minimum(ratios, _NOT_HELD))
         return found
 
-    def _can_be_high(self, drags: Array) -> NDArray[np.bool_]:
-        """Whether L(d)/d can be 1, (d, rows): where the damping at d does not exclude it.
+    def _can_be_high(self, drags: Array, which: Indices) -> NDArray[np.bool_]:
+        """Whether L(d)/d can be 1, (d, r) of some rows: where the damping at d does not exclude it.
 
         L(d) is in proportion to one over the damping while the peak stays where it is.
         """
-        rows, branches = self._rows, self._branches
+        rows, branches = self._rows[which], self._branches
         poles = branches.poles.select(np.tile(branches.pole[rows], len(drags)))
         numbers = np.tile(branches.numbers[rows], (len(drags), 1))
         factors = np.repeat(drags, len(rows))
@@ -104,7 +116,7 @@ class _Search:
             self._receptance, self._lag, poles, branches.speed, numbers, factors
         ).decay.reshape(len(drags), -1)
         with np.errstate(divide="ignore", invalid="ignore"):
-            high = self._now * branches.own.decay[rows] > _HOPELESS * there * drags[:, None]
+            high = self._now[which] * branches.own.decay[rows] > _HOPELESS * there * drags[:, None]
             far = np.maximum(branches.peak, branches.poles.frequency[branches.pole])[rows]
             unknown = ~(far < _NEAR * branches.speed)
         return np.asarray((there > 0.0) & (high | unknown))
