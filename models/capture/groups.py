@@ -123,6 +123,8 @@ class Lag:
         self.used, self.planes = np.unique([one.plane for one in groups], return_inverse=True)
         self._resistance = drags * np.array([one.radius**2 for one in groups])
         self._counts = np.array([one.count for one in groups])
+        self._moments = np.array([one.moment for one in groups])
+        self._have_size = any(one.half_angle for one in groups)
         self._shares = np.array([one.mass / one.kappa for one in groups])
         rates = drags / np.array([one.kappa * one.mass for one in groups])
         place = np.eye(len(self.used))[self.planes]
@@ -207,5 +209,7 @@ class Lag:
 
     def moments(self, numbers: Array) -> Array:
         """Static moments (b, c) of bunched weights [kg m] from their counts (b, c)."""
+        if not self._have_size:
+            return numbers * self._moments
         pairs = zip(self.groups, numbers.T, strict=True)
         return np.stack([group.bunched(column) for group, column in pairs], axis=1)

@@ -75,6 +75,18 @@ class Receptance:
         self._out = both if rotor.isotropic else 0.5 * turning.conj().T @ both
         self._into = both.T if rotor.isotropic else both.T @ turning
         self._forces = self._into[:, : len(used)]
+        self._terms = np.stack(
+            [
+                each.reshape(-1)
+                for each in (
+                    self._stiffness, self._stiffness_by_speed, -self._mass, self._damping,
+                    self._damping_by_speed,
+                )
+            ],
+            axis=1,
+        ).astype(complex)  # fmt: skip
+        # (q q, 4): by the elements of the inverse of a dynamic stiffness
+        self._around = np.kron(self._out, self._into.T) if len(self._mass) == 2 else self._out
         self.parts = 1 if rotor.isotropic else 2
         self._motion: tuple[float, Complex, Complex] | None = None
         self._kept: tuple[float, tuple[Complex, Complex] | None] | None = None
@@ -94,6 +106,8 @@ class Receptance:
             apart[apart == 0.0] = np.finfo(float).tiny  # at a natural frequency without damping
             return np.asarray(residues @ (1.0 / apart)).reshape(shape)
         speeds = np.broadcast_to(np.reshape(speed, (-1, 1)), frequency.shape)
+        if len(self._mass) == 2:
+            return (self._around @ self._inverse_of_two(frequency, speeds)).reshape(shape)
         dynamic = self._dynamic(frequency.reshape(-1), speeds.reshape(-1))
         moved = self._out @ np.linalg.solve(dynamic, self._into[None])
         return np.ascontiguousarray(np.moveaxis(moved, 0, -1)).reshape(shape)
@@ -195,6 +209,13 @@ class Receptance:
             damping = damping + om * self._damping_by_speed
             stiffness = stiffness + om * self._stiffness_by_speed
         return np.asarray(stiffness - w * w * self._mass + 1j * w * damping)
+
+    def _inverse_of_two(self, frequency: Array, speed: Array) -> Complex:
+        """Inverse (4, r j) of the dynamic stiffness of two displacements, by its determinant."""
+        w, om = frequency.reshape(-1), speed.reshape(-1)
+        terms = np.stack([np.ones_like(w), om, w * w, 1j * w, 1j * w * om])
+        (a, b, c, d) = self._terms @ terms
+        return np.stack([d, -b, -c, a]) / (a * d - b * c)
 
 
 def solve_first(matrix: Complex, right: Complex) -> Complex:
