@@ -7,7 +7,8 @@ the rotor on average.
 balanced: all weights turn with the rotor, which vibrates less than `BALANCED` of what it does
     without balancers, and no more than before.
 left behind: some weights turn at a steady speed below the rotor's, the same for all of them or
-    beside several natural frequencies.
+    beside several natural frequencies.  Where the vibration beats, through all windows, and of a
+    run five times as long: weights that slip now and then do not do so in each window.
 synchronous, not balanced: all weights rest in the rotor, and it vibrates on.
 two frequencies: the weights turn with the rotor and swing steadily, or slip by less than 2 % of
     its speed.
@@ -31,6 +32,7 @@ BALANCED = 0.05  # of the vibration without balancers
 GROWS = 1.5  # times the vibration of the first late window: it is not settled
 STEADY_LAG, STEADY_VIBRATION = 0.02, 0.06  # relative changes over the late windows
 ALIKE = 0.02  # relative: lags of weights that are left behind together
+CALM = 0.02  # the same of a vibration that no longer look will find to change
 BEATS = 0.15  # relative: by so much the vibration of a steady motion differs between windows
 LARGEST_SWING = 2.0  # rad, peak to peak, of a weight that is left behind steadily
 RESTS = 0.02  # rad by which a weight at rest in the rotor moves in a window
@@ -79,12 +81,14 @@ class Found:
         weights: how many are left behind.
         frequency: at which they turn [rad/s]; NaN: none, or beside several natural frequencies.
         vibration: in the last windows [m].
+        decided: whether a longer look would find the same.
     """
 
     kind: Array
     weights: Array
     frequency: Array
     vibration: Array
+    decided: Array
 
 
 def classify(seen: Seen, alone: float, speed: float) -> Found:
@@ -100,7 +104,9 @@ def classify(seen: Seen, alone: float, speed: float) -> Found:
     late = seen.vibration[:, -LATE:].max(axis=1)
     for r in range(count):
         kind[r], weights[r], frequency[r] = _one(seen, r, alone, speed)
-    return Found(kind.astype(float), weights, frequency, late)
+    calm = np.ptp(seen.vibration[:, -LATE:], axis=1) <= CALM * late
+    decided = np.isin(kind, (Kind.BALANCED, Kind.FAILED)) | ((kind == Kind.BEHIND) & calm)
+    return Found(kind.astype(float), weights, frequency, late, decided)
 
 
 def _one(seen: Seen, r: int, alone: float, speed: float) -> tuple[Kind, int, float]:
@@ -121,16 +127,23 @@ def _one(seen: Seen, r: int, alone: float, speed: float) -> tuple[Kind, int, flo
         return Kind.UNDECIDED if moves else Kind.IRREGULAR, 0, np.nan
     if not behind.any():
         return _turning_with_the_rotor(v, seen.swing[r], alone, moves), 0, np.nan
-    late = lag[:, behind]
-    swing = np.minimum(seen.swing[r, -LATE:][:, behind].max(axis=0), LARGEST_SWING)
-    beats = 2.0 * swing / seen.seconds  # of a steady swing that a window cuts anywhere
-    steady = np.ptp(late, axis=0) <= STEADY_LAG * late.mean(axis=0) + beats
-    alike = np.ptp(late.mean(axis=0)) <= ALIKE * late.mean()
-    if steady.all() and not moves and beats_little:
+    swing, window = seen.swing[r][:, behind], seen.seconds
+    calm = np.ptp(v[-LATE:]) <= CALM * v[-LATE:].max()
+    first = -LATE if calm else 0
+    steady = _turn_steadily(seen.lag[r, first:][:, behind], swing[first:], window)
+    if steady and not moves and np.ptp(v[first:]) <= BEATS * v[first:].mean():
+        late = lag[:, behind].mean(axis=0)
+        alike = np.ptp(late) <= ALIKE * late.mean()
         return Kind.BEHIND, int(behind.sum()), om - float(late.mean()) if alike else np.nan
     each = seen.lag[r][:, behind]
     drifts = any(_drifts(column) for column in each.T)
     return Kind.UNDECIDED if drifts or moves else Kind.IRREGULAR, 0, np.nan
+
+
+def _turn_steadily(lag: Array, swing: Array, seconds: float) -> bool:
+    """Whether weights lag (j, k) by as much in every window, but for a steady swing (j, k)."""
+    beats = 2.0 * np.minimum(swing.max(axis=0), LARGEST_SWING) / seconds  # cut anywhere
+    return bool((np.ptp(lag, axis=0) <= STEADY_LAG * lag.mean(axis=0) + beats).all())
 
 
 def _turning_with_the_rotor(v: Array, swing: Array, alone: float, moves: bool) -> Kind:

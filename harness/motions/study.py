@@ -28,7 +28,6 @@ if TYPE_CHECKING:
 CHUNK = 25  # starts worked on together
 EXTENDED, MOST_EXTENDED = 5.0, 16.0  # times as long a run that has not decided is run once more
 TIME_CONSTANTS = 8.0  # of the balanced motion, which that run lasts at least
-DECIDED = (Kind.BALANCED, Kind.BEHIND, Kind.FAILED)  # what a first look can tell
 _Rows = tuple["NDArray[Any]", ...]  # kind, weights, frequency, vibration, largest, failure
 
 
@@ -86,7 +85,7 @@ def _runs(work: tuple[Scene, float, str, int, int, int]) -> _Rows:
     bare = alone(scene, speed)
     seen, failure, largest = run(made)
     found = classify(seen, bare, speed)
-    open_ = np.flatnonzero(~np.isin(found.kind, DECIDED))
+    open_ = np.flatnonzero(~found.decided)
     if len(open_):
         again, reasons, peaks = run(made.longer(_extension(scene, made), open_))
         later = classify(again, bare, speed)

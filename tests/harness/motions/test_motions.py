@@ -57,6 +57,28 @@ def test_windows_are_named_by_the_rules(vibration, lag, swing, kind, weights):
         assert np.isnan(found.frequency[0])
 
 
+EARLY_SLIP = np.array([0.3, 0, 0, 0, 0, 0, 0, 0])
+BEATING = 5.0 + 0.1 * np.array([1, -1, 1, 1, -1, 1, -1, -1])
+
+
+@pytest.mark.parametrize(
+    ("vibration", "slip", "kind", "decided"),
+    [
+        (5.0, 0.0, Kind.BEHIND, True),
+        (5.0, EARLY_SLIP, Kind.BEHIND, True),  # on its way to a motion that does not beat
+        (BEATING, 0.0, Kind.BEHIND, False),
+        (BEATING, EARLY_SLIP, Kind.IRREGULAR, False),
+    ],
+)
+def test_beating_weights_are_left_behind_where_a_long_run_shows_no_slip(
+    vibration, slip, kind, decided
+):
+    lags = 2.1 - np.broadcast_to(slip, WINDOWS)
+    one = seen(vibration, np.stack([lags, np.full(WINDOWS, 2.1)], axis=1))
+    found = classify(one, 1.0, 3.0)
+    assert (Kind(int(found.kind[0])), found.decided[0]) == (kind, decided)
+
+
 def test_wilsons_interval_is_that_of_his_formula():
     assert wilson(9, 100) == pytest.approx((0.0481, 0.1623), abs=2e-4)
     assert wilson(0, 40)[0] == 0.0
