@@ -22,6 +22,7 @@ from dataclasses import dataclass
 from enum import IntEnum
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ...models.arrays import Array
 from ...models.capture import Capture
@@ -88,7 +89,7 @@ class Found:
     weights: Array
     frequency: Array
     vibration: Array
-    decided: Array
+    decided: NDArray[np.bool_]
 
 
 def classify(seen: Seen, alone: float, speed: float) -> Found:
