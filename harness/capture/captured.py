@@ -185,13 +185,10 @@ def captured(scene: Scene, speed: float | None = None) -> Captured:
         raise SceneError(
             f"{scene.name}: {there}: only balls, rollers and pendulums can be left behind; {remedy}"
         )
-    if scene.assembly().rotor.varies:
-        raise SceneError(
-            f"{scene.name}: rotor.bearings: the closed form of weights that are left behind does "
-            "not support a table over the speed: give stiffness and damping at one speed"
-        )
     scene.refuse_friction("the closed form of weights that are left behind is that")
-    found = capture(scene.assembly(), scene.profile().end if speed is None else speed)
+    speed = scene.profile().end if speed is None else speed
+    refuse_outside_tables(scene, speed)
+    found = capture(scene.assembly(), speed)
     kinds = {one.kind for one in holders}
     given = all(group.drag > 0.0 for group in found.groups)
     return Captured(
@@ -205,6 +202,17 @@ def captured(scene: Scene, speed: float | None = None) -> Captured:
         found,
         scene,
     )
+
+
+def refuse_outside_tables(scene: Scene, speed: float) -> None:
+    """Raise SceneError where tables of bearings do not hold a speed [rad/s]."""
+    rotor = scene.assembly().rotor
+    if not rotor.holds(speed, speed):
+        low, high = rotor.table_speeds
+        raise SceneError(
+            f"{scene.name}: speed = {speed:.6g} rad/s: must be within {low:.6g} to {high:.6g} "
+            "rad/s, which the tables of rotor.bearings hold"
+        )
 
 
 def captured_or_none(scene: Scene, speed: float | None = None) -> Captured | None:

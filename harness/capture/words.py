@@ -40,7 +40,7 @@ def sentence(data: Captured) -> str:
         why = "no natural frequency below that speed brakes them"
         return f"Closed form: no {called} can be left behind at {at}: {why}."
     if found.all_pass:
-        known = not math.isnan(found.release_speed)
+        known = math.isfinite(found.release_speed)
         let_go = in_both(found.release_speed, "rad/s") if known else ""
         by = f"; a slow run-up lets all go by {let_go}" if known else ""
         below = "left behind only below drag"

@@ -11,6 +11,7 @@ import numpy as np
 from ...models.arrays import Array
 from ...models.harmonic_balance import NoResponse, largest_displacement, unbalance_response
 from ...models.linear.modes import lowest_natural
+from ..capture.captured import refuse_outside_tables
 from ..errors import UserError
 from ..output.outcome import Outcome
 from ..output.table import Sheet
@@ -102,10 +103,12 @@ def sweep(scene: Scene, low: float, high: float, *, seed: int = 1) -> Sweep:
     """One slow rise from `low` to `high` [rad/s] and one fall from a balanced start at `high`.
 
     Raises:
-        UserError: the range is empty, or a run fails.
+        UserError: the range is empty, tables of bearings do not hold it, or a run fails.
     """
     if not 0.0 < low < high:
         raise UserError(f"--sweep {low:g} to {high:g} rad/s: must be positive and rising")
+    for end in (low, high):
+        refuse_outside_tables(scene, end)
     scene, _ = perturbed(scene)
     lowest = lowest_natural(scene.assembly().resting_rotor)
     seconds = _PERIODS * math.tau / lowest

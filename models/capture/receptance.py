@@ -22,6 +22,7 @@ from numpy.typing import NDArray
 
 from ..arrays import Array, Complex, Indices
 from ..rotor import LinearRotor
+from .coefficients import Coefficients
 
 _STILL = 1e-6  # |Im|/|lambda| below it does not oscillate
 _WORST_VECTORS = 1e7  # condition of the eigenvectors up to which a receptance is a sum over them
@@ -62,11 +63,9 @@ class Receptance:
 
     def __init__(self, rotor: LinearRotor, planes: Indices | None = None) -> None:
         self.rotor = rotor
-        self.follows_speed = bool(rotor.gyroscopic.any() or rotor.internal_damping.any())
-        self._mass, self._damping, self._stiffness = rotor.coefficients(0.0)
-        _, damping, stiffness = rotor.coefficients(1.0)
-        self._damping_by_speed = damping - self._damping
-        self._stiffness_by_speed = stiffness - self._stiffness
+        self.coefficients = Coefficients(rotor)
+        self._mass = self.coefficients.mass
+        self.follows_speed = self.coefficients.follow_speed
         used = (rotor.planes if planes is None else rotor.planes[planes]).astype(complex)
         self.plane_count = len(used)
         one = np.eye(len(used))
@@ -75,16 +74,6 @@ class Receptance:
         self._out = both if rotor.isotropic else 0.5 * turning.conj().T @ both
         self._into = both.T if rotor.isotropic else both.T @ turning
         self._forces = self._into[:, : len(used)]
-        self._terms = np.stack(
-            [
-                each.reshape(-1)
-                for each in (
-                    self._stiffness, self._stiffness_by_speed, -self._mass, self._damping,
-                    self._damping_by_speed,
-                )
-            ],
-            axis=1,
-        ).astype(complex)  # fmt: skip
         # (q q, 4): by the elements of the inverse of a dynamic stiffness
         self._around = np.kron(self._out, self._into.T) if len(self._mass) == 2 else self._out
         self.parts = 1 if rotor.isotropic else 2
@@ -106,9 +95,9 @@ class Receptance:
             apart[apart == 0.0] = np.finfo(float).tiny  # at a natural frequency without damping
             return np.asarray(residues @ (1.0 / apart)).reshape(shape)
         speeds = np.broadcast_to(np.reshape(speed, (-1, 1)), frequency.shape)
-        if len(self._mass) == 2:
-            return (self._around @ self._inverse_of_two(frequency, speeds)).reshape(shape)
         dynamic = self._dynamic(frequency.reshape(-1), speeds.reshape(-1))
+        if len(self._mass) == 2:
+            return np.asarray(self._around @ inverse_of_two(dynamic)).reshape(shape)
         moved = self._out @ np.linalg.solve(dynamic, self._into[None])
         return np.ascontiguousarray(np.moveaxis(moved, 0, -1)).reshape(shape)
 
@@ -174,7 +163,7 @@ class Receptance:
         vectors = vectors[: len(vectors) // 2].T
         found = values.imag > _STILL * np.abs(values)
         order = np.flatnonzero(found)[np.argsort(values[found].imag)]
-        modes, damping = vectors[order], self._damping + speed * self._damping_by_speed
+        modes, (damping, _) = vectors[order], self.coefficients.at(np.array([speed]))
         inertia = -2.0 * values[order].imag[:, None, None] * self._mass + 1j * damping
         slopes = np.einsum("mi,mij,mj->m", modes.conj(), inertia, modes)
         shapes = modes @ self._forces.conj()
@@ -193,29 +182,23 @@ class Receptance:
 
     def _first_order(self, speeds: Array) -> Complex:
         """Matrices (b, m, m) of displacements and velocities."""
-        om, size = speeds[:, None, None], len(self._mass)
-        inverse = np.linalg.inv(self._mass)
-        matrix = np.zeros((len(speeds), 2 * size, 2 * size), self._mass.dtype)
+        size, inverse = len(self._mass), np.linalg.inv(self._mass)
+        damping, stiffness = self.coefficients.at(speeds)
+        matrix = np.zeros((len(speeds), 2 * size, 2 * size), np.result_type(self._mass, damping))
         matrix[:, :size, size:] = np.eye(size)
-        matrix[:, size:, :size] = -inverse @ (self._stiffness + om * self._stiffness_by_speed)
-        matrix[:, size:, size:] = -inverse @ (self._damping + om * self._damping_by_speed)
+        matrix[:, size:, :size], matrix[:, size:, size:] = -inverse @ stiffness, -inverse @ damping
         return matrix
 
     def _dynamic(self, frequency: Array, speed: Array) -> Complex:
         """Dynamic stiffness (b, n, n) at frequencies and speeds (b,)."""
-        w, om = frequency[:, None, None], speed[:, None, None]
-        damping, stiffness = self._damping, self._stiffness
-        if self.follows_speed:
-            damping = damping + om * self._damping_by_speed
-            stiffness = stiffness + om * self._stiffness_by_speed
+        w, (damping, stiffness) = frequency[:, None, None], self.coefficients.at(speed)
         return np.asarray(stiffness - w * w * self._mass + 1j * w * damping)
 
-    def _inverse_of_two(self, frequency: Array, speed: Array) -> Complex:
-        """Inverse (4, r j) of the dynamic stiffness of two displacements, by its determinant."""
-        w, om = frequency.reshape(-1), speed.reshape(-1)
-        terms = np.stack([np.ones_like(w), om, w * w, 1j * w, 1j * w * om])
-        (a, b, c, d) = self._terms @ terms
-        return np.stack([d, -b, -c, a]) / (a * d - b * c)
+
+def inverse_of_two(matrices: Complex) -> Complex:
+    """Inverses (4, b) of matrices (b, 2, 2), by their determinants."""
+    a, b, c, d = (np.ascontiguousarray(each) for each in matrices.reshape(-1, 4).T)
+    return np.stack([d, -b, -c, a]) / (a * d - b * c)
 
 
 def solve_first(matrix: Complex, right: Complex) -> Complex:

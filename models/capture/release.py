@@ -41,7 +41,8 @@ def release_speeds(branches: Branches, receptance: Receptance, lag: Lag, rows: A
     """(r,) of some branches [rad/s]; infinite: not up to `_FARTHEST` times the rotor's speed.
 
     Returns:
-        NaN where the peak cannot be followed to the speed at which they are let go.
+        NaN where the peak cannot be followed to the speed at which they are let go, or where that
+        speed lies beyond a table of the bearings.
     """
     released = (branches.peak + branches.lag)[rows]
     all_left = branches.numbers.sum(axis=1)[rows] == sum(one.count for one in lag.groups)
@@ -59,6 +60,9 @@ def release_speeds(branches: Branches, receptance: Receptance, lag: Lag, rows: A
         peaks = _MovingPeaks(branches, receptance, lag, rows[at])
         released[at] = _followed(peaks, limit, largest)
         released[at[~all_left[at] & (released[at] > limit)]] = math.nan
+    low, high = receptance.coefficients.lowest, receptance.coefficients.highest
+    if high < math.inf:  # bearings are not known beyond their tables
+        released[~((released >= low) & (released <= high))] = math.nan
     return released
 
 

@@ -204,3 +204,31 @@ def test_weights_that_slip_steadily_by_less_than_two_per_cent_are_two_frequencie
 
 def kind_of(one):
     return Kind(int(classify(one, 1.0, 3.0).kind[0]))
+
+
+def on_a_table(low=1.0, **operation):
+    """The machine of `green` with more damping on a bearing that grows stiffer with the speed."""
+    rows = [[low, 1.0, 0, 0, 1.0, 0.1, 0, 0, 0.1], [6.0, 1.5, 0, 0, 1.5, 0.1, 0, 0, 0.1]]
+    rotor = {"kind": "planar", "mass": 1.0, "unbalance": 0.01, "bearings": [{"table": rows}]}
+    return Scene(
+        rotor=rotor, balancer=[{**BALLS, "drag": 0.003}], operation=operation or {"speed": 3.0}
+    )
+
+
+def test_balls_are_left_behind_at_the_natural_frequency_of_a_tables_speed():
+    found = on_a_table().motions([2.0, 3.0], "rest", 6)
+    for point in found.points:
+        behind = [s for s in point.shares if s.motion.kind is Kind.BEHIND]
+        assert behind
+        closed = on_a_table().capture(point.speed).found.motions
+        for share in behind:
+            (expected,) = (m.frequency for _, m in closed if m.weights == share.motion.weights)
+            assert share.frequency == pytest.approx(expected, rel=5e-3)
+
+
+def test_speeds_beyond_a_table_are_refused_before_anything_runs():
+    scene = on_a_table()
+    with pytest.raises(SceneError, match="speed = 7 rad/s: must be within 1 to 6 rad/s"):
+        scene.motions([3.0, 7.0], "rest", 2)
+    with pytest.raises(SceneError, match=r"speed = 0\.5 rad/s: must be within 1 to 6"):
+        scene.sweep(0.5, 3.0)
