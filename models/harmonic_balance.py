@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike
 
 from .arrays import Array, Complex
 from .rotor import LinearRotor
-from .supports import CubicSpring, Stop
+from .supports import CubicSpring, Slider, Stop
 
 _STEPS, _NEWTON_HALVINGS = 100, 12  # of Newton's method, of one of its steps
 SMALL = 0.01  # of the stiffness of the supports: what a cubic spring may add
@@ -39,7 +39,10 @@ def unbalance_response(rotor: LinearRotor, speeds: ArrayLike) -> Complex:
         each = [unbalance_response(rotor.at(float(w)), [w])[0] for w in np.asarray(speeds)]
         return np.array(each).reshape(-1, 2, rotor.stations)
     sliders = [slider for slider in rotor.sliders if slider.limit]
-    at = [slider.axis * rotor.stations + slider.station for slider in sliders]
+    rows = np.zeros((len(sliders), 2, rotor.stations))
+    for number, slider in enumerate(sliders):
+        rows[number, slider.axis] = slider.shares(rotor.stations)
+    across = rows.reshape(len(sliders), 2 * rotor.stations).T
     spring, limit = np.array([(s.stiffness, s.limit) for s in sliders]).reshape(-1, 2).T
     if not spring.all():
         raise NoResponse("sliders: harmonic balance takes those behind a spring alone")
@@ -55,17 +58,17 @@ def unbalance_response(rotor: LinearRotor, speeds: ArrayLike) -> Complex:
     if rotor.waves:  # they are not linear in it
         _, *each = zip(*(rotor.real_coefficients(one) for one in w[:, 0, 0].tolist()), strict=True)
         damping, stiffness = np.array(each)
-    forces = np.zeros((2 * rotor.stations, 1 + len(at)), complex)
-    forces[:, 0] = np.concatenate([rotor.unbalance, -1j * rotor.unbalance])
-    forces[at, range(1, 1 + len(at))] = 1.0
+    unbalance = np.concatenate([rotor.unbalance, -1j * rotor.unbalance])
+    forces = np.column_stack([unbalance, across])
     try:
         solutions = np.linalg.solve(stiffness - w**2 * mass + 1j * w * damping, forces[None])
     except np.linalg.LinAlgError:
         raise NoResponse("an undamped rotor has no bounded response at a critical speed") from None
     motion, compliance = w[:, 0] ** 2 * solutions[..., 0], solutions[..., 1:]
-    if at:
+    if sliders:
         slack = limit / spring
-        there = _at_sliders(motion[:, at], compliance[:, at], spring, slack)
+        of_sliders = np.einsum("ij,kim->kjm", across, compliance)
+        there = _at_sliders(motion @ across, of_sliders, spring, slack)
         pull = _describing(there, spring, slack)[0] * there
         motion = motion - np.einsum("kij,kj->ki", compliance, pull)
     found = motion.reshape(len(w), 2, rotor.stations)
@@ -80,6 +83,14 @@ def _refuse_beyond(rotor: LinearRotor, motion: Complex) -> None:
     largest = [float(np.abs(rotor.springs[axis, axis]).max()) for axis in (0, 1)]
     stiffness = min(largest)
     for one in rotor.beside:
+        if isinstance(one, Slider):
+            size = float(np.abs(motion[:, one.axis] @ one.shares(rotor.stations)).max())
+            if one.limit and 2.0 * size >= one.free_stroke:
+                raise NoResponse(
+                    "the vibration of the linear rotor leaves the free stroke of a damper, "
+                    f"{size:.3g} m of {one.free_stroke / 2.0:.3g} m to each side"
+                )
+            continue
         across = np.einsum("an,kan->ka", one.rows, motion)
         size = float(largest_displacement(across[:, :, None]).max()) if len(across) else 0.0
         if isinstance(one, Stop) and size >= one.gap:

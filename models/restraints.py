@@ -1,14 +1,15 @@
-"""What holds a rotor beside its linear supports: cubic springs and stops, and what they change.
+"""Cubic springs, stops and dampers with a free stroke that hold a rotor beside linear supports.
 
-Both act on the displacement d across a support.  A cubic spring pulls back by k3 |d|^2 d (radial)
+All act on the displacement d across a support.  A cubic spring pulls back by k3 |d|^2 d (radial)
 or by k3 x^3, k3 y^3 (along each axis); a stop pushes back by ks (r - g) + cs r' along d where
 r = |d| is beyond the gap g and that is above 0, and never pulls.
 
-**A balanced rotor feels neither.**  Where weights or liquid balance the rotor fully and nothing
-pulls it aside, d = 0: the derivative of the cubic force there is 0, and a stop that is away is away
-for all small motions.  Stability of that state is that of the linear rotor.  With gravity the
-supports sag to d0; small motions about the sag feel the tangent k3 (|d0|^2 1 + 2 d0 d0^T), and none
-of a stop unless the sag reaches it.
+**A balanced rotor feels none of them.**  Where weights or liquid balance the rotor fully and
+nothing pulls it aside, d = 0: the derivative of the cubic force there is 0, and a stop that is away
+is away for all small motions, and so is a damper that rests in the middle of its free stroke.
+Stability of that state is that of the linear rotor.  With gravity the supports sag to d0; small
+motions about the sag feel the tangent k3 (|d0|^2 1 + 2 d0 d0^T), none of a stop unless the
+sag reaches it, and none of a damper, whose stroke is centred about the sag.
 """
 
 from __future__ import annotations
@@ -22,7 +23,7 @@ from scipy.optimize import root
 from .arrays import Numbers
 from .assembly import Assembly
 from .rotor import LinearRotor
-from .supports import CubicSpring, Stop, Support
+from .supports import CubicSpring, Slider, Stop, Support
 
 _SOLVED = 1e-12  # of the weight: what a sag leaves
 
@@ -61,7 +62,7 @@ def at_rest(rotor: LinearRotor, speed: float = 0.0) -> Rest:
         ValueError: the supports cannot carry the weight, or the sag reaches a stop's gap where
             nothing is linear.
     """
-    plain = replace(rotor, cubics=(), stops=())
+    plain = replace(rotor, cubics=(), stops=(), sliders=())
     if not rotor.gravity:
         return Rest(np.zeros((2, rotor.stations)), plain, ())
     linear = plain.at(speed)
@@ -95,9 +96,11 @@ def about_rest(assembly: Assembly, speed: float) -> Assembly:
     own = tuple(replace(one, rows=one.rows[:, :n]) for one in more)
 
     def plain(rotor: LinearRotor) -> LinearRotor:
-        beside: tuple[CubicSpring | Stop, ...] = (*rotor.cubics, *rotor.stops)
+        loose = tuple(one for one in rotor.sliders if one.free_stroke)
+        beside: tuple[CubicSpring | Stop | Slider, ...] = (*rotor.cubics, *rotor.stops, *loose)
         held = (*rotor.supports, *own)
-        return replace(rotor, supports=held, cubics=(), stops=(), beside=beside)
+        sliders = tuple(one for one in rotor.sliders if one.limit and not one.free_stroke)
+        return replace(rotor, supports=held, cubics=(), stops=(), sliders=sliders, beside=beside)
 
     later = tuple((time, plain(rotor)) for time, rotor in assembly.later)
     return replace(assembly, rotor=plain(assembly.rotor), later=later)

@@ -66,7 +66,8 @@ class LinearRotor:
         gravity: acceleration of what falls, across the axis in fixed axes, gx + i gy [m/s^2].
         sliders: dry friction in the supports.
         cubics, stops: what else holds it and is not linear.
-        beside: cubic springs and stops that small motions about rest do not feel, left out of it.
+        beside: cubic springs, stops and sliders with a free stroke that small motions about rest do
+            not feel, left out of it.
         inner: how many of the stations, the last ones, are inner displacements of rubber.
         locked: axis and station from 0 of what does not move, of bodies with one free axis.
         waves: rings of liquid that have become stations, see `with_ring`: number of the station,
@@ -85,7 +86,7 @@ class LinearRotor:
     sliders: tuple[Slider, ...] = ()
     cubics: tuple[CubicSpring, ...] = ()
     stops: tuple[Stop, ...] = ()
-    beside: tuple[CubicSpring | Stop, ...] = ()
+    beside: tuple[CubicSpring | Stop | Slider, ...] = ()
     inner: int = 0
     locked: tuple[tuple[int, int], ...] = ()
     waves: tuple[tuple[int, Ring], ...] = ()
@@ -319,6 +320,15 @@ class LinearRotor:
         if self.sliders:
             raise ValueError(f"sliders: {what} does not support dry friction in the supports")
 
+    def refuse_rigid_twice(self) -> None:
+        """Raise ValueError, where two rigid sliders are at one station and axis."""
+        rigid = [(s.station, s.axis) for s in self.sliders if s.limit and not s.stiffness]
+        if len(set(rigid)) < len(rigid):
+            raise ValueError(
+                "two rigid sliders at one support and axis are one with the sum of their limits: "
+                "give that, or a stiffness"
+            )
+
     def with_added_mass(self, added_mass: ArrayLike) -> LinearRotor:
         """The same rotor carrying `added_mass` [kg] (p,) rigidly at its planes."""
         added = numbers(added_mass)
@@ -336,7 +346,10 @@ class LinearRotor:
         }
         held: dict[str, Any] = {
             name: tuple(
-                replace(one, rows=np.pad(one.rows, ((0, 0), behind))) for one in getattr(self, name)
+                one
+                if isinstance(one, Slider)  # its row may be shorter
+                else replace(one, rows=np.pad(one.rows, ((0, 0), behind)))
+                for one in getattr(self, name)
             )
             for name in ("supports", "cubics", "stops", "beside")
         }

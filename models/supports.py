@@ -15,13 +15,15 @@ OUTSIDE = 1e-9  # of the highest speed of a table: rounding of the speed at its 
 
 @dataclass(frozen=True)
 class Slider:
-    """Dry friction at a station along one axis: a slider, rigid or behind a spring (Jenkins 1962).
+    """Dry friction along one axis: a slider, rigid or behind a spring (Jenkins 1962).
 
     Attributes:
-        station, axis: from 0; axis 0 is x, 1 is y.
+        station, axis: from 0; axis 0 is x, 1 is y; a station of -1: it stands across `row`.
         limit: force at which it slips [N]; 0: there is none.
         stiffness: of the spring in series [N/m]; 0: none, the slider is rigid.
         free_stroke: way from one contact with that spring to the other, without force [m].
+        row: (n,) displacement across it by that of the stations; of one at a station empty.
+        support: number from 1 of the support, or foot behind them, that has it; 0: none.
     """
 
     station: int
@@ -29,6 +31,48 @@ class Slider:
     limit: float
     stiffness: float = 0.0
     free_stroke: float = 0.0
+    row: tuple[float, ...] = ()
+    support: int = 0
+
+    @classmethod
+    def across(
+        cls,
+        row: Numbers,
+        axis: int,
+        limit: float,
+        stiffness: float = 0.0,
+        free_stroke: float = 0.0,
+        support: int = 0,
+    ) -> Slider:
+        """One whose displacement is `row` (n,) times that of the stations along its axis.
+
+        A row of zeros is that of a body that does not move along the axis: no friction.
+
+        Raises:
+            ValueError: it is rigid, and more than one station moves it.
+        """
+        places = np.flatnonzero(row)
+        alone = len(places) == 1 and float(row[places[0]]) == 1.0
+        limit = limit if len(places) else 0.0
+        if not alone and limit and not stiffness:
+            raise ValueError(
+                "a slider between bodies that move, or beside the plane of a support, requires a "
+                "stiffness (N/m): it cannot be rigid"
+            )
+        if alone or not limit:
+            at = int(places[0]) if alone else 0
+            return cls(at, axis, limit, stiffness, free_stroke, support=support)
+        values = tuple(float(value) for value in row)
+        return cls(-1, axis, limit, stiffness, free_stroke, values, support)
+
+    def shares(self, stations: int) -> Numbers:
+        """(n,) displacement across it by that of the stations along its axis."""
+        found = np.zeros(stations)
+        if self.row:
+            found[: len(self.row)] = self.row
+        else:
+            found[self.station] = 1.0
+        return found
 
 
 @dataclass(frozen=True, eq=False)

@@ -152,16 +152,22 @@ def flexible(sizes: RotorSizes) -> list[Variable]:
 
 
 def friction(sizes: RotorSizes) -> list[Variable]:
-    """Sliders in parallel with the supports' springs: dry friction, each axis for itself."""
+    """Sliders in parallel with the supports' springs: dry friction, each axis for itself; of given
+    matrices across rows of the stations, more than one only behind a spring."""
     text = "Stiffness of the spring in series with the slider along {}; 0: none"
     stroke = "Way along {} from one end of the free stroke, without force, to the other"
     centre = "Displacement along {} in the middle of the free stroke at the start"
+    given = sizes.kind == "matrices"
+    support = "Number of the support that has it"
+    if given:
+        support = "Number of the force, of supports and then of feet, that it is part of"
+    numbers = range(1, sizes.sliders + 1)
+    rows = _rows_of_axes("slider_row", numbers, sizes.stations) if given else []
     sliders = [
         v
-        for k in range(1, sizes.sliders + 1)
+        for k in numbers
         for v in (
-            parameter(f"slider[{k}].support", 1.0, "1", "Number of the support that has it",
-                      minimum=1.0),
+            parameter(f"slider[{k}].support", 1.0, "1", support, minimum=1.0),
             *(not_negative(f"slider[{k}].limit_{axis}", 0.0, "N", f"Largest friction along {axis}")
               for axis in "xy"),
             *(not_negative(f"slider[{k}].stiffness_{axis}", 0.0, "N/m", text.format(axis))
@@ -174,7 +180,7 @@ def friction(sizes: RotorSizes) -> list[Variable]:
     ]  # fmt: skip
     ends = "Shortest step that ends where a slider sticks, lets go or turns, or a stop is touched"
     own = [not_negative("shortest_stopped_step", 0.0, "s", f"{ends}; 0: none does")]
-    return [*sliders, *own[: sizes.sliders + sizes.stops]]
+    return [*rows, *sliders, *own[: sizes.sliders + sizes.stops]]
 
 
 def restraints(sizes: RotorSizes) -> list[Variable]:
@@ -235,10 +241,8 @@ def _forces(sizes: RotorSizes) -> list[Variable]:
     """What the forces of supports, then feet, follow from."""
     numbers, stations = range(1, len(sizes.forces) + 1), range(1, sizes.stations + 1)
     table = "Number of the table of the bearing over the speed that it is of; 0: none"
-    station = "Number of the station whose sliders are in it; 0: none"
     return [
-        *(parameter(f"force[{k}].{name}", 0.0, "1", text, minimum=0.0)
-          for k in numbers for name, text in (("table", table), ("station", station))),
+        *(parameter(f"force[{k}].table", 0.0, "1", table, minimum=0.0) for k in numbers),
         *(parameter(f"{name}[{k},{j}]", 0.0, unit, text)
           for k in numbers for j in stations for name, (unit, text) in FORCES.items()),
     ]  # fmt: skip

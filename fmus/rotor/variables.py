@@ -128,6 +128,8 @@ def _friction_forces(sizes: RotorSizes) -> list[Variable]:
     return [
         observed(f"slider[{k}].force_{axis}", "N", text, (
             f"slider[{k}].support",
+            *(f"slider_row_{axis}[{k},{j}]" for j in range(1, sizes.stations + 1)
+              if sizes.kind == "matrices"),
             *(f"slider[{k}].{of}_{axis}" for of in ("limit", "stiffness", "free_stroke", "centre")),
             *(f"{station(j, sizes.stations)}v{axis}0" for j in range(1, sizes.stations + 1)),
         ))

@@ -137,7 +137,9 @@ class Captured(Outcome):
     @property
     def linear(self) -> str:
         """That supports which are not linear are left out; empty where there are none."""
-        keys = {"cubic springs": self.scene.rotor.cubic_stiffness, "stops": self.scene.rotor.stops}
+        rotor = self.scene.rotor
+        keys = {"cubic springs": rotor.cubic_stiffness, "stops": rotor.stops,
+                "dampers with a free stroke": rotor.has_free_strokes}  # fmt: skip
         held = " and ".join(name for name, given in keys.items() if given)
         return f"This is the closed form of linear supports: {held} are left out." if held else ""
 

@@ -1,4 +1,4 @@
-"""What cubic springs and stops change in answers about small motions, in words."""
+"""What cubic springs, stops and free strokes change in answers about small motions, in words."""
 
 from __future__ import annotations
 
@@ -9,13 +9,13 @@ if TYPE_CHECKING:
 
 
 def about_restraints(scene: Scene) -> str:
-    """How an answer about a linear rotor counts cubic springs and stops; empty without any.
+    """How an answer about a linear rotor counts cubic springs, stops and free strokes, if any.
 
     >>> stop = {"gap": "5 mm", "stiffness": 2e5}
     >>> about_restraints(ab.load("two_balls").replace({"rotor.stops": [stop]}))[:49]
     'Small motions about rest: no stop is near: a bala'
     """
-    if not scene.rotor.is_restrained:
+    if not (scene.rotor.is_restrained or scene.rotor.has_free_strokes):
         return ""
     sags, parts = bool(scene.operation.gravity), []
     if scene.rotor.cubic_stiffness and sags:
@@ -28,6 +28,8 @@ def about_restraints(scene: Scene) -> str:
         parts.append(f"the sag reaches {names}, which is left out: the answer does not hold")
     elif scene.rotor.stops:
         parts.append("no stop is near")
+    if scene.rotor.has_free_strokes:
+        parts.append("dampers rest within their free strokes")
     said = f"Small motions about {'the sag' if sags else 'rest'}: {'; '.join(parts)}"
     if scene.assembly().weights and not sags:
         said += (

@@ -28,7 +28,8 @@ def matrix_start(rotor: LinearRotor, planes: Sequence[int], acting: Acting) -> S
     rotor = rotor.without_tables
     for name, matrix in _matrices(rotor):
         values |= _entries(name, matrix)
-    values |= _entries("plane_row", rotor.planes[[p - 1 for p in planes]])
+    rows = rotor.planes if len(rotor.planes) else np.eye(1, rotor.stations)  # a unit has one
+    values |= _entries("plane_row", rows[[p - 1 for p in planes]])
     for k, (amount, angle, _) in enumerate(acting or nothing, start=1):
         values |= {f"unbalance[{k}].amount": amount, f"unbalance[{k}].angle": angle}
     values |= _entries("unbalance_row", np.array([row for _, _, row in acting or nothing]))

@@ -7,12 +7,14 @@ from typing import Annotated, ClassVar, Literal
 
 import numpy as np
 from pydantic import model_validator
+from pydantic_core import PydanticCustomError
 
 from ...models.rotor import LinearRotor
+from ...models.supports import Support
 from .feeds import Start
-from .quantities import SI, Real, Whole, refusal
-from .rotor_table import RotorTable, Slider, Unbalances
-from .stop import Cubic, Stops
+from .quantities import SI, Real, RealPair, Whole, refusal
+from .rotor_table import Friction, RotorTable, Unbalances
+from .stop import Cubic, Holding, Stops
 
 Matrix = tuple[tuple[Real, ...], ...]
 
@@ -20,10 +22,6 @@ Matrix = tuple[tuple[Real, ...], ...]
 class Matrices(RotorTable):
     """Any linear rotor by its matrices between n points, each a displacement."""
 
-    friction: ClassVar[tuple[Slider, ...]] = ()  # type: ignore[misc]
-    cubic_stiffness: ClassVar[None] = None  # type: ignore[misc]
-    cubic: ClassVar[Cubic] = "radial"  # type: ignore[misc]
-    stops: ClassVar[Stops] = ()  # type: ignore[misc]
     damping_ratio: ClassVar[None] = None  # type: ignore[misc]
 
     kind: Literal["matrices"] = "matrices"
@@ -47,6 +45,14 @@ class Matrices(RotorTable):
     """Numbers of one or two points at which the balance is judged."""
     unbalances: Unbalances = ()
     """Static moments, each at the place of a plane."""
+    friction: Friction = ()
+    """Dry friction at `supports`, or at "point[k]": sliders, also with a free stroke."""
+    cubic_stiffness: Annotated[tuple[RealPair, ...] | None, SI("N/m^3")] = None
+    """Force by the cube of the displacement; one entry for each of `supports`, 0 or more."""
+    cubic: Cubic = "radial"
+    """Along the displacement, k3 |d|^2 d, or "axes": k3 x^3 and k3 y^3, each along its own."""
+    stops: Stops = ()
+    """Elastic stops beyond a gap, at `supports` or at "point[k]"."""
 
     @model_validator(mode="after")
     def _is_a_rotor(self) -> Matrices:
@@ -64,12 +70,19 @@ class Matrices(RotorTable):
                 places = ", ".join(f"{place:g}" for place in self.planes)
                 words = f"must be the place of a plane, one of {places} m"
                 raise refusal(f"unbalances[{k}].position", words)
+        if self.cubic_stiffness is not None and len(self.cubic_stiffness) != len(self.supports):
+            raise refusal("cubic_stiffness", f"must be {len(self.supports)}, one for each support")
+        if any(k3 < 0.0 for pair in self.cubic_stiffness or () for k3 in pair):
+            words = "must not be below 0: which part of the stiffness could soften is not known"
+            raise refusal("cubic_stiffness", words)
         for key in ("bearings", "bodies", "support_loss_factor"):
             if getattr(self, key):
                 raise refusal(key, "not with matrices: they hold all supports")
         try:
             self.build()
         except ValueError as error:
+            if isinstance(error, PydanticCustomError):
+                raise
             key, _, words = str(error).partition(": ")
             raise refusal(f"{key}_matrix" if words else "mass_matrix", words or key) from None
         return self
@@ -122,7 +135,7 @@ class Matrices(RotorTable):
         for one in self.unbalances:
             row = rows[self.planes.index(one.position)]
             unbalance += one.amount * np.exp(1j * one.angle) * row
-        return LinearRotor.from_matrices(
+        rotor = LinearRotor.from_matrices(
             mass=self.mass_matrix,
             stiffness=self.stiffness_matrix,
             damping=self.damping_matrix,
@@ -131,3 +144,11 @@ class Matrices(RotorTable):
             planes=rows,
             unbalance=unbalance,
         )
+        return self._with_supports(rotor)
+
+    def _holding(self, rotor: LinearRotor) -> Holding:
+        """Points: those of `supports` by number, all by name; their forces are no outputs."""
+        nothing = np.zeros((2, 2, 1, 1))
+        points = [Support(row[None], nothing, nothing) for row in np.eye(rotor.stations)]
+        named: Holding = {f"point[{k}]": (one, 0) for k, one in enumerate(points, start=1)}
+        return {k: (points[s - 1], 0) for k, s in enumerate(self.supports, start=1)} | named

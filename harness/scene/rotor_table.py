@@ -36,7 +36,15 @@ from .quantities import (
     Whole,
     refusal,
 )
-from .stop import Cubic, Stops, build_cubic, find_support, restraint_start
+from .stop import (
+    Cubic,
+    Holding,
+    Stops,
+    build_cubic,
+    find_support,
+    restraint_start,
+    rows_across,
+)
 from .unit import FmuPath
 
 if TYPE_CHECKING:
@@ -60,8 +68,9 @@ Unbalances = tuple[Unbalance, ...]
 class Slider(Table):
     """Dry friction in a support, in parallel with its spring, each axis for itself."""
 
-    support: Annotated[Whole, Field(ge=1, le=2), Feeds()] = 1
-    """Number of the support; a planar rotor has one."""
+    support: Annotated[Whole | Text, Feeds()] = 1
+    """Number of the support, a planar rotor has one; or the name of a body's foot, such as
+    "tub.foot[1]"."""
     limit: Annotated[NotNegativePair, SI("N"), Feeds("limit_{axis}")]
     """Force at which it slips; a number for both axes, or [x, y]."""
     stiffness: Annotated[PositivePair | None, SI("N/m"), Feeds("stiffness_{axis}")] = None
@@ -231,8 +240,6 @@ class RotorTable(Table):
         refuse_half_of_rubber(self.support_loss_factor, self.loss_frequency, "support_loss_factor")
         if self.support_loss_factor and self.bearings:
             raise refusal("support_loss_factor", "not with bearings: give stiffness, not bearings")
-        if self.friction and self.bodies:
-            raise refusal("friction", "not with bodies: sliders stand on the ground")
         for k, body in enumerate(self.bodies, start=1):
             if body.name in (GROUND, ROTOR) or names.count(body.name) > 1:
                 raise refusal(f"bodies[{k}].name", "must be another name than any other has")
@@ -295,16 +302,12 @@ class RotorTable(Table):
     @model_validator(mode="after")
     def _slides_one_way(self) -> RotorTable:
         for k, slider in enumerate(self.friction, start=1):
-            if slider.support > len(self.supports):
-                raise refusal(f"friction[{k}].support", "must be 1: a planar rotor has one support")
-        for axis in (0, 1):
-            rigid = [s.support for s in self.friction if s.stiffness is None and s.limit[axis]]
-            if len(set(rigid)) < len(rigid):
-                raise refusal(
-                    "friction",
-                    "two rigid sliders at one support and axis are one with the sum of their "
-                    "limits: give that, or a stiffness",
+            count = len(self.supports)
+            if isinstance(slider.support, int) and not 1 <= slider.support <= count:
+                words = (
+                    "must be 1: a planar rotor has one support" if count == 1 else "must be 1 or 2"
                 )
+                raise refusal(f"friction[{k}].support", words)
         return self
 
     def _damp_by_ratio(self) -> None:
@@ -394,12 +397,22 @@ class RotorTable(Table):
     def _matrix_start(self, planes: Sequence[int]) -> Start:
         """Parameters of a unit by matrices."""
         given = matrix_start(self.build(), planes, self.acting())
-        sliders = {k: v for k, v in fed(self).items() if k.startswith("slider[")}
-        for n, slider in enumerate(self.friction, start=1):
-            station = float(self.supports[slider.support - 1])
-            sliders[f"slider[{n}].support"] = station
-            sliders[f"force[{slider.support}].station"] = station
-        return given | sliders
+        return given | self._slider_start()
+
+    def _slider_start(self) -> Start:
+        """Parameters of a unit by matrices: sliders across rows of the points."""
+        found = {k: v for k, v in fed(self).items() if k.startswith("slider[")}
+        points = len(self.points)
+        for (n, axis), slider in self._numbered_sliders():
+            row = slider.shares(points) if slider.limit else np.zeros(points)
+            found[f"slider[{n}].support"] = float(slider.support or 1)
+            found |= {f"slider_row_{axis}[{n},{j}]": float(v) for j, v in enumerate(row, start=1)}
+        return found
+
+    def _numbered_sliders(self) -> list[tuple[tuple[int, str], LinearSlider]]:
+        """Sliders with the number of their entry, from 1, and their axis."""
+        numbers = [(n, axis) for n in range(1, len(self.friction) + 1) for axis in "xy"]
+        return list(zip(numbers, self.build().sliders, strict=True)) if self.friction else []
 
     def build(self) -> LinearRotor:
         """The rotor's matrices."""
@@ -453,6 +466,20 @@ class RotorTable(Table):
         return not (self.friction or self.is_restrained)
 
     @property
+    def slides_at_rest(self) -> bool:
+        """Whether dry friction holds it at rest: one without a free stroke."""
+        return any(
+            limit and not stroke
+            for slider in self.friction
+            for limit, stroke in zip(slider.limit, slider.free_stroke or (0.0, 0.0), strict=True)
+        )
+
+    @property
+    def has_free_strokes(self) -> bool:
+        """Whether a damper has a free stroke."""
+        return any(any(slider.free_stroke or ()) for slider in self.friction)
+
+    @property
     def is_restrained(self) -> bool:
         """Whether cubic springs or stops hold it."""
         return bool(self.cubic_stiffness or self.stops)
@@ -465,17 +492,16 @@ class RotorTable(Table):
         """Parameters of the unit: where the free strokes of sliders are centred, at rest (2, n)."""
         return {
             f"slider[{n}].centre_{axis}": float(
-                rest["xy".index(axis), self.supports[s.support - 1] - 1]
+                slider.shares(rest.shape[1]) @ rest["xy".index(axis)]
             )
-            for n, s in enumerate(self.friction, start=1)
-            for axis in "xy"
-            if s.free_stroke
+            for (n, axis), slider in self._numbered_sliders()
+            if slider.free_stroke
         }
 
     @model_validator(mode="after")
     def _is_held(self) -> RotorTable:
-        """Refuse cubic springs and stops where there is no such support."""
-        if self.is_restrained:
+        """Refuse sliders, cubic springs and stops where there is no such support."""
+        if (self.is_restrained or self.friction) and self.kind != "matrices":  # it builds itself
             self.build()
         return self
 
@@ -500,24 +526,42 @@ class RotorTable(Table):
             rotor = with_bodies(rotor, self.support_positions, self.planes, bodies, self.on)
         if rubber := self._rubber:
             rotor = with_rubber(rotor, dict(element for _, _, element in rubber))
-        sliders = [
-            LinearSlider(self.supports[s.support - 1] - 1, axis, s.limit[axis],
-                        *(pair[axis] if pair else 0.0 for pair in (s.stiffness, s.free_stroke)))
-            for s in self.friction
-            for axis in (0, 1)
-        ]  # fmt: skip
-        return self._restrained(replace(rotor, sliders=tuple(sliders)))
+        sliders = []
+        places = self._holding(rotor) if self.friction else {}
+        for k, s in enumerate(self.friction, start=1):
+            support, number = find_support(places, s.support, f"friction[{k}].support")
+            for axis, row in enumerate(rows_across(support)):
+                pairs = (s.limit, s.stiffness, s.free_stroke)
+                limit, spring, stroke = (pair[axis] if pair else 0.0 for pair in pairs)
+                try:
+                    one = LinearSlider.across(row, axis, limit, spring, stroke, number)
+                except ValueError as error:
+                    raise refusal(f"friction[{k}].stiffness", str(error)) from None
+                sliders.append(one)
+        rotor = replace(rotor, sliders=tuple(sliders))
+        try:
+            rotor.refuse_rigid_twice()
+        except ValueError as error:
+            raise refusal("friction", str(error)) from None
+        return self._restrained(rotor)
+
+    def _holding(self, rotor: LinearRotor) -> Holding:
+        """Supports and feet across which a slider or stop can stand, with their numbers."""
+        count = len(self.supports)
+        named = (one for one in rotor.supports[count:] if one.name)
+        feet = {one.name: (one, number) for number, one in enumerate(named, start=count + 1)}
+        return {k + 1: (rotor.supports[k], k + 1) for k in range(count)} | feet
 
     def _restrained(self, rotor: LinearRotor) -> LinearRotor:
         """The same rotor with cubic springs and stops across its supports."""
         if not self.is_restrained:
             return rotor
-        count, cubics = len(self.supports), []
+        count, cubics, places = len(self.supports), [], self._holding(rotor)
         for k, pair in enumerate(np.reshape(self.cubic_stiffness or (), (-1, 2)).tolist()):
             key = "cubic_stiffness" + (f"[{k + 1}]" if count > 1 else "")
-            cubics += build_cubic(rotor.supports[k], k + 1, pair, self.cubic, key)
+            cubics += build_cubic(*places[k + 1], pair, self.cubic, key)
         stops = [
-            stop.build(*find_support(rotor, count, stop.support, f"stops[{k}].support"))
+            stop.build(*find_support(places, stop.support, f"stops[{k}].support"))
             for k, stop in enumerate(self.stops, start=1)
         ]
         return replace(rotor, cubics=tuple(cubics), stops=tuple(stops))

@@ -173,12 +173,13 @@ class Scene(Described):
 
     def assembly(self) -> Assembly:
         """The rotor with its balancers, for the models; what is not linear in its supports as it
-        acts on small motions about rest: stops not at all, cubic springs by the sag.
+        acts on small motions about rest: stops and dampers with a free stroke not at all, cubic
+        springs by the sag.
 
         >>> len(ab.load("two_balls").assembly().weights)
         1
         """
-        if not self.rotor.is_restrained:
+        if not (self.rotor.is_restrained or self.rotor.has_free_strokes):
             return self._assembly
         return self._about_rest
 
@@ -189,7 +190,7 @@ class Scene(Described):
         return about_rest(self._assembly, self.profile().end)
 
     def restrained_assembly(self) -> Assembly:
-        """The same with cubic springs and stops."""
+        """The same with cubic springs, stops and free strokes."""
         return self._assembly
 
     def touched_at_rest(self) -> tuple[int, ...]:
@@ -288,8 +289,8 @@ class Scene(Described):
         return locate(tuple(location), self._document, type(self)).unit
 
     def refuse_friction(self, what: str) -> None:
-        """Raise SceneError, where the supports have dry friction, for what takes a linear rotor."""
-        if self.rotor.friction:
+        """Raise SceneError, where dry friction holds supports at rest, for what is linear."""
+        if self.rotor.slides_at_rest:
             raise SceneError(
                 f"{self.path or self.name}: rotor.friction: {what} of a linear rotor, and dry "
                 "friction is not; run the scene instead, or leave friction out"

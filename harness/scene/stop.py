@@ -44,20 +44,19 @@ def rows_across(support: Support) -> Numbers:
     return np.array([support.rows[0], support.rows[support.across - 1]])
 
 
-def find_support(rotor: LinearRotor, count: int, which: int | str, key: str) -> tuple[Support, int]:
-    """The support of this number of `count`, or the foot of this name, and its number with feet.
+Holding = dict[int | str, tuple[Support, int]]
+"""Supports by number, feet and points by name, each with the number of its force, or 0."""
+
+
+def find_support(places: Holding, which: int | str, key: str) -> tuple[Support, int]:
+    """The support of this number, or the foot of this name, and the number of its force.
 
     Raises:
         PydanticCustomError: there is none, said of the key.
     """
-    named = (one for one in rotor.supports[count:] if one.name)
-    feet = {one.name: (one, number) for number, one in enumerate(named, start=count + 1)}
-    if isinstance(which, int) and 1 <= which <= count:
-        return rotor.supports[which - 1], which
-    if isinstance(which, str) and which in feet:
-        return feet[which]
-    known = ["1"] if count == 1 else ["1", "2"]
-    known += [f'"{name}"' for name in feet]
+    if which in places:
+        return places[which]
+    known = [f'"{name}"' if isinstance(name, str) else str(name) for name in places]
     raise refusal(key, f"must be {' or '.join(known)}: the rotor has no other support")
 
 

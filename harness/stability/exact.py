@@ -238,7 +238,7 @@ def refuse_unproved(scene: Scene) -> None:
                 f"{balancer.label}.weight_radius: contacts of weights are not proved; leave it "
                 "out for points that pass"
             )
-    if scene.rotor.friction:
+    if scene.rotor.slides_at_rest:
         raise Unproved("rotor.friction: dry friction in the supports is not proved")
     if scene.rotor.cubic_stiffness and scene.operation.gravity:
         raise Unproved("rotor.cubic_stiffness: the stiffness about the sag is not proved")

@@ -51,6 +51,8 @@ class Dry:
         self._of = [mounted[k] for k in self.weights]
         self._share = np.array([m.rolling_resistance / _lever(m.device) for m in self._of])
         sliders = [s for s in system.assembly.rotor.sliders if s.limit]
+        if any(s.row or s.free_stroke for s in sliders):
+            raise ValueError("sliders: the reference has them at stations and without free stroke")
         rigid = [s for s in sliders if not s.stiffness]
         springs = [s for s in sliders if s.stiffness]
         self.sliders, self.solved = rigid + springs, len(self.weights) + len(rigid)

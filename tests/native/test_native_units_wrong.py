@@ -30,7 +30,6 @@ TOGETHER = [  # every value is allowed by itself
     (ROTOR, {"sliders": 1}, {"slider[1].support": 2.0}, r"slider[1].support = 2.0: must be 1"),
     (ROTOR, TWO | {"sliders": 1}, {"slider[1].support": 1.5}, "support = 1.5: must be 1 or 2"),
     (ROTOR, FEET, {"force[2].table": 1.0}, "force[2].table = 1.0: must be a whole number, 0 to 0"),
-    (ROTOR, FEET, {"force[1].station": 3.0}, "must be a whole number, 0 to 2"),
     (ROTOR, {"sliders": 2}, {"slider[1].limit_x": 1.0, "slider[2].limit_x": 2.0},
      "sliders: two rigid ones at one support and axis are one with the sum of their limits"),
 ]  # fmt: skip

@@ -23,6 +23,7 @@ from ...unit import SizedUnit
 from ...variables import Layout, Variable
 from ...xml.archive import source
 
+_RESTRAINTS = ("cubic", "stop", "slider")  # that stand across rows of the stations
 # what a variable stands once for each of, by the word before its index
 _REPEATS = {
     "station": "SIZE_STATIONS",
@@ -43,11 +44,7 @@ _REPEATS = {
     "unbalance_row": "SIZE_UNBALANCE_ROWS",
     "bending_row": "SIZE_BENDING_ROWS",
     "table_speed": "SIZE_SPEEDS",
-    **{
-        f"{name}_row_{axis}": f"SIZE_{name.upper()}_ROWS"
-        for name in ("cubic", "stop")
-        for axis in "xy"
-    },
+    **{f"{name}_row_{axis}": f"SIZE_{name.upper()}_ROWS" for name in _RESTRAINTS for axis in "xy"},
     "table_row": "SIZE_TABLE_ROWS",
     **dict.fromkeys(TABLED, "SIZE_TABLE_SPEEDS"),
     "force": "SIZE_FORCES",
@@ -89,7 +86,7 @@ _STARTS_IN_C = (
     "compliance[#,#]",
     *(f"{name}[#,#]" for name in (*GIVEN, "plane_row", "unbalance_row", "table_row")),
     "table_speed[#]",
-    *(f"{name}_row_{axis}[#,#]" for name in ("cubic", "stop") for axis in "xy"),
+    *(f"{name}_row_{axis}[#,#]" for name in _RESTRAINTS for axis in "xy"),
     "weight[#].angle0",
     "point[#].speed",
     "point[#].torque",

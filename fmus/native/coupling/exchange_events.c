@@ -82,7 +82,7 @@ static double wall_of(const Machine *m, int w)
 static double slider_of(const Machine *m, const PhaseSlider *slider)
 {
     if (slider->slip != 0.0) {
-        return slider->slip * pair_at(m->velocity[slider->place / 2], slider->place % 2);
+        return slider->slip * phase_slider_along(m, slider, m->velocity);
     }
     return slider->limit * (1.0 + 2e-12) - absolute(slider->hold[0]);
 }
@@ -178,7 +178,7 @@ static void stop_all(const Composite *c, const Machine *m)
     }
     for (k = 0; k < m->phase->slider_count; k++) {
         const PhaseSlider *slider = m->phase->sliders + k;
-        const double rate = pair_at(m->velocity[slider->place / 2], slider->place % 2);
+        const double rate = phase_slider_along(m, slider, m->velocity);
         if (slider->slip != 0.0 && slider->slip * rate <= SUPPORT_STOPPED * c->course->one_piece.largest) {
             one_piece_stop_slider(c, k);
         }

@@ -75,6 +75,8 @@ void one_piece_make_phase(const Composite *c, Machine *m)
         if (slider->limit > 0.0) {
             own->number = k;
             own->place = slider_place(slider);
+            own->axis = slider->axis;
+            own->row = slider->row;
             own->limit = slider->limit * t * t;
             own->stiffness = slider->stiffness * t * t;
             own->stroke = slider->stroke;
@@ -175,10 +177,12 @@ void one_piece_place_sliders(const Composite *c, int order, double time)
         }
         slider_states[SLIDER_DOUBLES * own->number + HOLDS] = force * m->rate * m->rate;
         if (phase_slider_is_loose(own)) {
-            const Pair *motion = m->motion + own->place / 2;
-            const double moved = pair_at(machine_at(motion, m->width, order, time), own->place % 2) -
-                                 pair_at(motion[0], own->place % 2);
-            slider_states[SLIDER_DOUBLES * own->number + PLAY] = own->play + moved;
+            const Pair *motion = m->motion;
+            double moved = phase_slider_along(m, own, motion + order * m->width);
+            for (j = order - 1; j >= 1; j--) {
+                moved = moved * time + phase_slider_along(m, own, motion + j * m->width);
+            }
+            slider_states[SLIDER_DOUBLES * own->number + PLAY] = own->play + moved * time;
         }
     }
 }

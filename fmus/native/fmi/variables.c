@@ -70,6 +70,8 @@ static size_t repeats(int repeat, const Sizes *sizes)
         return (size_t)sizes->cubics * stations;
     case SIZE_STOP_ROWS:
         return (size_t)sizes->stops * stations;
+    case SIZE_SLIDER_ROWS:
+        return (size_t)sizes->sliders * stations;
     case SIZE_TABLE_SPEEDS:
         return (size_t)sizes->tables * (size_t)sizes->speeds;
     case SIZE_FORCE_ROWS:

@@ -47,7 +47,9 @@ typedef struct {
 
 typedef struct {
     int number;   /* among those of the rotor */
-    int place;    /* of its displacement among the unknowns */
+    int place;    /* of its displacement among the unknowns, of one at a station */
+    int axis;
+    const double *row; /* (n, 2) of one with a spring across a row of the stations; NULL: it is at one */
     double limit, stiffness; /* in the machine's time; a stiffness of 0: it is rigid */
     double stroke; /* half of the free stroke [m] */
     int side;      /* of its contact where it has a free stroke; 0: within it */
@@ -89,6 +91,8 @@ void phase_solve(const Machine *machine, double *right);
 void phase_push_weights(Machine *machine, int k, Pair spun_twice);
 void phase_push_shaft(Machine *machine, int k);
 void phase_push_sliders(Machine *machine, int k);
+/* Displacement of a slider by the coefficients of one order of `motion`, or its rate by those of `velocity`. */
+double phase_slider_along(const Machine *machine, const PhaseSlider *slider, const Pair *coefficients);
 /* Whether a slider sticks within its free stroke. */
 bool phase_slider_is_loose(const PhaseSlider *slider);
 /* Coefficients of order k from the solution. */

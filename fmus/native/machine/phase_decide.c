@@ -140,9 +140,9 @@ static int change_slider(Machine *m)
     int k;
     for (k = 0; k < phase->slider_count; k++) {
         PhaseSlider *slider = phase->sliders + k;
-        const int place = slider->place, is_rigid = slider->stiffness == 0.0;
-        const double rate = pair_at(m->velocity[place / 2], place % 2);
-        const double acceleration = pair_at(m->velocity[m->width + place / 2], place % 2);
+        const int is_rigid = slider->stiffness == 0.0;
+        const double rate = phase_slider_along(m, slider, m->velocity);
+        const double acceleration = phase_slider_along(m, slider, m->velocity + m->width);
         if (!is_rigid) {
             if (slider->slip == 0.0 && absolute(slider->force) > slider->limit * (1.0 + HOLD_ROUNDING)) {
                 slider->slip = -copy_sign(1.0, slider->force);

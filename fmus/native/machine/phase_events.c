@@ -111,12 +111,11 @@ static void look_at_stroke(Search *search, int which)
 {
     const Machine *m = search->machine;
     const PhaseSlider *slider = m->phase->sliders + which;
-    const int place = slider->place;
     double *series = m->phase->series, way;
     int k;
     for (way = -1.0; way <= 1.0; way += 2.0) {
         for (k = 1; k <= search->order; k++) {
-            series[k] = -way * pair_at(m->motion[k * m->width + place / 2], place % 2);
+            series[k] = -way * phase_slider_along(m, slider, m->motion + k * m->width);
         }
         series[0] = larger(0.0, slider->stroke - way * slider->play);
         look(search, search->order, STROKE_ENDS, which);
@@ -127,12 +126,12 @@ static void look_at_slider(Search *search, int which)
 {
     const Machine *m = search->machine;
     const PhaseSlider *slider = m->phase->sliders + which;
-    const int place = slider->place, order = search->order - 2;
+    const int order = search->order - 2;
     double *series = m->phase->series, way;
     int k;
     if (slider->slip != 0.0) {
         for (k = 0; k <= search->order - 1; k++) {
-            series[k] = slider->slip * pair_at(m->velocity[k * m->width + place / 2], place % 2);
+            series[k] = slider->slip * phase_slider_along(m, slider, m->velocity + k * m->width);
         }
         series[0] = larger(0.0, series[0]);
         look(search, search->order - 1, SLIDER_STOPS, which);

@@ -182,7 +182,7 @@ static void free_sliders(Machine *m)
     int k;
     for (k = 0; k < phase->slider_count; k++) {
         PhaseSlider *slider = phase->sliders + k;
-        const double rate = pair_at(m->velocity[slider->place / 2], slider->place % 2);
+        const double rate = phase_slider_along(m, slider, m->velocity);
         if (slider->stiffness == 0.0) {
             slider->slip = rate != 0.0 ? copy_sign(1.0, rate) : 0.0;
             slider->force = -slider->slip * slider->limit;

@@ -250,6 +250,32 @@ bool phase_slider_is_loose(const PhaseSlider *slider)
     return slider->stroke > 0.0 && slider->slip == 0.0 && slider->side == 0;
 }
 
+double phase_slider_along(const Machine *m, const PhaseSlider *slider, const Pair *coefficients)
+{
+    double sum = 0.0;
+    int i;
+    if (!slider->row) {
+        return pair_at(coefficients[slider->place / 2], slider->place % 2);
+    }
+    for (i = 0; i < m->stations - m->waves; i++) {
+        sum += slider->row[2 * i + slider->axis] * pair_at(coefficients[i], slider->axis);
+    }
+    return sum;
+}
+
+/* Push the stations by the force of a slider. */
+static void push_by_slider(Machine *m, const PhaseSlider *slider, double force)
+{
+    int i;
+    if (!slider->row) {
+        m->right[slider->place] += force;
+        return;
+    }
+    for (i = 0; i < m->stations - m->waves; i++) {
+        m->right[2 * i + slider->axis] += slider->row[2 * i + slider->axis] * force;
+    }
+}
+
 void phase_push_sliders(Machine *m, int k)
 {
     const struct Phase *phase = m->phase;
@@ -259,13 +285,13 @@ void phase_push_sliders(Machine *m, int k)
         const int place = slider->place, sticks = slider->slip == 0.0;
         slider->hold[k] = k == 0 ? slider->force : 0.0;
         if (sticks && slider->stiffness > 0.0 && k > 0 && !phase_slider_is_loose(slider)) {
-            slider->hold[k] = -slider->stiffness * pair_at(m->motion[k * m->width + place / 2], place % 2);
+            slider->hold[k] = -slider->stiffness * phase_slider_along(m, slider, m->motion + k * m->width);
         }
         if (sticks && slider->stiffness == 0.0) {
             slider->known = m->right[place];
             m->right[place] = k == 0 ? -pair_at(m->gravity, place % 2) : 0.0;
         } else {
-            m->right[place] += slider->hold[k];
+            push_by_slider(m, slider, slider->hold[k]);
         }
     }
 }

@@ -56,12 +56,14 @@ static double row_norm(const TaylorStep *method, int velocities, const double *m
 static void set_norms(TaylorStep *method)
 {
     const int dof = method->dof, m = method->count;
-    int i, j;
+    int i, j, k;
     copy_doubles((size_t)dof * method->length, method->still, method->matrix);
-    for (i = 0; i < dof; i++) {
-        for (j = 0; j < m; j++) {
-            method->matrix[i * method->length + slider_place(method->sliders + j)] -=
-                method->push[i * m + j] * method->sliders[j].stiffness;
+    for (j = 0; j < m; j++) {
+        for (k = 0; k < method->half; k++) {
+            const double share = slider_share(method->sliders + j, k);
+            for (i = 0; i < dof && share != 0.0; i++) {
+                method->matrix[i * method->length + k] -= method->push[i * m + j] * method->sliders[j].stiffness * share;
+            }
         }
     }
     method->norms[0] = row_norm(method, 0, method->matrix);
@@ -95,11 +97,12 @@ static int split_rows(const LinearRotor *rotor, TaylorStep *made, double *scratc
 static int set_push(const LinearRotor *rotor, TaylorStep *made, double *mass, Failure *failure)
 {
     const int n = rotor->stations, m = made->count;
-    int j;
+    int j, k;
     matrix_per_axis(1, 2, n, n, rotor->mass, mass);
-    fill_doubles((size_t)made->half * m, 0.0, made->push);
-    for (j = 0; j < m; j++) {
-        made->push[slider_place(made->sliders + j) * m + j] = 1.0;
+    for (k = 0; k < made->half; k++) {
+        for (j = 0; j < m; j++) {
+            made->push[k * m + j] = slider_share(made->sliders + j, k);
+        }
     }
     return matrix_solve(1, 2 * n, m, mass, made->push)
                ? fail(failure, SINGULAR_MATRIX)
@@ -357,11 +360,12 @@ static void set_forces(TaylorStep *method, const double *slider_states, int k, d
     for (j = 0; j < method->count; j++) {
         const Slider *slider = method->sliders + j;
         const double *own = slider_states + SLIDER_DOUBLES * j;
-        const int sticks = own[SLIPS] == 0.0, place = slider_place(slider);
+        const int sticks = own[SLIPS] == 0.0;
         if (k) {
-            forces[j] = sticks && !slider_is_loose(slider, own) ? -slider->stiffness * motion[place] : 0.0;
+            const int pulls = sticks && slider->stiffness > 0.0 && !slider_is_loose(slider, own);
+            forces[j] = pulls ? -slider->stiffness * slider_along(slider, method->half / 2, motion) : 0.0;
         } else if (sticks && slider_is_rigid(slider)) {
-            forces[j] = motion[method->half + place] = 0.0;
+            forces[j] = motion[method->half + slider_place(slider)] = 0.0;
         } else {
             forces[j] = own[HOLDS];
         }
@@ -461,6 +465,9 @@ int taylor_resolve(TaylorStep *method, const double *state, double *slider_state
             const double *mobility = method->push + slider_place(method->sliders + j) * m;
             const double limit = method->limits[j], before = found[j];
             double rate = free[j];
+            if (limit == 0.0) {
+                continue; /* it is no rigid one at rest */
+            }
             for (k = 0; k < m; k++) {
                 rate += mobility[k] * found[k];
             }
@@ -488,16 +495,30 @@ static void read_column(const double *from, int stride, double sign, double base
     to[0] += base;
 }
 
+/* The coefficients of a slider's displacement, or with `first` of its rate, times `sign`. */
+static void read_way(const TaylorStep *method, const Slider *slider, int first, double sign, double *to)
+{
+    int k;
+    for (k = 0; k <= TERMS; k++) {
+        to[k] = sign * slider_along(slider, method->half / 2, method->series + k * method->length + first);
+    }
+}
+
 /* Acceleration by all limits at the place of a slider. */
 static double limit_acceleration(const TaylorStep *method, int j)
 {
-    const int place = slider_place(method->sliders + j);
-    double limits = 0.0;
+    const Slider *slider = method->sliders + j;
+    double limits = 0.0, mobility = 0.0;
     int k;
     for (k = 0; k < method->count; k++) {
-        limits += slider_place(method->sliders + k) == place ? method->sliders[k].limit : 0.0;
+        const Slider *other = method->sliders + k;
+        const int beside = !other->row && !slider->row && slider_place(other) == slider_place(slider);
+        limits += k == j || beside ? other->limit : 0.0;
     }
-    return method->push[place * method->count + j] * limits;
+    for (k = 0; k < method->half; k++) {
+        mobility += slider_share(slider, k) * method->push[k * method->count + j];
+    }
+    return mobility * limits;
 }
 
 static void keep_first(const double *function, const double *rounding, int number, double *first, int *which)
@@ -515,15 +536,12 @@ static void look_at_strokes(const TaylorStep *method, const double *slider_state
     static const double none[3] = {0.0, 0.0, 0.0};
     const int m = method->count;
     double function[TERMS + 1];
-    int j, k, side;
+    int j, side;
     for (j = 0; j < m; j++) {
         const Slider *slider = method->sliders + j;
         const double *own = slider_states + SLIDER_DOUBLES * j;
-        const double *column = method->series + slider_place(slider);
         for (side = -1; side <= 1 && slider_is_loose(slider, own); side += 2) {
-            for (k = 1; k <= TERMS; k++) {
-                function[k] = -side * column[k * method->length];
-            }
+            read_way(method, slider, 0, -side, function);
             function[0] = larger(0.0, slider->stroke - side * own[PLAY]);
             keep_first(function, none, j, first, which);
         }
@@ -588,8 +606,7 @@ static double find_first_event(const TaylorStep *method, const double *slider_st
         for (side = 0; side < (slips != 0.0 ? 1 : 2) && limit > 0.0; side++) {
             double found;
             if (slips != 0.0) {
-                const int rate = method->half + slider_place(method->sliders + j);
-                read_column(method->series + rate, method->length, slips, 0.0, function);
+                read_way(method, method->sliders + j, method->half, slips, function);
             } else {
                 read_column(method->forces + j, m, side ? 1.0 : -1.0, limit, function);
             }
@@ -601,6 +618,21 @@ static double find_first_event(const TaylorStep *method, const double *slider_st
         }
     }
     return first;
+}
+
+/* Take the rounding of a rate that has come to 0 from the velocities. */
+static void stop_at(const Slider *slider, int half, double *velocity)
+{
+    const double rate = slider_along(slider, half / 2, velocity);
+    double square = 0.0;
+    int k;
+    for (k = 0; k < half; k++) {
+        const double share = slider_share(slider, k);
+        square += share * share;
+    }
+    for (k = 0; k < half; k++) {
+        velocity[k] -= rate / square * slider_share(slider, k);
+    }
 }
 
 /* The sliders after the event of slider j; `arrived`: by a motion, not at once. */
@@ -624,7 +656,7 @@ static int change_sliders(TaylorStep *method, double *state, double *slider_stat
         return FINE;
     }
     friction[SLIPS] = 0.0;
-    state[method->half + slider_place(slider)] = 0.0;
+    stop_at(slider, method->half, state + method->half);
     return arrived && slider_is_rigid(slider)
                ? taylor_resolve(method, state, slider_states, excitation, t, failure)
                : FINE;
@@ -666,8 +698,13 @@ static void remember(const TaylorStep *method, double fraction, double *slider_s
     for (k = 0; k < holds->slider_count; k++, own += SLIDER_DOUBLES) {
         own[HOLDS] = value_at(method->forces + k, method->count, fraction);
         if (slider_is_loose(holds->sliders + k, own)) {
-            const double *column = method->series + slider_place(holds->sliders + k);
-            own[PLAY] += value_at(column, method->length, fraction) - column[0];
+            int i;
+            for (i = 0; i < method->half; i++) {
+                const double *column = method->series + i, share = slider_share(holds->sliders + k, i);
+                if (share != 0.0) {
+                    own[PLAY] += share * (value_at(column, method->length, fraction) - column[0]);
+                }
+            }
         }
     }
     for (k = 0; k < holds->stop_count; k++, own += STOP_DOUBLES) {

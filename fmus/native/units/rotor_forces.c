@@ -3,8 +3,8 @@
 #include "base/matrix.h"
 #include "units/rotor_unit.h"
 
-/* Behind the tables of bearings: which of them a force is of and the station of its sliders, then its rows. */
-enum { OF_BEARING, OF_STATION, PER_FORCE };
+/* Behind the tables of bearings: which of them a force is of, then its rows. */
+enum { OF_BEARING, PER_FORCE };
 
 /* Springs and dampers along x and y, four numbers, at a station. */
 static void set_straight(Rotor *own, int force, int station, const double *values)
@@ -14,7 +14,6 @@ static void set_straight(Rotor *own, int force, int station, const double *value
     row[3] = values[1];
     row[4] = values[2];
     row[7] = values[3];
-    own->forces[force].station = station;
 }
 
 /* A whole number of a parameter, from 0 to `most`; below 0 with the reason. */
@@ -38,12 +37,10 @@ static int set_given(Unit *unit)
     for (k = 0; k < own->force_count; k++) {
         const size_t at = first + PER_FORCE * (size_t)k;
         const int table = whole_parameter(unit, at + OF_BEARING, own->rotor.bearings.count);
-        const int station = table < 0 ? -1 : whole_parameter(unit, at + OF_STATION, own->stations);
-        if (station < 0) {
+        if (table < 0) {
             return 1;
         }
         own->forces[k].bearing = table - 1;
-        own->forces[k].station = station - 1;
     }
     copy_doubles((size_t)(own->force_count * own->stations * BEARING_NUMBERS),
                  unit->real + first + PER_FORCE * own->force_count, own->force_rows);
@@ -131,7 +128,7 @@ void rotor_observe_forces(const Unit *unit, double *out)
             add_force_over_speed(own, force->bearing, speed, motion, out);
         }
         for (k = 0; k < own->slider_count; k++) { /* its force is that on the rotor */
-            if (own->sliders[k].station == force->station) {
+            if (own->sliders[k].support == f + 1) {
                 out[own->sliders[k].axis] -= rotor_slider_states(unit)[SLIDER_DOUBLES * k + HOLDS];
             }
         }

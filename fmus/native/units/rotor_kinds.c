@@ -48,13 +48,15 @@ static void flexible_starts(const Layout *layout, double *real)
     }
 }
 
-/* Every spring and stop is at a station of its own as far as there are: x and y of its row. */
+/* Every spring, stop and slider of given matrices is at a station of its own as far as there are: x and y of its
+   row. */
 static void restraint_starts(const Layout *layout, double *real)
 {
-    static const char *const names[2] = {"cubic_row_x[#,#]", "stop_row_x[#,#]"};
-    const int counts[2] = {layout->sizes.cubics, layout->sizes.stops}, n = layout->sizes.stations;
+    static const char *const names[3] = {"cubic_row_x[#,#]", "stop_row_x[#,#]", "slider_row_x[#,#]"};
+    const int of_matrices = rotor_kind(layout) == MATRICES ? layout->sizes.sliders : 0;
+    const int counts[3] = {layout->sizes.cubics, layout->sizes.stops, of_matrices}, n = layout->sizes.stations;
     int which, k;
-    for (which = 0; which < 2; which++) {
+    for (which = 0; which < 3; which++) {
         double *rows = counts[which] ? real + layout_index(layout, names[which], 1) : real;
         for (k = 0; k < 2 * n * counts[which]; k++) {
             const int row = k / (2 * n), station = k / 2 % n;
@@ -198,14 +200,45 @@ static size_t slider_parameters(const Unit *unit)
     return rotor_shortest_stopped(unit) + 1 - stands - SLIDER_PARAMETERS * (size_t)sizes->sliders;
 }
 
+/* Doubles of the rows of sliders, which stand before their other parameters: of given matrices. */
+static size_t slider_rows(const Unit *unit)
+{
+    const Rotor *own = unit->own;
+    return own->kind == MATRICES ? (size_t)own->slider_count * (size_t)own->stations : 0;
+}
+
+/* That of a parameter; 0 of one that no support or foot has. */
+static int support_number(double value)
+{
+    return value >= 1.0 && value <= MOST_SUPPORTS ? (int)value : 0;
+}
+
+/* Let a slider along an axis stand at the one station that moves it, or across its row (n, 2): behind a spring. */
+static void set_row(Slider *slider, int n, const double *row)
+{
+    int k, others = 0;
+    for (k = 0; k < n; k++) {
+        const double share = row[2 * k + slider->axis];
+        if (share == 1.0) {
+            slider->station = k;
+        }
+        others += share != 0.0;
+    }
+    slider->row = others == 1 && row[2 * slider->station + slider->axis] == 1.0 ? NULL : row;
+    if (!others) {
+        slider->limit = 0.0; /* what has it does not move along this axis */
+    }
+}
+
 /* Sliders along x and y, in the order of the parameters; 1 with the reason. */
 static int set_sliders(Unit *unit)
 {
     Rotor *own = unit->own;
-    /* of given matrices any station can have one */
-    const int supports = own->kind == PLANAR ? 1 : own->kind == MATRICES ? own->stations : 2;
+    const int supports = own->kind == PLANAR ? 1 : own->kind == MATRICES ? MOST_SUPPORTS : 2;
+    const size_t rows = slider_rows(unit);
     size_t first = slider_parameters(unit);
     int k, axis;
+    copy_doubles(rows, unit->real + first - rows, own->slider_rows);
     for (k = 0; k < own->slider_count; k += 2, first += SLIDER_PARAMETERS) {
         const double *real = unit->real + first;
         int station;
@@ -218,7 +251,7 @@ static int set_sliders(Unit *unit)
                         (unsigned long)supports);
             return 1;
         }
-        station = (int)real[0] - 1;
+        station = own->kind == MATRICES ? 0 : (int)real[0] - 1;
         if (own->kind == FLEXIBLE) {
             station = station_at(unit, own->values, 2 * (size_t)own->stations + (size_t)station);
         }
@@ -226,10 +259,21 @@ static int set_sliders(Unit *unit)
             Slider *slider = own->sliders + k + axis;
             slider->station = station;
             slider->axis = axis;
+            slider->row = NULL;
+            slider->support = (int)real[0];
             slider->limit = real[1 + axis];
             slider->stiffness = real[3 + axis];
             slider->stroke = 0.5 * real[5 + axis];
             slider->centre = real[7 + axis];
+            if (rows) {
+                set_row(slider, own->stations, own->slider_rows + k * own->stations);
+            }
+            if (slider->row && slider->limit > 0.0 && !(slider->stiffness > 0.0)) {
+                Text *reason = unit_reason(unit);
+                layout_shown(&unit->layout, first + 3 + (size_t)axis, real[3 + axis], reason);
+                text_put(reason, ": must be above 0, a rigid slider stands at one station");
+                return 1;
+            }
             if (slider->stroke > 0.0 && slider->limit > 0.0 && !(slider->stiffness > 0.0)) {
                 Text *reason = unit_reason(unit);
                 layout_shown(&unit->layout, first + 5 + (size_t)axis, real[5 + axis], reason);
@@ -241,18 +285,12 @@ static int set_sliders(Unit *unit)
     return 0;
 }
 
-/* That of a parameter; 0 of one that no support or foot has. */
-static int support_number(double value)
-{
-    return value >= 1.0 && value <= MOST_SUPPORTS ? (int)value : 0;
-}
-
 /* Cubic springs and stops, in the order of the parameters, which stand before those of sliders. */
 static int set_restraints(Unit *unit)
 {
     Rotor *own = unit->own;
     const size_t n = (size_t)own->stations, cubics = (size_t)own->cubic_count, stops = (size_t)own->stop_count;
-    const size_t rows_of_stops = slider_parameters(unit) - 2 * n * stops, of_stops = rows_of_stops - STOP_PARAMETERS * stops;
+    const size_t rows_of_stops = slider_parameters(unit) - slider_rows(unit) - 2 * n * stops, of_stops = rows_of_stops - STOP_PARAMETERS * stops;
     const size_t rows_of_cubics = of_stops - 2 * n * cubics, of_cubics = rows_of_cubics - CUBIC_PARAMETERS * cubics;
     double *rows = own->restraint_rows;
     size_t k;

@@ -73,6 +73,7 @@ static int rotor_allocate(Unit *unit)
     own->cubics = unit_allocate(unit, (size_t)own->cubic_count + 1, sizeof(CubicSpring));
     own->stops = unit_allocate(unit, (size_t)own->stop_count + 1, sizeof(Stop));
     own->restraint_rows = doubles(unit, 2 * stations * (size_t)(own->cubic_count + own->stop_count), &missing);
+    own->slider_rows = doubles(unit, 2 * stations * (size_t)sizes->sliders, &missing);
     holds = rotor_holds(own);
     own->slider_states = doubles(unit, holds_doubles(&holds), &missing);
     own->taylor_memory = doubles(unit, taylor_step_size(n, p, &holds), &missing);
@@ -127,7 +128,7 @@ static int rotor_begin(Unit *unit)
     const double *start = unit->real + unit->layout.parameters.count - motion;
     angle_start(unit->memory, start[-1]);
     memcpy(unit->memory + MOTION, start, motion * sizeof(double));
-    friction_at_start(own->sliders, own->slider_count, start, start + motion / 2, rotor_slider_states(unit));
+    friction_at_start(own->sliders, own->slider_count, own->stations, start, start + motion / 2, rotor_slider_states(unit));
     fill_doubles(STOP_DOUBLES * (size_t)own->stop_count, 0.0, rotor_stop_states(unit));
     return 0;
 }

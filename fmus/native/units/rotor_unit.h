@@ -36,10 +36,9 @@ typedef struct {
     double *matrix;
 } Kept;
 
-/* A force of a support or foot: the bearing over the speed that it is of, and the station whose sliders
-   are in it, from 0; below 0: none. */
+/* A force of a support or foot: the bearing over the speed that it is of, from 0; below 0: none. */
 typedef struct {
-    int bearing, station;
+    int bearing;
 } Force;
 
 typedef struct {
@@ -70,6 +69,7 @@ typedef struct {
     CubicSpring *cubics;
     Stop *stops;
     double *restraint_rows; /* (cubics + stops, n, 2) */
+    double *slider_rows;    /* (sliders, n, 2) of given matrices */
     int force_count;
     Force *forces;
     double *force_rows;     /* (count, n, BEARING_NUMBERS) by the motion of the stations */

@@ -36,7 +36,8 @@ def test_keys_feed_the_unit_and_the_model():
         "slider[2].stiffness_x": 1e4, "slider[2].stiffness_y": 2e4,
     }  # fmt: skip
     assert scene.assembly().rotor.sliders == (
-        Slider(0, 0, 5.0), Slider(0, 1, 0.0), Slider(1, 0, 2.0, 1e4), Slider(1, 1, 2.0, 2e4)
+        Slider(0, 0, 5.0, support=1), Slider(0, 1, 0.0, support=1),
+        Slider(1, 0, 2.0, 1e4, support=2), Slider(1, 1, 2.0, 2e4, support=2),
     )  # fmt: skip
 
 

@@ -75,9 +75,46 @@ def test_mistakes_are_named(keys, said):
         planar(**keys)
 
 
-def test_matrices_and_python_units_refuse_them_by_name():
-    with pytest.raises(ab.SceneError, match="stops: unknown key"):
-        ab.Matrices(mass_matrix=[[1.0]], stiffness_matrix=[[1.0]], stops=[STOP])
+MATRICES = {
+    "mass_matrix": [[4.0, 1.0], [1.0, 3.0]], "stiffness_matrix": [[5e4, 0.0], [0.0, 4e4]],
+    "damping_matrix": [[40.0, 0.0], [0.0, 30.0]], "supports": [1, 2],
+    "unbalances": [{"position": 1.0, "amount": 3e-3, "angle": 0.4}],
+}  # fmt: skip
+HELD = {
+    "stops": [STOP | {"support": 2, "gap": "2 mm"}], "cubic_stiffness": [1e9, 0.0],
+    "friction": [{"support": 1, "limit": 4.0, "stiffness": 3e4, "free_stroke": "1 mm"}],
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("separate", [False, True])
+def test_a_rotor_by_its_matrices_moves_as_the_kind_that_has_them(separate):
+    body = {"mass": 9.0, "inertia": 1.0, "com": 0.4, "span": 1.0}  # M of the matrices
+    own = ab.TwoSupport(**body, stiffness=[5e4, 4e4], damping=[40.0, 30.0],
+                        unbalances=MATRICES["unbalances"], planes=[1.0], **HELD)  # fmt: skip
+    other = ab.Matrices(**MATRICES | {"mass_matrix": own.build().mass.tolist()}, **HELD)
+    operation, coupling = {"speed": 90.0}, {"tolerance": 1e-8}
+    x, y = (
+        ab.Scene(rotor=rotor, operation=operation, coupling=coupling).run(separate=separate)
+        for rotor in (own, other)
+    )
+    for name in ("rotor.station[1].x", "rotor.station[2].y"):
+        there = np.interp(x.time, y.time, y[name])
+        np.testing.assert_allclose(there, x[name], atol=2e-5 * np.abs(x[name]).max())
+
+
+def test_a_rotor_by_its_matrices_has_them_at_any_point_by_name():
+    stops = [STOP | {"support": "point[2]"}]
+    rotor = ab.Matrices(**MATRICES | {"supports": [1]}, stops=stops).build()
+    assert rotor.stops[0].rows.tolist() == [[0.0, 1.0]] * 2
+    with pytest.raises(ab.SceneError, match=r'stops\[1\].support: must be 1 or "point\[1\]" or'):
+        ab.Matrices(**MATRICES | {"supports": [1]}, stops=[STOP | {"support": 2}])
+    with pytest.raises(ab.SceneError, match=r"cubic_stiffness.*: must be 2, one for each"):
+        ab.Matrices(**MATRICES, cubic_stiffness=[1e9])
+    with pytest.raises(ab.SceneError, match=r"cubic_stiffness.*: must not be below 0"):
+        ab.Matrices(**MATRICES, cubic_stiffness=[-1e9, 0.0])
+
+
+def test_python_units_refuse_them_by_name():
     with pytest.raises(ab.SceneError, match=r"rotor\.cubic_stiffness|rotor\.stops"):
         planar(stops=[STOP]).replace({"coupling.units": "python"}).run()
 
@@ -98,6 +135,39 @@ def test_limits_of_stability_are_unchanged_and_say_so():
     assert found.as_json()["supports"] == found.supports
     assert plain.supports == ""
     assert "cubic springs and stops are left out" in scene.replace(held).capture().linear
+
+
+def test_a_damper_within_its_free_stroke_leaves_the_limits_as_they_are():
+    scene = ab.load("filimonikhina")
+    damper = {"limit": 0.5, "stiffness": 100.0, "free_stroke": "1 mm"}
+    held = scene.replace({"rotor.friction": [damper]})
+    plain, found = (s.speeds(0.5, 1.5, "floquet,proved") for s in (scene, held))
+    assert [c.speed for c in found.methods["floquet"]] == [
+        c.speed for c in plain.methods["floquet"]
+    ]
+    assert found.proof.as_json() == plain.proof.as_json()
+    assert "dampers rest within their free strokes" in found.supports
+    with pytest.raises(ab.UserError, match=r"rotor\.friction"):
+        held.replace({"rotor.friction[1].free_stroke": 0.0}).speeds(0.5, 1.5, "floquet")
+
+
+def test_a_damper_stands_across_a_support_or_a_foot_by_its_row():
+    feet = [*TUB["feet"], {"position": 0.1, "stiffness": 1e3}]
+    places = (2, "tub.foot[3]", "tub.foot[1]")
+    damper = {"limit": [5.0, 6.0], "stiffness": 1e5, "free_stroke": "2 mm"}
+    scene = two_support(bodies=[TUB | {"feet": feet}], on="tub",
+                        friction=[damper | {"support": place} for place in places])  # fmt: skip
+    rotor = scene.restrained_assembly().rotor
+    rows = [one.shares(4).tolist() for one in rotor.sliders[::2]]
+    expected = [[0.0, 1.0, 0.0, -1.0], [0.0, 0.0, 0.75, 0.25], [0.0, 0.0, 1.0, 0.0]]
+    assert np.allclose(rows, expected, rtol=1e-15)
+    assert [one.support for one in rotor.sliders[::2]] == [2, 5, 3]
+    start = plan(scene).units[0].start
+    assert [start[f"slider_row_y[2,{j}]"] for j in (1, 2, 3, 4)] == pytest.approx(expected[1])
+    with pytest.raises(ab.SceneError, match=r"friction\[1\].stiffness: .*cannot be rigid"):
+        two_support(bodies=[TUB], on="tub", friction=[{"limit": 5.0}])
+    with pytest.raises(ab.SceneError, match=r'friction\[1\].support: must be 1 or 2 or "tub'):
+        two_support(bodies=[TUB], on="tub", friction=[damper | {"support": "tub.foot[3]"}])
 
 
 def test_under_gravity_a_cubic_spring_counts_about_the_sag():
