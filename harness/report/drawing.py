@@ -5,10 +5,12 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, Sequence
 
+from ..result.verdict.words import millimetres
 from ..scene import Scene
 from ..scene.balancer import AnyBalancer, Ring, WeightBalancer
 from ..scene.bodies import BodyTable
 from ..scene.rotor import Flexible, TwoSupport
+from ..scene.stop import Stop
 from ..units import shown_in
 from .svg import box, circle, drawing, line, spring, words
 
@@ -18,6 +20,8 @@ _RING_WIDTH = 230.0  # of a balancer from its end
 _SPRINGS = 40.0  # beside a planar rotor
 _REACH = 78.0  # radius that the largest track is drawn with
 _MIDDLE = 112.0  # height of the shaft
+_MOST_STOPS = 3  # that are drawn around a planar rotor, and named
+_LINE = 16.0  # px, of words below each other
 _LEAST_SPAN = 1e-9  # m: a rotor whose stations all lie at one place
 
 
@@ -35,7 +39,12 @@ def machine_drawing(scene: Scene) -> str:
     for balancer in scene.balancer:
         shapes += _end_view(scene, balancer, left)
         left += _RING_WIDTH + (_SPRINGS if rotor.kind == "planar" and not left else 0.0)
-    return drawing(left, _HEIGHT, shapes, f"Drawing of {scene.heading}")
+    lines = _gaps(rotor.stops)
+    middle = _SHAFT_WIDTH / 2.0 if rotor.kind != "planar" else _RING_WIDTH / 2.0 + _SPRINGS
+    for number, said in enumerate(lines, start=1):
+        shapes.append(words(middle, _HEIGHT - 4.0 + _LINE * number, said))
+    height = _HEIGHT + _LINE * len(lines)
+    return drawing(left, height, shapes, f"Drawing of {scene.heading}")
 
 
 def _side_view(scene: Scene, rotor: TwoSupport | Flexible) -> Iterator[str]:
@@ -58,6 +67,7 @@ def _side_view(scene: Scene, rotor: TwoSupport | Flexible) -> Iterator[str]:
         yield from _carrier(carrier, [across(z) for z in rotor.support_positions], across)
     yield line([(across(low) - 25.0, _MIDDLE), (across(low + span) + 25.0, _MIDDLE)], "shaft")
     yield from _bodies(rotor, across(rotor.centre), across)
+    yield from _bumpers(rotor, across)
     unit, factor = shown_in("kg m")
     for one in rotor.unbalances:
         x = across(one.position)
@@ -98,6 +108,43 @@ def _bodies(
             yield box(across(z), _MIDDLE, 14.0, 24.0 + 56.0 * (mass / most) ** (1.0 / 3.0))
 
 
+def _bumpers(rotor: TwoSupport | Flexible, across: Callable[[float], float]) -> Iterator[str]:
+    """Stops beside the shaft at a support, and beside the foot of the body that carries it."""
+    places = {k: (z, _MIDDLE) for k, z in enumerate(rotor.support_positions, start=1)}
+    feet = {
+        f"{body.name}.foot[{k}]": (foot.position, _MIDDLE + 76.0)
+        for body in rotor.bodies
+        for k, foot in enumerate(body.feet, start=1)
+    }
+    for one in rotor.stops:
+        z, height = (places | feet)[one.support]  # type: ignore[operator]
+        for side in (-1.0, 1.0):
+            if height == _MIDDLE:
+                yield box(across(z), height + 14.0 * side, 22.0, 5.0, "bumper")
+            else:
+                yield box(across(z) + 14.0 * side, height, 5.0, 22.0, "bumper")
+
+
+def _gaps(stops: Sequence[Stop]) -> list[str]:
+    """What the stops are and how far away, the first lines of them."""
+    said = [f"{one.called}, gap {millimetres(one.gap)}" for one in stops[:_MOST_STOPS]]
+    more = len(stops) - len(said)
+    return said + ([f"and {more} more stops"] if more else [])
+
+
+def _rings(stops: Sequence[Stop], middle: float, edge: float) -> Iterator[str]:
+    """Stops around a planar rotor at its start, with their gaps; not to scale."""
+    for number, one in enumerate(stops[:_MOST_STOPS]):
+        reach = edge + 7.0 + 5.0 * number
+        if one.kind == "ring":
+            yield circle(middle, _MIDDLE, reach, "stop")
+        for side in (-1.0, 1.0):
+            if one.kind == "x":
+                yield box(middle + side * reach, _MIDDLE, 5.0, 34.0, "bumper")
+            elif one.kind == "y":
+                yield box(middle, _MIDDLE + side * reach, 34.0, 5.0, "bumper")
+
+
 def _end_view(scene: Scene, balancer: AnyBalancer | None, left: float) -> Iterator[str]:
     """A balancer along the axis at its start; a planar rotor with its supports and unbalance."""
     rotor, first = scene.rotor, not left
@@ -110,6 +157,8 @@ def _end_view(scene: Scene, balancer: AnyBalancer | None, left: float) -> Iterat
     yield circle(middle, _MIDDLE, edge, "body")
     if rotor.kind == "planar" and rotor.unbalance:
         yield circle(*_at(middle, 0.45 * _REACH, rotor.unbalance_angle), 5.0, "heavy")
+    if on_springs:
+        yield from _rings(rotor.stops, middle, edge)
     if balancer is None:
         yield words(middle, _HEIGHT - 4.0, f"rotor of {rotor.mass:.4g} kg")
         return

@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 import tempfile
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -18,12 +18,15 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Circle
 
 from ...models.arrays import Array, Complex
+from ...models.race import path
+from ...models.weights import Lobes
 from ..errors import UserError
 from ..output.files import movie_format, write_whole
 from ..output.picture import GREY, colour, unbroken
 from ..output.plot import harmless, metres
 from ..scene import Scene
 from ..scene.balancer import Liquid, Ring, WeightBalancer
+from ..units import brief
 from .motion import Motion
 
 if TYPE_CHECKING:
@@ -36,7 +39,8 @@ _RESOLUTION = 80  # dots an inch
 _NOMINAL = 0.09  # of the radius: a weight that is a point
 _TRAIL = np.linspace(-1.0, 0.0, 41)  # revolutions: the way that is shown
 _HEAVY = 0.55  # of the radius: where the unbalance is marked
-_ROUND = np.exp(1j * np.linspace(0.0, math.tau, 121))
+_LOBES = 0.08  # of the radius: smaller lobes are drawn larger, up to this
+_TURN = np.linspace(0.0, math.tau, 361)
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,6 +52,8 @@ class View:
         radii: of the weights (N,) [m].
         trail: (F, t) displacement of its plane over the last revolution, magnified [m].
         weights: (N, F) places [m].
+        race: (c,) path of the weights, or wall, about its middle [m]; lobes are magnified.
+        lobes: how often they are; 1 of a round one.
         heavy: (frames,) direction of the unbalance in the rotor [rad]; NaN where there is no one.
     """
 
@@ -57,6 +63,8 @@ class View:
     trail: Complex
     weights: Complex
     heavy: Array
+    race: Complex
+    lobes: float
 
 
 def refuse_unwritable(path: Path) -> None:
@@ -128,13 +136,27 @@ def views(motion: Motion, times: Array) -> tuple[float, list[View]]:
     for balancer in scene.balancer:
         trail = factor * paths[balancer.at - 1]
         radius, places, size = _radius(balancer), np.zeros((0, len(times)), complex), np.zeros(0)
+        lobes: tuple[Lobes, ...] = ()
+        off, times_lobes = 0j, 1.0
         if isinstance(balancer, WeightBalancer):
             size = np.array([one.radius or _NOMINAL * radius for one in balancer.device.each])
             at = [np.interp(times, motion.time, angle) for angle in angles[balancer.label]]
-            off = complex(balancer.track_offset_xi, balancer.track_offset_eta)
-            places = trail[:, -1] + factor * off + radius * np.exp(1j * np.array(at))
-        seen.append(View(balancer.label, radius, size, trail, places, light + math.pi))
+            off = factor * complex(balancer.track_offset_xi, balancer.track_offset_eta)
+            lobes, times_lobes = _magnified(balancer)
+            arm = path(radius, lobes, np.array(at))[0]
+            places = trail[:, -1] + off + arm * np.exp(1j * np.array(at))
+        race = off + path(radius, lobes, _TURN)[0] * np.exp(1j * _TURN)
+        heavy = light + math.pi
+        seen.append(View(balancer.label, radius, size, trail, places, heavy, race, times_lobes))
     return factor, seen
+
+
+def _magnified(balancer: WeightBalancer) -> tuple[tuple[Lobes, ...], float]:
+    """Lobes of a race as they are drawn, and how often they are magnified."""
+    built = [one.build() for one in balancer.race]
+    largest = math.fsum(abs(one.amplitude) for one in built)
+    times = max(1.0, _LOBES * balancer.track_radius / largest) if largest else 1.0
+    return tuple(replace(one, amplitude=times * one.amplitude) for one in built), times
 
 
 def _radius(balancer: WeightBalancer | Liquid | Ring) -> float:
@@ -179,8 +201,11 @@ def _actor(canvas: Any, view: View) -> Callable[[int], None]:
     """Draws a balancer, and moves it."""
     reach = 1.1 * view.radius + np.abs(view.trail).max() + view.radii.max(initial=0.0)
     canvas.set(xlim=(-reach, reach), ylim=(-reach, reach), aspect="equal", xticks=[], yticks=[])
-    canvas.set_title(f"{view.label}, turning with the rotor", fontsize="small")
-    canvas.plot(view.radius * _ROUND.real, view.radius * _ROUND.imag, ":", color=GREY, lw=1.0)
+    title = f"{view.label}, turning with the rotor"
+    if view.lobes > 1.0:
+        title += f"\nlobes magnified {brief(view.lobes)} times"
+    canvas.set_title(title, fontsize="small")
+    canvas.plot(view.race.real, view.race.imag, ":", color=GREY, lw=1.0)
     canvas.plot(0.0, 0.0, "+", color=GREY, ms=9)
     (ring,) = canvas.plot([], [], color="black", lw=1.6)
     (trail,) = canvas.plot([], [], color=colour(1), lw=1.0)
@@ -196,7 +221,7 @@ def _actor(canvas: Any, view: View) -> Callable[[int], None]:
     def move(frame: int) -> None:
         past = view.trail[frame]
         at = past[-1]
-        ring.set_data((at + view.radius * _ROUND).real, (at + view.radius * _ROUND).imag)
+        ring.set_data((at + view.race).real, (at + view.race).imag)
         trail.set_data(past.real, past.imag)
         centre.set_data([at.real], [at.imag])
         name.set_visible(heavy := bool(np.isfinite(view.heavy[frame])))

@@ -14,8 +14,10 @@ from ..output.picture import GREY, Line, Panel, Picture, PlotAxis, colour, style
 from ..output.plot import metres
 from .motion import Motion, station_names
 from .sag import FROM_SAG, from_sag
+from .stop_panel import stop_panel
 
 if TYPE_CHECKING:
+    from ..scene import Scene
     from .verdict import Verdict
 
 ONE_TURN = PlotAxis(ANGLE, "deg", range(0, 361, 90), limits=(-5.0, 365.0))
@@ -30,6 +32,7 @@ def history(
     title: str,
     judged: Verdict | None = None,
     sag: Mapping[str, Array] | None = None,
+    scene: Scene | None = None,
 ) -> Picture:
     """Time history of everything recorded: displacements, weights' angles, the rest by quantity.
 
@@ -42,11 +45,13 @@ def history(
         judged: what the run comes to, marked in the amplitudes.
         sag: of displacements under gravity (T,) each [m], see `sag_of`: what is drawn is counted
             from it.
+        scene: whose stops are drawn, if it has any.
 
     Raises:
         UserError: nothing was recorded.
     """
     called = {"displacement": FROM_SAG} if sag else {}
+    stops = stop_panel(scene, time, signals) if scene and scene.rotor.stops else None
     signals = from_sag(signals, sag or {})
     groups: dict[tuple[str, str], list[str]] = {}
     for name in signals:
@@ -70,6 +75,8 @@ def history(
             time, sizes, [pair[:-1] for pair in pairs], judged, *called.values()
         )
         panels.insert(place, amplitudes)
+        if stops:
+            panels.insert(place + 1, stops)
     return Picture(title, panels, height=2.4)
 
 

@@ -61,7 +61,9 @@ class Pictures(_Result):
         judged = self.summary() if self.scene else None
         title = self.scene_title or "run"
         try:
-            picture = history(self.time, self.signals, self.signal_units, title, judged, self.sag())
+            picture = history(
+                self.time, self.signals, self.signal_units, title, judged, self.sag(), self.scene
+            )
             return picture if path is None else picture.save(path)
         except UserError as error:
             if path is None or str(path) in str(error):

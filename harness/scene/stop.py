@@ -32,6 +32,17 @@ class Stop(Table):
     kind: Literal["ring", "x", "y"] = "ring"
     """A ring around the shaft without friction, or a pair of stops along one axis."""
 
+    @property
+    def called(self) -> str:
+        """What it is and where, such as "ring at support 1"."""
+        what = "ring" if self.kind == "ring" else f"stop along {self.kind}"
+        return f"{what} at {self.place}"
+
+    @property
+    def place(self) -> str:
+        """The support or foot that has it."""
+        return f"support {self.support}" if isinstance(self.support, int) else self.support
+
     def build(self, support: Support, number: int) -> ElasticStop:
         """The element across a support or foot of this number."""
         mask = {"ring": (1.0, 1.0), "x": (1.0, 0.0), "y": (0.0, 1.0)}[self.kind]

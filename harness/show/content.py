@@ -89,6 +89,8 @@ def content(scene: Scene) -> dict[str, Any]:
         "numbered": len(scene.rotor.points) > 1,  # those of bodies are stations too
         "supports": scene.rotor.supports,
         "balancers": list(_balancers(scene)),
+        "points": len(scene.rotor.points),
+        "stops": list(_stops(scene)),
         "heavy": _heavy(made),
         "changes": _changes(scene),
     }
@@ -208,6 +210,24 @@ def _heavy(made: Composition) -> float | None:
     """Direction of the unbalance in the rotor [rad]; None where there are several, or none."""
     unbalances = _unbalances(made)
     return cmath.phase(unbalances[0]) if len(unbalances) == 1 else None
+
+
+def _stops(scene: Scene) -> Iterator[dict[str, Any]]:
+    """Every stop: what it is called, its gap [m], place along the shaft [m], and rows by which the
+    points of the rotor move across it."""
+    places: dict[int | str, float] = dict(enumerate(scene.rotor.support_positions, start=1))
+    for body in scene.rotor.bodies:
+        feet = enumerate(body.feet, start=1)
+        places |= {f"{body.name}.foot[{k}]": foot.position for k, foot in feet}
+    built = scene.restrained_assembly().rotor.stops
+    for stop, element in zip(scene.rotor.stops, built, strict=True):
+        yield {
+            "label": stop.called,
+            "kind": stop.kind,
+            "gap": stop.gap,
+            "z": places.get(stop.support, scene.rotor.stations[0]),
+            "rows": element.rows.tolist(),
+        }
 
 
 def _balancers(scene: Scene) -> Iterator[dict[str, Any]]:

@@ -4,6 +4,7 @@ const SHOWN_AS = 0.22; // of the rotor's radius: what the largest displacement i
 const TRAIL = 3; // revolutions
 const GAP = 0.2; // of a chamber's radius: a narrower gap is drawn wider, up to this
 const LOBES = 0.08; // of a race's radius: smaller lobes are drawn larger, up to this
+const FARTHEST = 0.98; // of half of the picture: stops farther out are not drawn
 const WITHIN = 0.9; // of a gap: what a displacement that is less is drawn within
 
 /* Draws a machine; remembers how it magnifies. */
@@ -84,6 +85,7 @@ class Drawing {
     this.disc(plane, centre, scale, view);
     this.trail(plane, point);
     for (const b of plane.balancers) this.balancer(b, plane, centre, point(0, 0), scale, view);
+    if (plane.supported && !this.span) this.stops(point, scale, size);
     c.strokeStyle = colours.faint;
     cross(c, cx, cy, 6);
     c.fillStyle = colours.ink;
@@ -105,6 +107,30 @@ class Drawing {
     line(c, cx - reach, cy - 14, cx - reach, cy + 14);
     line(c, cx - 14, cy + reach, cx + 14, cy + reach);
     c.lineWidth = 1;
+  }
+
+  /* Stops around the axis at their gap, and how far the rotor has come across each; one that is
+     farther out than the picture is left out. */
+  stops(point, scale, size) {
+    const { context: c, colours, machine, magnification: m } = this;
+    machine.data.stops.forEach(({ kind, gap }, k) => {
+      const { x, y, force } = machine.now.stops[k];
+      const reach = m * gap * scale;
+      if (!(reach < FARTHEST * size)) return;
+      c.strokeStyle = c.fillStyle = force ? colours.heavy : colours.ink;
+      c.lineWidth = force ? 4 : 2;
+      if (kind === "ring") {
+        circle(c, ...point(0, 0), reach);
+      } else {
+        for (const side of [-1, 1]) {
+          const ends = [-0.4, 0.4].map((part) => (kind === "x"
+            ? point(side * m * gap, part * m * gap) : point(part * m * gap, side * m * gap)));
+          line(c, ...ends[0], ...ends[1]);
+        }
+      }
+      c.lineWidth = 1;
+      dot(c, ...point(m * x, m * y), 4);
+    });
   }
 
   disc(plane, [x, y], scale, view) {
@@ -235,6 +261,19 @@ class Drawing {
       spring(c, gx, cy + 0.5 * height, x, y, 6);
       line(c, gx - 12, cy + 0.5 * height, gx + 12, cy + 0.5 * height);
     }
+    data.stops.forEach(({ kind, gap, z }, k) => {
+      const { x, y, force } = machine.now.stops[k];
+      if (!(m * gap * scale < FARTHEST * height)) return;
+      c.strokeStyle = c.fillStyle = force ? colours.heavy : colours.ink;
+      c.lineWidth = force ? 4 : 2;
+      for (const side of [-1, 1]) {
+        const [sx, sy] = at(z, kind === "y" ? { x: 0, y: side * gap } : { x: side * gap, y: 0 });
+        line(c, sx - 9, sy, sx + 9, sy);
+      }
+      c.lineWidth = 1;
+      dot(c, ...at(z, { x, y }), 3);
+    });
+    c.strokeStyle = colours.faint;
     c.setLineDash([4, 4]);
     line(c, ...at(Math.min(...data.stations), rest), ...at(Math.max(...data.stations), rest));
     c.setLineDash([]);

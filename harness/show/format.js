@@ -33,6 +33,16 @@ function palette() {
   return Object.fromEntries(names.map((n) => [n, style.getPropertyValue(`--${n}`).trim()]));
 }
 
+/* How far a rotor has come towards a stop, and what the stop has felt. */
+function stopWords(gap, { x, y, force, touches }) {
+  const way = `${shown(Math.hypot(x, y), "m", true)} of ${shown(gap, "m", true)}`;
+  return `${way}, ${force ? "in contact" : "apart"}, touches: ${shown(touches)}`;
+}
+
+function capital(words) {
+  return words[0].toUpperCase() + words.slice(1);
+}
+
 function weightColour(colours, k) {
   return colours[`w${1 + (k % 6)}`];
 }

@@ -209,6 +209,7 @@ class Machine {
     this.readAll = units.reader([...facts, ...this.places.flatMap((p) => [`${p}.x`, `${p}.y`]),
       ...this.waves.flatMap((w) => [`${w}.wave_xi`, `${w}.wave_eta`]), ...weights,
       ...this.clearances]);
+    this.readStops = this.data.stops.length ? units.reader(this.stopNames()) : () => [];
     const before = new Map(this.weights?.map(({ name }, k) => [name, this.history.angles[k]]));
     this.weights = weights.map((name) => ({
       name, label: name.split(".")[0], number: Number(name.match(/\[(\d+)\]/)[1]),
@@ -233,7 +234,28 @@ class Machine {
       [w, rest.slice(first + 2 * k, first + 2 * k + 2)]));
     const angles = rest.slice(last, rest.length - this.clearances.length);
     const clearance = Math.min(...rest.slice(rest.length - this.clearances.length));
-    this.now = { angle, speed, error, steps, pairs, waves, angles, clearance };
+    this.now = { angle, speed, error, steps, pairs, waves, angles, clearance,
+      stops: this.stopsNow() };
+  }
+
+  /* x and y of all points, which move across stops, then what each stop says. */
+  stopNames() {
+    const { stops, points } = this.data;
+    const names = Array.from({ length: points }, (_, k) =>
+      this.data.numbered ? `rotor.station[${k + 1}]` : "rotor");
+    return [...names.flatMap((n) => [`${n}.x`, `${n}.y`]), ...stops.flatMap((_, k) =>
+      ["force_x", "force_y", "touches"].map((what) => `rotor.stop[${k + 1}].${what}`))];
+  }
+
+  /* Of every stop the displacement across it, its force, and how often it was touched. */
+  stopsNow() {
+    const values = this.readStops(), { stops, points } = this.data;
+    return stops.map(({ rows }, k) => {
+      const [x, y] = rows.map((row, axis) =>
+        row.reduce((sum, part, point) => sum + part * values[2 * point + axis], 0));
+      const [fx, fy, touches] = values.slice(2 * points + 3 * k, 2 * points + 3 * k + 3);
+      return { x, y, force: Math.hypot(fx, fy), touches };
+    });
   }
 
   remember() {

@@ -205,6 +205,8 @@ class Page {
       [stations.length > 1 ? "At that station" : "Displacement"]:
         shown(Math.hypot(x, y), "m", true),
       ...(this.machine.clearances.length && { Clearance: shown(now.clearance, "m", true) }),
+      ...Object.fromEntries(this.data.stops.map(({ label, gap }, k) =>
+        [capital(label), stopWords(gap, now.stops[k])])),
     });
     this.write("details", {
       "Error, estimated": shown(now.error),

@@ -199,7 +199,7 @@ class Excitation(NamedTuple):
 
 class _Slider(ctypes.Structure):
     _fields_ = (
-        *(("station", c_int), ("axis", c_int)),
+        *(("station", c_int), ("axis", c_int), ("row", POINTER(c_double)), ("support", c_int)),
         *((name, c_double) for name in ("limit", "stiffness", "stroke", "centre")),
     )
 
@@ -216,7 +216,7 @@ class Friction:
         count, native = len(rotor.sliders), core.rotor_of(rotor)
         native.sliders = count
         self._sliders = (_Slider * count)(
-            *((s.station, s.axis, s.limit, s.stiffness, 0.0, 0.0) for s in rotor.sliders)
+            *((s.station, s.axis, None, 0, s.limit, s.stiffness, 0.0, 0.0) for s in rotor.sliders)
         )
         self._native = core.taylor_step(native, self._sliders, count)
 
@@ -224,7 +224,8 @@ class Friction:
         """Sliders with slack springs; rigid ones slip with the rotor."""
         held, count = np.zeros((len(self._sliders), 4)), len(self._sliders)
         places, rates = np.split(np.array(state, float), [self.dof])
-        self.core("friction_at_start", self._sliders, count, places, rates, held)
+        stations = self.dof // 2
+        self.core("friction_at_start", self._sliders, count, stations, places, rates, held)
         return held
 
     def advance(

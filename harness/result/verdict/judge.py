@@ -155,10 +155,8 @@ def _stopped(result: Result, scene: Scene) -> tuple[Stopped, ...]:
     for k, stop in enumerate(scene.rotor.stops, start=1):
         force, touches = (f"rotor.stop[{k}].{what}" for what in OF_STOPS)
         if force in result.signals and touches in result.signals:
-            place = f"support {stop.support}" if isinstance(stop.support, int) else stop.support
-            called = {"ring": "ring", "x": "stop along x", "y": "stop along y"}[stop.kind]
             count, most = int(result[touches][-1]), float(result[force][-1])
-            found.append(Stopped(f"{called} at {place}", count, most))
+            found.append(Stopped(stop.called, count, most))
     return tuple(found)
 
 

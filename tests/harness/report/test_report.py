@@ -96,6 +96,19 @@ def test_drawing_shows_every_weight_and_support(name):
     assert {b.label for b in scene.balancer} <= set(words)
 
 
+@pytest.mark.parametrize("kind", ["ring", "x", "y"])
+@pytest.mark.parametrize("name", ["two_balls", "drum", "washing_machine_tub"])
+def test_drawing_shows_stops_with_their_gaps(name, kind):
+    stop = {"gap": "3 mm", "stiffness": 1e5, "kind": kind}
+    scene = ab.load(name).replace({"rotor.stops": [stop]})
+    root = ElementTree.fromstring(machine_drawing(scene))
+    classes = [shape.get("class") for shape in root.iter()]
+    called = "ring" if kind == "ring" else f"stop along {kind}"
+    around = kind == "ring" and scene.rotor.kind == "planar"
+    assert (classes.count("stop"), classes.count("bumper")) == ((1, 0) if around else (0, 2))
+    assert f"{called} at support 1, gap 3 mm" in [t.text for t in root.iter(f"{SVG}text")]
+
+
 @pytest.mark.parametrize("given", [{"run_up": "0 s"}, {"limit": -1.0}, {"run_up": "4 kg"}])
 def test_wrong_values_are_refused_by_name(given, tmp_path):
     with pytest.raises(UserError, match=next(iter(given))):

@@ -56,6 +56,16 @@ def test_weights_have_their_own_radii_and_the_unbalance_its_present_direction():
     np.testing.assert_allclose(np.exp(1j * view.heavy), np.exp(1j * turned), atol=1e-12)
 
 
+def test_lobes_are_drawn_larger_than_they_are_with_the_weights_on_them():
+    scene = load_scene("run_up").replace({"weights.race": [{"lobes": 2, "amplitude": 1e-6}]})
+    run = cosimulate(scene.replace({"run.revolutions": 3}))
+    _, (view,) = views(Motion(scene, run.time, run), run.time)
+    assert view.lobes == pytest.approx(0.08 * RADIUS / 1e-6)
+    assert [np.abs(view.race).max(), np.abs(view.race).min()] == pytest.approx([0.108, 0.092])
+    arms, angle = np.abs(view.weights[0] - view.trail[:, -1]), run["weights.weight[1].angle"]
+    np.testing.assert_allclose(arms, 0.1 + 0.008 * np.cos(2.0 * angle), rtol=1e-6)
+
+
 def test_trail_is_the_last_revolution(result):
     motion = Motion(result.scene, result.time, result)
     factor, (view,) = views(motion, result.time)

@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 
+import autobalancer as ab
 from autobalancer.fmus.composite.batch import BatchRuns
 from autobalancer.harness import bundled_scenes, load_scene
 from autobalancer.harness.master.one_file import composition
@@ -365,3 +366,33 @@ def test_signals_are_saved_as_the_page_remembers_them(opened):
     assert last[1:3] == shown("const { x, y } = machine.now.pairs[0]; return [x, y]")
     assert len(lines) == 1 + shown("return machine.filled")
     assert (picture, image[:22]) == ("machine.png", "data:image/png;base64,")
+
+
+def test_a_stop_is_shown_with_its_gap_and_contact(opened):
+    stop = {"gap": "2 mm", "stiffness": "200 N/mm", "damping": 300.0}
+    scene = ab.Scene(
+        rotor=ab.Planar(mass=10.0, stiffness=1e4, damping=20.0, unbalance=0.05, stops=[stop]),
+        operation={"speed": 33.0},
+    )
+    shown = opened(scene)
+    assert shown("return machine.data.stops")[0]["label"] == "ring at support 1"
+    shown("machine.advance(0.0317, 1e9)")
+    (now,) = shown("return machine.now.stops")
+    x, y = shown("const { x, y } = machine.now.pairs[0]; return [x, y]")
+    assert (now["x"], now["y"]) == (x, y)
+    assert now["touches"] == 1
+    assert (now["force"] > 0.0) == (math.hypot(x, y) > 0.002)
+    shown("page.drawing.draw(page.colours); page.facts()")
+    words = shown("return document.getElementById('facts').textContent")
+    assert "Ring at support 1" in words
+    assert "of 2 mm" in words
+    assert "touches: 1" in words
+
+
+def test_a_stop_across_a_foot_sees_the_body(opened):
+    shown = opened("washing_machine_stops")
+    shown("machine.advance(0.5, 1e9)")
+    (now,) = shown("return machine.now.stops")
+    x, y = shown("return Array.from(machine.units.reader(['rotor.station[2].x', "
+                 "'rotor.station[2].y'])())")  # fmt: skip
+    assert (now["x"], now["y"]) == (x, y)
