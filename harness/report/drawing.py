@@ -117,7 +117,7 @@ def _bumpers(rotor: TwoSupport | Flexible, across: Callable[[float], float]) -> 
         for k, foot in enumerate(body.feet, start=1)
     }
     for one in rotor.stops:
-        z, height = (places | feet)[one.support]  # type: ignore[operator]
+        z, height = (places | feet)[one.support]
         for side in (-1.0, 1.0):
             if height == _MIDDLE:
                 yield box(across(z), height + 14.0 * side, 22.0, 5.0, "bumper")
