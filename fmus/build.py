@@ -11,8 +11,8 @@ from typing import Any
 
 from .catalogue import equations, sized_unit
 from .native.build.compile import SOURCE, stamp
-from .native.build.layout import identity_of, start_entries, token
 from .native.build.package import native_files
+from .native.build.tokens import identity_of, start_entries, token
 from .unit import SizedUnit, Unit, alternatives
 from .xml import fmi2, fmi3
 from .xml.archive import digest, write, zipped

@@ -13,8 +13,8 @@ from fmpy import platform, platform_tuple
 from .build import COMPOSITION, DESCRIPTION, content_guid, contents
 from .catalogue import sized_unit
 from .native.build.compile import libraries, stamp
-from .native.build.layout import identity_of, token
 from .native.build.package import holds_universal
+from .native.build.tokens import identity_of, token
 from .python.resources import START
 from .xml.archive import unzipped
 from .xml.description import options_in

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from ..build import COMPOSITION, native_contents, written
 from ..native.build.compile import stamp
-from ..native.build.layout import identity_of
+from ..native.build.tokens import identity_of
 from ..xml.description import Capabilities
 from .composition import Composition
 from .machine import page

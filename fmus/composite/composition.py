@@ -9,7 +9,7 @@ from functools import cached_property
 from typing import Any
 
 from ..catalogue import sized_unit
-from ..native.build.layout import bits, start_entries, token
+from ..native.build.tokens import bits, start_entries, token
 from ..unit import SizedUnit, Unit
 from ..variables import Layout, Variable, started
 from .variables import CompositeSizes, variables

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from autobalancer.fmus.build import build
 from autobalancer.fmus.catalogue import sized_unit
 from autobalancer.fmus.native.build.compile import SOURCE, SOURCES, libraries, one_source, stamp
-from autobalancer.fmus.native.build.layout import token
+from autobalancer.fmus.native.build.tokens import token
 from autobalancer.harness.master.unit_files import described
 from tests.native.core import shared_library
 

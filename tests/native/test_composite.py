@@ -13,7 +13,7 @@ from scipy.interpolate import CubicSpline
 
 from autobalancer.fmus.composite.build import COMPOSITION
 from autobalancer.fmus.native.build.compile import stamp
-from autobalancer.fmus.native.build.layout import hashed
+from autobalancer.fmus.native.build.tokens import hashed
 from autobalancer.fmus.xml.archive import unzipped, zipped
 from autobalancer.harness import Scene, bundled_scenes, cosimulate, load_scene
 from autobalancer.harness.export.one_file import build_one_file

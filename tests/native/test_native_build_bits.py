@@ -21,7 +21,7 @@ import numpy as np
 import pytest
 
 from autobalancer.fmus.native.build.compile import SOURCES, libraries, stamp
-from autobalancer.fmus.native.build.layout import bits
+from autobalancer.fmus.native.build.tokens import bits
 from autobalancer.harness import cosimulate, load_scene
 from autobalancer.harness.master.one_file import composition
 

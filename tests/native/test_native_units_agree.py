@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from fmpy.fmi2 import FMU2Slave
 
-from autobalancer.fmus.native.build.layout import signed
+from autobalancer.fmus.native.build.tokens import signed
 
 pytestmark = pytest.mark.slow
 

@@ -7,7 +7,7 @@ import pytest
 from fmpy import platform_tuple
 
 from autobalancer.fmus.build import build, contents, written
-from autobalancer.fmus.native.build.layout import identity_of
+from autobalancer.fmus.native.build.tokens import identity_of
 from autobalancer.fmus.present import is_present_build
 from autobalancer.harness import cosimulate, load_scene
 from autobalancer.harness.export.ssp.build import build_ssp

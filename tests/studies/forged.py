@@ -24,7 +24,7 @@ from tempfile import TemporaryDirectory
 
 from autobalancer.fmus.catalogue import sized_unit
 from autobalancer.fmus.native.build.compile import SOURCE, SOURCES, one_source, stamp
-from autobalancer.fmus.native.build.layout import token
+from autobalancer.fmus.native.build.tokens import token
 from autobalancer.harness import Scene, load_scene
 from autobalancer.harness.master.one_file import composition
 

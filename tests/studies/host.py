@@ -18,7 +18,7 @@ from fmpy import platform_tuple
 
 from autobalancer.fmus.catalogue import sized_unit
 from autobalancer.fmus.native.build.compile import SOURCES, libraries, stamp
-from autobalancer.fmus.native.build.layout import token
+from autobalancer.fmus.native.build.tokens import token
 from autobalancer.fmus.variables import Layout
 from autobalancer.harness import load_scene
 from autobalancer.harness.master.one_file import composition

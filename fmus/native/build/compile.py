@@ -23,7 +23,6 @@ from pathlib import Path
 
 from ...unit import alternatives
 from ...xml.archive import source, write
-from .layout import constants, header, weight_parameters
 from .targets import (
     COMPILE,
     FAST,
@@ -190,6 +189,8 @@ def texts() -> dict[str, str]:
 
 def _complete() -> tuple[dict[str, str], str]:
     """Sources with what is generated, the variables of the units and the stamp; and the stamp."""
+    from .layout import constants, header, weight_parameters  # made of all declarations
+
     generated = {"layout.h": header(), "constants.h": constants()}
     written = {**texts(), **generated, "weights_parameters.h": weight_parameters()}
     total = hashlib.sha256()

@@ -1,4 +1,4 @@
-"""The units' declarations for the C units: `layout.h`, and the token of a unit and its sizes.
+"""The units' declarations for the C units: `layout.h`.
 
 The variables of a unit of any size follow from those of a few sizes: names that differ in their
 index alone make a block, which C repeats.  What a start value depends on is left to C (`starts` of
@@ -8,8 +8,7 @@ each unit).
 from __future__ import annotations
 
 import re
-import struct
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cache
 from pathlib import Path
@@ -19,7 +18,6 @@ from ....models import constants as shared
 from ...catalogue import sized_unit
 from ...composite.variables import COMPOSITE
 from ...rotor.parameters import FORCES, GIVEN, TABLED
-from ...unit import SizedUnit
 from ...variables import Layout, Variable
 from ...xml.archive import source
 
@@ -92,7 +90,6 @@ _STARTS_IN_C = (
     "point[#].torque",
 )
 _UNIT_LENGTH = 7
-_FNV_START, _FNV_PRIME = 0xCBF29CE484222325, 0x100000001B3
 
 
 @dataclass
@@ -155,52 +152,6 @@ def weight_parameters() -> str:
     lines = ["#ifndef WEIGHTS_PARAMETERS_H", "#define WEIGHTS_PARAMETERS_H", ""]
     lines += ["/* Written by layout.py from the declaration. */", f"enum {{ {places} }};"]
     return "\n".join([*lines, "", "#endif", ""])
-
-
-@cache
-def token(unit: SizedUnit, stamp: str) -> str:
-    """Identity of a native unit: GUID in FMI 2.0, instantiation token in FMI 3.0.
-
-    Args:
-        unit: with its sizes.
-        stamp: of the C sources.
-    """
-    words = [unit.name, *(f"{key}={value}" for key, value in unit.options.items()), ""]
-    return signed("/".join(words), stamp)
-
-
-def signed(text: str, stamp: str) -> str:
-    """A text with its digest and the stamp of the C sources behind, which the library compares."""
-    return f"{text}{hashed(text)}-{stamp}"
-
-
-def start_entries(layout: Layout, start: Mapping[str, float | bool], end: int) -> list[str]:
-    """Entries `start=` and `flags=` of a token's text: variables below a value reference."""
-    values = [
-        f"{layout.index[name]}:{bits(value)}"
-        for name, value in start.items()
-        if layout.index.get(name, end) < end
-    ]
-    flags = [str(layout.boolean_index[k]) for k, v in start.items() if v is True]
-    return [f"{key}={','.join(v)}" for key, v in (("start", values), ("flags", flags)) if v]
-
-
-def identity_of(text: str) -> str:
-    """GUID or instantiation token of an FMU that has the text among its resources."""
-    return f"{re.split('[/;]', text, maxsplit=1)[0]}/{hashed(text)}"
-
-
-def hashed(text: str) -> str:
-    """FNV-1a of a text: 16 hexadecimal digits."""
-    total = _FNV_START
-    for byte in text.encode("ascii"):
-        total = (total ^ byte) * _FNV_PRIME & 0xFFFFFFFFFFFFFFFF
-    return f"{total:016x}"
-
-
-def bits(value: float) -> str:
-    """The sixteen hexadecimal digits of a double."""
-    return struct.pack(">d", value).hex()
 
 
 def _group(variable: Variable) -> str:
