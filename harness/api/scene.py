@@ -8,6 +8,7 @@ from typing import Any
 from pydantic import Field
 
 from autobalancer.harness.scene import scene as description
+from autobalancer.harness.scene.nested import Nested
 
 from .methods import Methods
 from .tables import Rotor, Run
@@ -21,7 +22,7 @@ class Scene(Methods, description.Scene):
 
     rotor: Rotor
     """A table, by kind."""
-    run: Run = Field(default_factory=Run)
+    run: Nested[Run] = Field(default_factory=Run)
     """How long, from where, and what is recorded."""
 
     def _fill(self, document: dict[str, Any], path: Path | None, label: str) -> None:

@@ -8,12 +8,11 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
-
-from pydantic import Field
+from typing import TYPE_CHECKING, Any
 
 from autobalancer.harness.errors import SceneError
 from autobalancer.harness.scene import rotor, rotor_matrices, run
+from autobalancer.harness.scene.nested import Nested
 
 if TYPE_CHECKING:
     from autobalancer.harness.output.workers import Progress
@@ -133,4 +132,4 @@ class Matrices(CalledRotor, rotor_matrices.Matrices):
     __doc__ = rotor_matrices.Matrices.__doc__
 
 
-Rotor = Annotated[Planar | TwoSupport | Flexible | Matrices, Field(discriminator="kind")]
+Rotor = Nested[Planar | TwoSupport | Flexible | Matrices]

@@ -21,6 +21,7 @@ from .liquid import Liquid as Liquid
 from .liquid import Ring as Ring
 from .mounting import LONGEST_NAME as LONGEST_NAME
 from .mounting import Balancer as Balancer
+from .nested import Nested
 from .quantities import (
     SI,
     Angle,
@@ -79,7 +80,7 @@ class WeightBalancer(Balancer):
     """Of the track's centre from the plane's, in the rotor."""
     track_offset_eta: Annotated[Real, SI("m"), Feeds()] = 0.0
     """Of the track's centre from the plane's, in the rotor."""
-    race: Annotated[tuple[Lobes, ...], Feeds("race[{n}].")] = ()
+    race: Annotated[tuple[Nested[Lobes], ...], Feeds("race[{n}].")] = ()
     """Lobes of a track that is not round, `[{lobes = 2, amplitude = "20 um", angle = "30 deg"}]`;
     [what they leave](../how-to/race.md); default: a circle."""
     angles: Annotated[tuple[Angle, ...], SI("rad"), Feeds("weight[{n}].angle0")] = ()
@@ -268,4 +269,4 @@ class Pendulums(WeightBalancer):
     kind: Literal["pendulums"] = "pendulums"
 
 
-AnyBalancer = Annotated[Balls | Rollers | Pendulums | Liquid | Ring, Field(discriminator="kind")]
+AnyBalancer = Nested[Balls | Rollers | Pendulums | Liquid | Ring]

@@ -9,9 +9,9 @@ from typing import Annotated, Any
 import numpy as np
 from pydantic import Field, model_validator
 
-from ...models.journal import film_table
 from ...models.supports import SpeedTable
 from ..errors import SceneError, UserError
+from .nested import Nested
 from .quantities import SI, Positive, Real, Table, Whole, refusal
 
 Square = tuple[tuple[Real, Real], tuple[Real, Real]]
@@ -50,6 +50,8 @@ class Journal(Table):
         Raises:
             ValueError: the bearing is too long, or has no load.
         """
+        from ...models.journal import film_table  # few scenes have one
+
         size = self.diameter, self.length, self.clearance, self.viscosity
         return film_table(*size, share if self.load is None else self.load, *self.speeds)
 
@@ -67,7 +69,7 @@ class Bearing(Table):
     table: tuple[Row, ...] | None = None
     """CSV file of both over the speed: columns speed, kxx ... kyy, cxx ... cyy, units in the heads;
     or its rows in SI units. Linear between rows; a run outside is refused."""
-    journal: Journal | None = None
+    journal: Nested[Journal] | None = None
     """A short journal bearing, which makes such a table."""
 
     @model_validator(mode="after")

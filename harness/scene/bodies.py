@@ -7,6 +7,7 @@ from typing import Annotated, Any, Literal
 from pydantic import Field, model_validator
 
 from ...models.bodies import GROUND, Body, Foot
+from .nested import Nested
 from .quantities import (
     SI,
     NotNegative,
@@ -69,13 +70,13 @@ class BodyTable(Table):
     """About a transverse axis through its centre of mass; above 0 unless the rotor is planar."""
     center: Annotated[Real, SI("m")] = 0.0
     """Centre of mass along the axis, from support 1."""
-    feet: tuple[FootTable, ...] = ()
+    feet: tuple[Nested[FootTable], ...] = ()
     """What it stands on; none: the body that carries the rotor is free, as in hands."""
     on: Text = GROUND
     """What it stands on: "ground", "rotor" (an absorber), or the name of another body."""
     free: Literal["xy", "x", "y"] = "xy"
     """Axes along which it moves; along the other one its feet are rigid."""
-    handles: tuple[Handle, ...] = ()
+    handles: tuple[Nested[Handle], ...] = ()
     """Where hands hold it."""
 
     @model_validator(mode="after")

@@ -6,6 +6,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import AfterValidator, Field
 
+from .nested import Nested
 from .quantities import SI, Positive, Table, Text
 
 
@@ -57,4 +58,4 @@ class PlainCheck(Table):
     ]
 
 
-AnyCheck = Annotated[PlainCheck | CriticalSpeedsCheck, Field(discriminator="kind")]
+AnyCheck = Nested[PlainCheck | CriticalSpeedsCheck]

@@ -11,9 +11,9 @@ import numpy as np
 from pydantic import Field, field_validator, model_validator
 
 from ...models.rotor import LinearRotor
-from ...models.tilting import arms
 from .feeds import Feeds, Start, fed
 from .given import Acting
+from .nested import Nested
 from .quantities import (
     SI,
     Angle,
@@ -219,7 +219,7 @@ class Flexible(RotorTable):
     """Of the discs about the axis, one a station; a thin disc has twice the transverse one."""
     shear_stiffness: Annotated[Positive | None, SI("N")] = None
     """kappa G A of the shaft; default: it does not shear."""
-    skews: tuple[Skew, ...] = ()
+    skews: tuple[Nested[Skew], ...] = ()
     """Discs that sit askew on the shaft: a couple that turns with it."""
     bending_stiffness: Annotated[Positive | None, SI("N m^2"), Feeds()] = None
     """E I of the shaft; this or `compliance`."""
@@ -281,11 +281,13 @@ class Flexible(RotorTable):
     @property
     def points(self) -> tuple[float, ...]:
         """The stations, and a point of the axis of every disc that tilts."""
-        lengths = arms(self.masses, self.transverse_inertias) if self.transverse_inertias else []
-        pairs = zip(self.stations, lengths, strict=False)
-        axes = tuple(z + arm for z, arm in pairs if arm)
-        count = len(self.stations)
-        return self.stations + axes + super().points[count:]
+        beyond = super().points[len(self.stations) :]
+        if not self.transverse_inertias:
+            return self.stations + beyond
+        from ...models.tilting import arms  # few rotors have such discs
+
+        pairs = zip(self.stations, arms(self.masses, self.transverse_inertias), strict=True)
+        return (*self.stations, *(z + arm for z, arm in pairs if arm), *beyond)
 
     @property
     def beyond(self) -> tuple[str, ...]:
@@ -352,4 +354,4 @@ class Flexible(RotorTable):
         return self._with_supports(LinearRotor.flexible(**self._shaft_arguments()))
 
 
-Rotor = Annotated[Planar | TwoSupport | Flexible | Matrices, Field(discriminator="kind")]
+Rotor = Nested[Planar | TwoSupport | Flexible | Matrices]

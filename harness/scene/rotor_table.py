@@ -6,8 +6,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar
+from dataclasses import replace
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,6 +23,7 @@ from .bearing import GRAVITY, Bearing
 from .bodies import BodyTable, refuse_half_of_rubber
 from .feeds import Feeds, Start, fed
 from .given import Acting, matrix_start
+from .nested import Nested
 from .quantities import (
     SI,
     Angle,
@@ -62,7 +63,7 @@ class Unbalance(Table):
     """Direction in the rotor."""
 
 
-Unbalances = tuple[Unbalance, ...]
+Unbalances = tuple[Nested[Unbalance], ...]
 
 
 class Slider(Table):
@@ -90,8 +91,8 @@ _NO_ARGUMENTS = (  # of a constructor of `LinearRotor`
     *("kind", "fmu", "friction", "damping_ratio", "bodies", "on", "zone_limits"),
     *("support_loss_factor", "loss_frequency", "cubic_stiffness", "cubic", "stops"),
 )
-Bearings = tuple[Bearing, ...]
-Friction = Annotated[tuple[Slider, ...], Feeds("slider[{n}].")]
+Bearings = tuple[Nested[Bearing], ...]
+Friction = Annotated[tuple[Nested[Slider], ...], Feeds("slider[{n}].")]
 
 
 def _or_bearings(value: Any, info: ValidationInfo) -> Any:
@@ -125,8 +126,7 @@ def _unit(one: Unbalance) -> Unbalance:
     return one.model_copy(update={"amount": 1.0, "angle": 0.0})
 
 
-@dataclass(frozen=True)
-class Corrections:
+class Corrections(NamedTuple):
     """Room for correction weights on a rotor.
 
     Attributes:
@@ -157,7 +157,7 @@ class RotorTable(Table):
     [our ports](units.md); default: ours."""
     bearings: Bearings = ()
     """In place of stiffness and damping: supports with cross terms, one for each support."""
-    bodies: tuple[BodyTable, ...] = ()
+    bodies: tuple[Nested[BodyTable], ...] = ()
     """Bodies that carry the rotor or hang on it, also as [[body]] tables of the scene."""
     on: Text = GROUND
     """What its supports stand on: "ground", or the name of a body."""

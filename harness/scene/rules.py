@@ -4,19 +4,23 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from functools import cache
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from pydantic import TypeAdapter, ValidationError
+from pydantic import ValidationError
 
 from .messages import Place, show, statement
 from .rotor import Rotor
+
+if TYPE_CHECKING:
+    from pydantic import TypeAdapter
 
 TABLES = ("rotor", "operation", "coupling", "run")
 
 
 @cache
 def _rotor() -> TypeAdapter[Any]:
-    """Not at import: a right scene never asks, and it takes 30 ms."""
+    from pydantic import TypeAdapter  # a right scene never asks
+
     return TypeAdapter(Rotor)
 
 

@@ -4,14 +4,17 @@ from __future__ import annotations
 
 from cmath import rect
 from itertools import pairwise
-from typing import Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Field, model_validator
 
 from ...models.assembly import SpeedProfile, Start
 from ...models.constants import DEFAULT_STEPS, DEFAULT_TOLERANCE, FEWEST_STEPS
-from ...models.motor import Drive, MotorDriven
+from .nested import Nested
 from .quantities import SI, Angle, NotNegative, Positive, Real, Table, Text, Whole, refusal
+
+if TYPE_CHECKING:
+    from ...models.motor import Drive, MotorDriven
 
 UNCORRECTED = ("jacobi", "gauss-seidel", "compensated")  # schemes that take one pass
 STEPS = ("steps_per_rev", "tolerance")  # one or the other
@@ -79,6 +82,8 @@ class Motor(Table):
 
     def build(self) -> Drive:
         """For the models."""
+        from ...models.motor import Drive  # few scenes have one
+
         speeds, torques = zip(*self.points, strict=True)
         return Drive(self.inertia, speeds, torques)
 
@@ -101,14 +106,16 @@ class Operation(Table):
 
     speed: Annotated[Positive | None, SI("rad/s")] = None
     """Constant speed; this, `run_up`, `profile` or `motor`."""
-    run_up: RunUp | None = None
+    run_up: Nested[RunUp] | None = None
     """A speed that rises; this, `speed`, `profile` or `motor`."""
     profile: Annotated[tuple[Corner, ...], Field(max_length=MOST_CORNERS)] = ()
     """Corners `[time, speed]` (s, rad/s) joined by lines, from 0 s on, or the name of a CSV file
     with a measured speed; this, `speed`, `run_up` or `motor`."""
-    motor: Motor | None = None
+    motor: Nested[Motor] | None = None
     """A speed that the torques make; this, `speed`, `run_up` or `profile`."""
-    unbalance_changes: Annotated[tuple[UnbalanceChange, ...], Field(max_length=MOST_CORNERS)] = ()
+    unbalance_changes: Annotated[
+        tuple[Nested[UnbalanceChange], ...], Field(max_length=MOST_CORNERS)
+    ] = ()
     """Steps of the rotor's unbalance during the run; not with a motor."""
     gravity: Annotated[NotNegative, SI("m/s^2")] = 0.0
     """Across the axis: 9.81 for a horizontal rotor, 0 for a vertical one."""
@@ -151,8 +158,11 @@ class Operation(Table):
 
     def drive(self) -> SpeedProfile | MotorDriven:
         """The speed against time, or the motor that makes it."""
-        motor = self.motor
-        return MotorDriven(motor.build(), motor.start) if motor else self.speeds()
+        if self.motor is None:
+            return self.speeds()
+        from ...models.motor import MotorDriven
+
+        return MotorDriven(self.motor.build(), self.motor.start)
 
     def speeds(self) -> SpeedProfile:
         """Speed against time; of a motor its no-load speed, which scales and steps go by."""
@@ -269,7 +279,7 @@ class Run(Table):
     record: tuple[Text, ...] | None = None
     """Signals, as `unit.variable`; `[]` records nothing; default: the rotor's `x` and `y`, angles
     and `moment_xi`, `moment_eta` of weights, `clearance` of a liquid."""
-    initial: Initial = Initial()
+    initial: Nested[Initial] = Initial()
     """State of the rotor at the start."""
 
     @model_validator(mode="after")

@@ -30,6 +30,7 @@ from .document import Described
 from .file import bundled_scenes, find, read, refuse_deep
 from .messages import locate, problems
 from .model_rules import model_problems
+from .nested import Nested
 from .pushed import push_problems
 from .quantities import Flag, Table
 from .replace import in_full, plain, replaced
@@ -55,21 +56,21 @@ class Scene(Described):
     """A table, by kind."""
     balancer: tuple[AnyBalancer, ...] = ()
     """A list of tables, by kind."""
-    operation: Operation
+    operation: Nested[Operation]
     """How the rotor is driven, and gravity."""
-    coupling: Coupling = Coupling()
+    coupling: Nested[Coupling] = Coupling()
     """How the units exchange signals."""
-    run: Run = Field(default_factory=Run)
+    run: Nested[Run] = Field(default_factory=Run)
     """How long, from where, and what is recorded."""
-    unit: tuple[Unit, ...] = ()
+    unit: tuple[Nested[Unit], ...] = ()
     """A list of tables: FMUs of any origin beside rotor and balancers."""
-    connection: tuple[Connection, ...] = ()
+    connection: tuple[Nested[Connection], ...] = ()
     """A list of tables: outputs that feed inputs, of such units, `rotor` or balancers."""
     checks: tuple[AnyCheck, ...] = Field(default=(), alias="check")
     """A list of tables, by kind: what is compared with theory and measurement."""
     on_request: Flag = False
     """Long: checked only when it is named, not by the self-check."""
-    balancing: Balancing | None = None
+    balancing: Nested[Balancing] | None = None
     """How the rotor is balanced on the virtual machine; default: not."""
 
     if TYPE_CHECKING:

@@ -13,6 +13,7 @@ from ...models.rotor import LinearRotor
 from ...models.supports import CubicSpring, Support
 from ...models.supports import Stop as ElasticStop
 from .feeds import Start
+from .nested import Nested
 from .quantities import SI, NotNegative, Positive, RealPair, Table, Text, Whole, refusal
 
 Cubic = Literal["radial", "axes"]
@@ -136,4 +137,4 @@ def _rows(name: str, k: int, rows: Numbers) -> Start:
 
 CubicOfPlanar = Annotated[RealPair | None, SI("N/m^3")]
 CubicOfSupports = Annotated[tuple[RealPair, RealPair] | None, SI("N/m^3")]
-Stops = tuple[Stop, ...]
+Stops = tuple[Nested[Stop], ...]

@@ -13,6 +13,7 @@ from ..errors import SceneError
 from .document import Described
 from .file import find, read, refuse_deep
 from .messages import did_you_mean, problems
+from .nested import Nested
 from .quantities import SI, Positive, Table, Text, Whole, fields_of, refusal
 from .replace import plain
 from .run import DEFAULT_TOLERANCE, LOOSEST_TOLERANCE, whole_choice
@@ -71,13 +72,13 @@ class UnitRun(Table):
 class System(Described):
     """A validated system of units: FMUs, their connections, and how they are run."""
 
-    unit: tuple[Unit, ...]
+    unit: tuple[Nested[Unit], ...]
     """A list of tables: the FMUs."""
-    connection: tuple[Connection, ...] = ()
+    connection: tuple[Nested[Connection], ...] = ()
     """A list of tables: which output feeds which input."""
-    coupling: UnitCoupling = UnitCoupling()
+    coupling: Nested[UnitCoupling] = UnitCoupling()
     """How the units exchange signals."""
-    run: UnitRun
+    run: Nested[UnitRun]
     """How long, and what is recorded."""
 
     if not TYPE_CHECKING:

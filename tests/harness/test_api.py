@@ -37,13 +37,46 @@ BALANCERS = {
 }
 
 
-def test_the_package_loads_nothing_until_a_name_is_used():
-    code = "import sys, autobalancer; print(*sys.modules)"
+def _said_by(code: str) -> list[str]:
+    """Words that a program in a process of its own prints."""
     ran = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    loaded = ran.stdout.split()
+    return ran.stdout.split()
+
+
+def test_the_package_loads_nothing_until_a_name_is_used():
+    loaded = _said_by("import sys, autobalancer; print(*sys.modules)")
     own = {name for name in loaded if name.startswith("autobalancer")}
     assert own == {"autobalancer", "autobalancer.fmus", "autobalancer.fmus.lazy"}
     assert not {"numpy", "pydantic", "scipy", "importlib.metadata"} & set(loaded)
+
+
+def test_an_import_leaves_the_garbage_collector_as_it_was():
+    code = (
+        "import gc, autobalancer as ab; {}; ab.load; print(gc.isenabled(), gc.get_freeze_count())"
+    )
+    assert _said_by(code.format("gc.enable()")) == ["True", "0"]
+    assert _said_by(code.format("gc.disable()")) == ["False", "0"]
+    enabled, frozen = _said_by(code.format("gc.freeze()"))
+    assert enabled == "True"
+    assert int(frozen) > 1000
+
+
+def test_what_an_import_made_is_not_searched_for_garbage_before_a_full_search():
+    code = (
+        "import gc, autobalancer as ab; ab.load; gc.disable();"
+        "young = {id(o) for k in (0, 1) for o in gc.get_objects(k)};"
+        "print(id(ab.Scene.__dict__['__pydantic_fields__']) in young)"
+    )
+    assert _said_by(code) == ["False"]
+
+
+def test_a_scene_builds_only_what_reads_its_own_tables():
+    code = (
+        "import autobalancer as ab; scene = ab.load('two_balls');"
+        "tables = ab.Planar, ab.Flexible, ab.Liquid, ab.Unbalance, ab.Motor;"
+        "print(*(each.__name__ for each in tables if each.__pydantic_complete__))"
+    )
+    assert _said_by(code) == ["Planar"]
 
 
 @pytest.mark.parametrize("name", ab.__all__)
