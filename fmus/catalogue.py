@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import fields
-from difflib import get_close_matches
 from pathlib import Path
 from typing import Any
 
@@ -30,6 +29,8 @@ def sized_unit(name: str, **options: Any) -> SizedUnit:
     known = {f.name: None for unit in CATALOGUE.values() for f in fields(unit.sizes)}
     for option in options:
         if option not in known:
+            from difflib import get_close_matches  # slow to load
+
             near = get_close_matches(option, known, 1)
             hint = f"did you mean {near[0]!r}?" if near else f"options are {alternatives(known)}"
             raise TypeError(f"{option}: no unit has this option; {hint}")

@@ -2,17 +2,14 @@
 
 from __future__ import annotations
 
-import csv
 import re
-from dataclasses import dataclass
 from pathlib import Path
+from typing import NamedTuple
 
 from .errors import UserError
 
 _SEPARATORS = ",;\t"
-_DECIMAL_COMMA = re.compile(
-    r"[-+]?\d*,\d+(?:[eE][-+]?\d+)?(?:\s*[A-Za-zµμ°%][\w/%°^ -]*)?"
-)  # and a unit
+_DECIMAL_COMMA = r"[-+]?\d*,\d+(?:[eE][-+]?\d+)?(?:\s*[A-Za-zµμ°%][\w/%°^ -]*)?"  # and a unit
 _OLD_OFFICE, _ZIP = b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1", b"PK\x03\x04"
 
 
@@ -53,8 +50,7 @@ def _kind_of(content: bytes) -> str:
     return "a zip archive, not a text file"
 
 
-@dataclass(frozen=True)
-class CsvRow:
+class CsvRow(NamedTuple):
     """A line of a CSV file.
 
     Attributes:
@@ -94,6 +90,8 @@ def read_csv(path: Path) -> tuple[list[str], list[CsvRow]]:
         UserError: the file cannot be read, has no lines below the names, a name twice, or a line
             of another length than the names.
     """
+    import csv  # few scenes name such a file
+
     lines = read_text(path).splitlines()
     # names, unlike numbers, have no commas
     head = next((line for line in lines if line.strip() and line[0] != "#"), "")
@@ -112,7 +110,7 @@ def read_csv(path: Path) -> tuple[list[str], list[CsvRow]]:
     if twice := {name for name in names if names.count(name) > 1}:
         raise UserError(f"{path}: {', '.join(sorted(twice))}: given twice")
     cells = [cell for _, row in found[1:] for cell in row]
-    commas = separator != "," and any(map(_DECIMAL_COMMA.fullmatch, cells))
+    commas = separator != "," and any(re.fullmatch(_DECIMAL_COMMA, cell) for cell in cells)
     rows = []
     for number, row in found[1:]:
         place = f"{path}, line {number}"

@@ -15,15 +15,15 @@ from typing import Any, NamedTuple
 
 from .errors import UserError
 
-_WITH_UNIT = re.compile(
+_WITH_UNIT = (
     r"\s*(?P<number>[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*"
     r"(?![eE][-+]?\d)(?P<unit>[A-Za-zµμ°%(][\w °%µμ·./*^()²³-]*?)\s*"
 )
-_HYPHEN = re.compile(r"(?<=[A-Za-z])-(?=[A-Za-z])")  # g-mm and oz-in are products
-_GRADE = re.compile(r"\s*G\s*\d+(?:\.\d+)?\s*")  # of ISO 21940-11
-_SPAN = re.compile(r"\s*\d+(?:\.\d+)?\s*\w*\s*(?:-|:|\.\.|,)\s*\d+(?:\.\d+)?\s*\w*\s*")
+_HYPHEN = r"(?<=[A-Za-z])-(?=[A-Za-z])"  # g-mm and oz-in are products
+_GRADE = r"\s*G\s*\d+(?:\.\d+)?\s*"  # of ISO 21940-11
+_SPAN = r"\s*\d+(?:\.\d+)?\s*\w*\s*(?:-|:|\.\.|,)\s*\d+(?:\.\d+)?\s*\w*\s*"
 _NUMBER = r"-?\d+(?:\.\d+)?(?:e[-+]?\d+)?"
-_IN_WORDS = re.compile(
+_IN_WORDS = (
     rf"(?<![\w.])(?P<numbers>(?:{_NUMBER}(?:, | to | and ))*{_NUMBER}) "
     r"(?P<unit>rad/s|rad|kg m|m)(?![\w/^])"
 )
@@ -99,14 +99,14 @@ def to_si(text: str, symbol: str) -> float:
     Raises:
         ValueError: it is no number with a unit, or one of another quantity.
     """
-    match = _WITH_UNIT.fullmatch(text)
+    match = re.fullmatch(_WITH_UNIT, text)
     if match is None:
         raise ValueError(_expected(symbol) + _hint(text, symbol))
     from pint import DimensionalityError
 
     units = _registry()
     try:
-        given = units.parse_units(_HYPHEN.sub("*", match["unit"]))
+        given = units.parse_units(re.sub(_HYPHEN, "*", match["unit"]))
     except Exception as error:  # of pint, of Python's tokenizer, or a failed assertion of it
         hint = _hint(text, symbol)
         raise ValueError(f"unknown unit {match['unit']!r}: {_expected(symbol)}{hint}") from error
@@ -126,19 +126,19 @@ def _expected(symbol: str) -> str:
 
 def _hint(text: str, symbol: str) -> str:
     """How to state what was probably meant; empty where that is not known."""
-    if symbol == "kg m" and _GRADE.fullmatch(text):
+    if symbol == "kg m" and re.fullmatch(_GRADE, text):
         speed = "a grade is no unbalance: that of G6.3 is 6.3e-3 m/s * mass / speed"
         return f"; {speed}, such as 0.0063 * 8 kg / 150 rad/s = 3.4e-4 kg m"
     if symbol == "N s/m" and text.strip().endswith("%"):
         return "; of a damping ratio it is 2 * ratio * sqrt(stiffness * mass)"
-    if symbol == "rad/s" and _SPAN.fullmatch(text):
+    if symbol == "rad/s" and re.fullmatch(_SPAN, text):
         return "; two speeds are written apart: 100rpm 2000rpm"
     return ""
 
 
 def has_unit(text: str) -> bool:
     """Whether it looks like a number with a unit."""
-    return _WITH_UNIT.fullmatch(text) is not None
+    return re.fullmatch(_WITH_UNIT, text) is not None
 
 
 def si_number(value: float | str, symbol: str, what: str) -> float:
@@ -184,7 +184,7 @@ def in_words(text: str) -> str:
         unit, factor = shown_in(match["unit"])
         return f"{scaled(match['numbers'], factor)} {unit}"
 
-    return _IN_WORDS.sub(converted, text) if engineering.get() else text
+    return re.sub(_IN_WORDS, converted, text) if engineering.get() else text
 
 
 def in_both(value: float, symbol: str) -> str:

@@ -8,14 +8,17 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import accumulate, pairwise
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from .liquid import Liquid
 from .ring import Ring
 from .rotor import LinearRotor
 from .weights import Weights
+
+if TYPE_CHECKING:
+    from .liquid import Liquid
 
 
 @dataclass(frozen=True)

@@ -13,7 +13,8 @@ acts on its bending, which is the motion of the rotor relative to what carries i
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -26,8 +27,7 @@ AXES = "xy"
 APART = 2.5  # damping of coordinates that are held, over rate times mass; 2 is critical
 
 
-@dataclass(frozen=True)
-class Foot:
+class Foot(NamedTuple):
     """A spring and a damper under a body.
 
     Attributes:
@@ -40,8 +40,7 @@ class Foot:
     damping: Sequence[float] = (0.0, 0.0)
 
 
-@dataclass(frozen=True)
-class Body:
+class Body(NamedTuple):
     """A body that does not turn.
 
     Attributes:

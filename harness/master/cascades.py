@@ -12,8 +12,6 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from ...models.linear.balanced import WeightTable
-from ...models.linear.room import Gaps
 from ..scene import Scene
 from .recorder import Signal
 
@@ -37,6 +35,9 @@ def has_cascade(scene: Scene, signals: Mapping[str, Signal]) -> bool:
     Args:
         signals: with the angles of all weights, (T,) each.
     """
+    from ...models.linear.balanced import WeightTable  # few scenes have such weights
+    from ...models.linear.room import Gaps
+
     table = WeightTable.of(scene.assembly())
     angles = []
     for mounted in scene.assembly().weights:

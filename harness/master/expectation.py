@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -22,8 +22,7 @@ ORDER_OF_EVENTS = 2
 CAUTION, MOTOR_CAUTION = 1, 2
 
 
-@dataclass(frozen=True)
-class Expectation:
+class Expectation(NamedTuple):
     """How the errors of runs should shrink with the length of their steps.
 
     Attributes:

@@ -170,7 +170,7 @@ class MixedRun(NetworkRun, CoSimulation):
         found = compared_motion(self.scene, self.meets_events)
         expected = found.expected
         if not self.is_cubic:
-            expected = replace(expected, order=min(expected.order, LINEAR_ORDER))
+            expected = expected._replace(order=min(expected.order, LINEAR_ORDER))
         has = [n for n in found.signals if n.partition(".")[2] in self._of(n).variables]
         signals = list(dict.fromkeys([*has, *self.wiring.signals]))
         return found._replace(expected=expected, signals=signals)

@@ -10,8 +10,8 @@ from ...fmus.rotor.variables import station
 
 ANGLE = "angle in the rotor"  # of a weight
 OF_STOPS = ("largest_force", "touches")  # what a run records of every stop
-_AXIS = re.compile(r"(^v?|_)(x|y|xi|eta)$")  # x, vx, a_x, F_xi: one part of a vector
-_POWER = re.compile(r"(?<=[a-z])(\d+)")
+_AXIS = r"(^v?|_)(x|y|xi|eta)$"  # x, vx, a_x, F_xi: one part of a vector
+_POWER = r"(?<=[a-z])(\d+)"
 
 
 def is_count(signal: str) -> bool:
@@ -82,11 +82,11 @@ def derivatives(name: str, order: int) -> list[str]:
 def kin(name: str, names: Iterable[str]) -> list[str]:
     """Those of `names` that one scale measures: x and y of a place, both parts of a vector."""
     owner, _, what = name.rpartition(".")
-    kind = _AXIS.sub("", what)
+    kind = re.sub(_AXIS, "", what)
     return [
         other
         for other in names
-        if (parts := other.rpartition("."))[0] == owner and _AXIS.sub("", parts[2]) == kind
+        if (parts := other.rpartition("."))[0] == owner and re.sub(_AXIS, "", parts[2]) == kind
     ]
 
 
@@ -102,7 +102,7 @@ def by_unit(names: Iterable[str]) -> dict[str, list[str]]:
 @cache
 def readable(unit: str) -> str:
     """A unit of measurement as people write it: `kg.m2/s2` is kg m^2/s^2."""
-    return _POWER.sub(r"^\1", unit.replace(".", " "))
+    return re.sub(_POWER, r"^\1", unit.replace(".", " "))
 
 
 def quantity(name: str, unit: str) -> str:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import contextlib
 import errno
-import json
 import math
 import os
 import re
@@ -16,7 +15,7 @@ from typing import IO, Any
 from ...fmus.whole_files import draft_of, whole_file
 from ..errors import UserError
 
-_DESCRIPTOR = re.compile(r"/dev/(?P<name>stdout|stderr)$|(?:/dev|/proc/self)/fd/(?P<number>\d+)$")
+_DESCRIPTOR = r"/dev/(?P<name>stdout|stderr)$|(?:/dev|/proc/self)/fd/(?P<number>\d+)$"
 _STANDARD = {"stdout": 1, "stderr": 2}
 PICTURES = ("png", "svg", "pdf")
 MOVIES = ("gif", "webp", "mp4")
@@ -96,7 +95,7 @@ def refuse_unwritable(path: Path) -> None:
 
 def is_stream(path: Path) -> bool:
     """Whether a path is a device, a pipe or an open file, which have no ending."""
-    return bool(_DESCRIPTOR.match(str(path))) or (path.exists() and not path.is_file())
+    return bool(re.match(_DESCRIPTOR, str(path))) or (path.exists() and not path.is_file())
 
 
 def _refuse_protected(target: Path) -> None:
@@ -110,7 +109,7 @@ def _straight(path: str | Path) -> str | int | None:
 
     /dev/stdout may itself be a file: it is written on where it stands, not from its beginning.
     """
-    open_file = _DESCRIPTOR.match(str(path))
+    open_file = re.match(_DESCRIPTOR, str(path))
     if open_file:
         number = _STANDARD.get(open_file["name"]) or int(open_file["number"])
         for stream in (sys.stdout, sys.stderr):
@@ -142,6 +141,8 @@ def write_json(document: Any, path: Path) -> None:
     Raises:
         UserError: the file cannot be written.
     """
+    import json  # few programs write any
+
     with write_whole(path) as stream:
         json.dump(plain(document), stream, indent=2, ensure_ascii=False, allow_nan=False)
         stream.write("\n")

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 _JUSTIFY = {"l": "left", "r": "right"}
 _RULES = {"l": "---", "r": "---:"}
-_UNIT = re.compile(r"\[([^\[\]]+)\]$")  # at the end of a head
+_UNIT = r"\[([^\[\]]+)\]$"  # at the end of a head
 GOOD, BAD = "green", "bold red"
 _SHORT = 14  # characters that stay on one line
 _CLASSES = {GOOD: "good", BAD: "bad"}
@@ -54,7 +54,7 @@ class Sheet:
         """With columns that name an SI unit, such as `speed [rad/s]`, in the unit that is shown."""
         heads, factors = [], []
         for head in self.columns:
-            match = _UNIT.search(head)
+            match = re.search(_UNIT, head)
             unit, factor = shown_in(match[1], head) if match else ("", 1.0)
             heads.append(f"{head[: match.start()]}[{unit}]" if match else head)
             factors.append(factor)

@@ -11,7 +11,6 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..errors import UserError
-from ..output.table import Sheet
 from ..scene.messages import did_you_mean
 from ..units import si_number
 from .pictures import Pictures
@@ -20,6 +19,7 @@ if TYPE_CHECKING:
     from pandas import DataFrame
     from xarray import Dataset
 
+    from ..output.table import Sheet
     from ..scene import Scene
     from .verdict import Verdict
 
@@ -163,6 +163,8 @@ class Result(Pictures):
         >>> open(run.to_csv("run.csv")).readline()[:15]
         'time,rotor.x,ro'
         """
+        from ..output.table import Sheet
+
         rows = np.column_stack([self.time, *self.signals.values()]).tolist()
         return Sheet(["time", *self.signals], rows).write_csv(Path(path))
 

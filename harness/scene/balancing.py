@@ -10,7 +10,7 @@ from pydantic import Field, field_validator
 from .quantities import SI, Positive, Table, Text, Whole
 from .rotor_table import RotorTable
 
-_GRADE = re.compile(r"^G\s?(\d+(?:\.\d+)?)$")
+_GRADE = r"^G\s?(\d+(?:\.\d+)?)$"
 
 
 class Balancing(Table):
@@ -32,7 +32,7 @@ class Balancing(Table):
     @field_validator("grade")
     @classmethod
     def _is_a_grade(cls, value: str) -> str:
-        match = _GRADE.match(value)
+        match = re.match(_GRADE, value)
         if match is None or float(match[1]) <= 0.0:
             raise ValueError('must be "G" and a number of mm/s above 0, such as "G2.5" or "G6.3"')
         return value

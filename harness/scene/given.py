@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...models.forces import force_rows
 from ...models.rotor import LinearRotor
 from .feeds import Start
 
@@ -65,6 +64,8 @@ def _tables(rotor: LinearRotor) -> Start:
 
 def _forces(rotor: LinearRotor) -> Start:
     """What the forces of supports and feet follow from."""
+    from ...models.forces import force_rows  # of rotors by matrices alone
+
     values: Start = {}
     for number, one in enumerate(force_rows(rotor), start=1):
         values[f"force[{number}].table"] = float(one.table + 1)

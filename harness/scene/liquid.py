@@ -8,7 +8,6 @@ from typing import Annotated, ClassVar, Literal
 from pydantic import model_validator
 
 from ...models.assembly import Mounted
-from ...models.liquid import Liquid as LiquidModel
 from ...models.ring import Ring as RingModel
 from ...models.rotor import LinearRotor
 from .feeds import Feeds, Start, fed
@@ -52,6 +51,8 @@ class Liquid(Balancer):
 
     def build(self) -> Mounted:
         """The liquid on its plane."""
+        from ...models.liquid import Liquid as LiquidModel  # few scenes have one
+
         device = LiquidModel(self.chamber_radius, self.float_radius, self.height, self.density)
         return Mounted(self.label, device, self.at - 1)
 

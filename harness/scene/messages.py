@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import Any, Literal, get_args, get_origin
+from typing import Any, Literal, NamedTuple, get_args, get_origin
 
 from pydantic import BaseModel, ValidationError
 
@@ -33,8 +32,7 @@ _WORDS = {
 _TABLE_TYPES = {"model_type", "model_attributes_type", "dict_type"}
 
 
-@dataclass(frozen=True)
-class Place:
+class Place(NamedTuple):
     """Where a problem is: its key as written in the file, the value there, its unit, its table."""
 
     key: str

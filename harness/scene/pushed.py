@@ -10,10 +10,8 @@ from .rotor_table import RotorTable
 from .unit import Connection
 
 FORMS = "rotor.F_x, rotor.station[1].F_x, rotor.support[1].F_x or rotor.plane[1].F_x, and F_y"
-_PORT = re.compile(
-    r"rotor\.(?:(?P<kind>station|support|plane)\[(?P<number>\d+)\]\.)?F_(?P<axis>[xy])"
-)
-_SUPPORT = re.compile(r"rotor\.support\[(\d+)\]\.(?=v?[xy]$)")
+_PORT = r"rotor\.(?:(?P<kind>station|support|plane)\[(?P<number>\d+)\]\.)?F_(?P<axis>[xy])"
+_SUPPORT = r"rotor\.support\[(\d+)\]\.(?=v?[xy]$)"
 
 
 class Push(NamedTuple):
@@ -32,7 +30,7 @@ class Push(NamedTuple):
 
 def push_of(port: str) -> Push | None:
     """What a port of the rotor such as `rotor.support[1].F_x` means; None: another port."""
-    found = _PORT.fullmatch(port)
+    found = re.fullmatch(_PORT, port)
     return found and Push(found["kind"] or "station", int(found["number"] or 1), found["axis"])
 
 
@@ -59,7 +57,7 @@ def push_problems(rotor: RotorTable, connections: Iterable[Connection]) -> list[
 
 def read_port(port: str, rotor: RotorTable) -> str:
     """A port of the rotor by the names of its unit: `rotor.support[1].x` is that of its station."""
-    found = _SUPPORT.match(port)
+    found = re.match(_SUPPORT, port)
     if found is None or not 1 <= int(found[1]) <= len(rotor.supports):
         return port
     station = rotor.supports[int(found[1]) - 1]

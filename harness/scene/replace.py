@@ -27,8 +27,8 @@ _ALTERNATIVES = {
     "coupling.tolerance": ("steps_per_rev", "corrections"),
 }
 SPEED = "operation.speed"
-_AXES = re.compile(r"\b(\w*(?:stiffness|damping|damping_ratio|limit)(?:\[\d+\])?)\[([xy])\]")
-_PART = re.compile(r"(?P<key>[A-Za-z_][A-Za-z0-9_-]*)(?P<indices>(?:\[\d+\])*)$")
+_AXES = r"\b(\w*(?:stiffness|damping|damping_ratio|limit)(?:\[\d+\])?)\[([xy])\]"
+_PART = r"(?P<key>[A-Za-z_][A-Za-z0-9_-]*)(?P<indices>(?:\[\d+\])*)$"
 
 Document = dict[str, Any]
 TableType = type[BaseModel]
@@ -38,7 +38,7 @@ def in_full(path: str) -> str:
     """A path with `speed`, short for operation.speed, in full, and [x] and [y] as [1] and [2]."""
     if path == "speed":
         return SPEED
-    return _AXES.sub(lambda found: f"{found[1]}[{'xy'.index(found[2]) + 1}]", path)
+    return re.sub(_AXES, lambda found: f"{found[1]}[{'xy'.index(found[2]) + 1}]", path)
 
 
 def replaced(
@@ -93,7 +93,7 @@ def _superseded(path: str, value: Any) -> tuple[str, ...]:
 
 def _set_value(holder: Document, table: TableType, path: str, rest: list[str], value: Any) -> None:
     """Follow `rest` down from a table of the document and set the value there."""
-    parts = [_PART.match(part) for part in rest]
+    parts = [re.match(_PART, part) for part in rest]
     if not parts:
         raise SceneError(f"{path!r}: name a key of it: {', '.join(fields_of(table))}")
     inner: TableType | None = table
