@@ -13,6 +13,7 @@ from ctypes import c_void_p
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..errors import SimulationError
 from .fmu import Fmu, Variables
@@ -22,18 +23,29 @@ from .shaft import Shaft
 from .signals import Cubics, Knots, Signals
 
 
+def _knots(group: Variables, order: int) -> Knots:
+    """A group's buffer, all values and then the slopes that are exchanged, as knots."""
+    return group.vectors.reshape(2 if order else 1, -1).T
+
+
 @dataclass(slots=True)
 class Exchange:
     """A balancer that exchanges force with a plane of the rotor.
 
     Attributes:
         plane: index into the planes that exchange force.
+        answers: what `outputs` fetched, as knots.
+        force: what the rotor is sent of the plane's force; `others` is what the balancers before
+            have added to it.
     """
 
     unit: Fmu
     plane: int
     inputs: Variables
     outputs: Variables
+    answers: Knots
+    force: NDArray[np.complex128]
+    others: NDArray[np.complex128] | float
 
 
 class System:
@@ -94,19 +106,27 @@ class System:
         )
         self._forces = self.rotor.group(signals(planes, order))
         # the values of all planes, then the slopes of all planes: of each plane a column
-        self._force_rows = self._forces.vectors.reshape(order + 1, len(planes)).T
+        force_rows = self._forces.vectors.reshape(order + 1, len(planes)).T
         names = [acceleration_of[force] for force in planes]
         self._accelerations = self.rotor.group(signals(names, slopes))
+        self._answers = _knots(self._accelerations, order)
         self.accelerations = Signals(len(planes))
-        self.exchanges = [
-            Exchange(
-                units[name],
-                planes.index(force),
-                units[name].group(signals(["a"], order)),
-                units[name].group(signals(["F"], slopes)),
+        self.exchanges: list[Exchange] = []
+        for name, force in targets.items():
+            unit, plane = units[name], planes.index(force)
+            outputs = unit.group(signals(["F"], slopes))
+            row, shared = force_rows[plane], any(one.plane == plane for one in self.exchanges)
+            self.exchanges.append(
+                Exchange(
+                    unit=unit,
+                    plane=plane,
+                    inputs=unit.group(signals(["a"], order)),
+                    outputs=outputs,
+                    answers=_knots(outputs, order),
+                    force=row,
+                    others=row if shared else 0.0,
+                )
             )
-            for name, force in targets.items()
-        ]
         self.force_names = [f"{exchange.unit.name}.F" for exchange in self.exchanges]
 
     def _follow_places(self) -> None:
@@ -141,28 +161,30 @@ class System:
             return self.accelerations.now
         self._sum_forces(forces)
         self.rotor.exchange(self._forces, self._accelerations, time, step)
-        return self._knots(self._accelerations)
+        return self._fetched(self._answers)
 
     def balancer_pass(self, accelerations: Cubics, time: float, step: float) -> Knots:
         """Step every exchanging balancer under its plane's acceleration; what `forces` become."""
         ends = []
         for exchange in self.exchanges:
             self._send_place(exchange.unit)
-            exchange.inputs.vectors[:] = accelerations[exchange.plane][: self.order + 1]
+            exchange.inputs.vectors[:] = accelerations[exchange.plane, : self.order + 1]
             exchange.unit.exchange(exchange.inputs, exchange.outputs, time, step)
-            ends.append(self._knots(exchange.outputs))
+            ends.append(self._fetched(exchange.answers))
         if self.shaft:
             ends.append(self.shaft.step(time, step))
+        if len(ends) == 1:
+            return ends[0]
         return np.concatenate(ends) if ends else self.forces.now
 
     def balancer_answer(self, accelerations: Cubics) -> Knots:
         """What `forces` are of units in initialisation mode under accelerations of the planes."""
         knots = []
         for exchange in self.exchanges:
-            exchange.inputs.vectors[:] = accelerations[exchange.plane][: self.order + 1]
+            exchange.inputs.vectors[:] = accelerations[exchange.plane, : self.order + 1]
             exchange.unit.send(exchange.inputs)
             exchange.unit.fetch(exchange.outputs)
-            knots.append(self._knots(exchange.outputs))
+            knots.append(self._fetched(exchange.answers))
         if self.shaft:
             knots.append(self.shaft.answer())
         return np.concatenate(knots)
@@ -174,19 +196,16 @@ class System:
         self._sum_forces(forces)
         self.rotor.send(self._forces)
         self.rotor.fetch(self._accelerations)
-        self.accelerations.now = self._knots(self._accelerations)
+        self.accelerations.now = self._fetched(self._answers)
         return self.accelerations.now
 
     def _sum_forces(self, forces: Cubics) -> None:
-        self._force_rows[:] = 0.0
         for exchange, cubic in zip(self.exchanges, forces, strict=False):  # behind them the shaft
-            self._force_rows[exchange.plane] += cubic[: self.order + 1]
+            np.add(exchange.others, cubic[: self.order + 1], out=exchange.force)
 
-    def _knots(self, group: Variables) -> Knots:
-        """Signals' ends, from all their values and then, where they are exchanged, all slopes."""
-        if self.order:
-            return group.vectors.reshape(2, -1).T.copy()
-        return np.column_stack((group.vectors, np.zeros_like(group.vectors)))
+    def _fetched(self, answers: Knots) -> Knots:
+        """A copy of what was fetched; slopes that are not exchanged are zero."""
+        return answers.copy() if self.order else np.column_stack((answers, np.zeros_like(answers)))
 
     def drive(self, speed: float, acceleration: float) -> None:
         """Write the speed at the start of a step, and its rate of change, to units that need it."""
