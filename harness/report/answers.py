@@ -71,6 +71,9 @@ def fitted(started: SwitchedOn) -> Answer:
         f"At speed it vibrates {_compared(end, bare_end)}; "
         f"on the way there {largest}{_compared(peak, bare_peak)}{said}."
     )
+    if started.run is not None and started.run.summary().revolutions is not None:
+        unknown = "Whether balancers are better here is not known: the run has not settled."
+        return Answer(f"{unknown} {text}", None)
     better = end < bare_end / WORSE
     if better and share < LIKELY:
         return Answer(f"Balancers are better here than none only if they balance. {text}", False)

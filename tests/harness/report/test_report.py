@@ -15,7 +15,8 @@ from autobalancer.harness.motions.kinds import Kind, Motion
 from autobalancer.harness.motions.outcome import Motions, Point, Share
 from autobalancer.harness.report import answers
 from autobalancer.harness.report.drawing import machine_drawing
-from autobalancer.harness.report.runs import SwitchedOn
+from autobalancer.harness.report.runs import SwitchedOn, switched_on
+from autobalancer.models.harmonic_balance import largest_displacement, unbalance_response
 
 SVG = "{http://www.w3.org/2000/svg}"
 
@@ -120,3 +121,31 @@ def test_wrong_values_are_refused_by_name(given, tmp_path):
 def test_liquid_and_motor_have_a_page(name, tmp_path):
     written = ab.load(name).report(tmp_path / "page.html")
     assert written.path.stat().st_size > 10_000
+
+
+def with_ring(damping_ratio):
+    """A ring of liquid that lowers the vibration, on supports with so much damping."""
+    rotor = {"kind": "planar", "mass": 38.0, "stiffness": 8e3, "unbalance": 0.025}
+    ring = {"name": "ring", "kind": "ring", "wall_radius": 0.25, "inner_wall_radius": 0.21,
+            "fill": 0.5, "height": 0.06, "density": 1e3, "wave_damping": 0.4}  # fmt: skip
+    rotor["damping_ratio"] = damping_ratio
+    return ab.Scene(rotor=rotor, balancer=[ring], operation={"speed": 83.8})
+
+
+def test_a_run_up_that_has_not_settled_is_run_longer_before_it_is_judged():
+    scene = with_ring(0.005)
+    started = switched_on(scene, 2.0)
+    answer = answers.fitted(started)
+    response = unbalance_response(scene.assembly().loaded_rotor, [83.8])
+    steady = largest_displacement(response)[0, 0]  # the other station is the wave
+    said = re.search(r"At speed it vibrates ([\d.]+) mm", answer.text)
+    assert 1e-3 * float(said[1]) == pytest.approx(steady, rel=0.02)
+    assert answer.good is not False
+    assert "not settled" not in str(started.run.summary())
+
+
+def test_a_run_up_that_never_settles_is_not_called_better_or_worse(monkeypatch):
+    monkeypatch.setattr("autobalancer.harness.report.runs.LONGEST", 10)
+    answer = answers.fitted(switched_on(with_ring(0.005), 2.0))
+    assert answer.good is None
+    assert answer.text.startswith("Whether balancers are better here is not known: ")
