@@ -13,6 +13,7 @@ from ..scene import Scene
 from ..units import brief, in_both
 from .kinds import Kind, Motion
 
+SMALLEST, SMALLEST_RATIO = 1e-7, 1e-4  # vibration [m] and its ratio to none that are told apart
 _NORMAL = 1.959963984540054  # two-sided 95 %
 
 
@@ -60,6 +61,8 @@ class Point:
         shares: by motion, the most frequent first.
         alone: vibration without balancers [m].
         largest: median of the largest vibration of a run [m].
+        middle: number of the start, from 0, whose largest vibration is that median, or the next
+            above it.
         failure: why a run failed; else empty.
     """
 
@@ -69,6 +72,7 @@ class Point:
     alone: float
     largest: float
     failure: str = ""
+    middle: int = 0
 
     def of(self, kind: Kind) -> Share:
         """All motions of a kind together."""
@@ -134,6 +138,8 @@ class Motions(Outcome):
                 ratio = s.vibration / point.alone
                 mm = "-" if math.isnan(s.vibration) else brief(1e3 * s.vibration, 3)
                 of = "-" if math.isnan(ratio) else f"{100 * ratio:.3g} %"
+                mm = "below 0.0001" if s.vibration < SMALLEST else mm
+                of = "below 0.01 %" if ratio < SMALLEST_RATIO else of
                 at = (f"{point.speed:.5g}", point.start) if not k else ("", "")
                 rows.append([*at, name, share, mm, of])
         title = f"{self.title}: steady motions of {self.n} random starts each"

@@ -121,9 +121,11 @@ def _point(
             )
         )  # fmt: skip
     reasons = [str(f) for f in failure if f]
+    middle = int(np.argsort(largest, kind="stable")[len(largest) // 2])
     return Point(
-        speed, start, tuple(shares), bare, float(np.median(largest)), reasons[0] if reasons else ""
-    )
+        speed, start, tuple(shares), bare, float(np.median(largest)),
+        reasons[0] if reasons else "", middle,
+    )  # fmt: skip
 
 
 def _refuse(scene: Scene, speeds: Sequence[float], starts: Sequence[str], n: int) -> None:

@@ -71,7 +71,7 @@ def fitted(started: SwitchedOn) -> Answer:
         f"At speed it vibrates {_compared(end, bare_end)}; "
         f"on the way there {largest}{_compared(peak, bare_peak)}{said}."
     )
-    if started.run is not None and started.run.summary().revolutions is not None:
+    if not is_settled(started.run):
         unknown = "Whether balancers are better here is not known: the run has not settled."
         return Answer(f"{unknown} {text}", None)
     better = end < bare_end / WORSE
@@ -82,6 +82,11 @@ def fitted(started: SwitchedOn) -> Answer:
     if better:
         return Answer(f"Balancers are better at speed and worse in the run-up. {text}", None)
     return Answer(f"Balancers are no better here than none. {text}", False)
+
+
+def is_settled(run: Result | None) -> bool:
+    """Whether a run does not ask for a longer one."""
+    return run is not None and run.summary().revolutions is None
 
 
 def ends_and_peaks(run: Result | None) -> tuple[float, float] | None:

@@ -29,6 +29,7 @@ from .runs import SwitchedOn
 
 Parts = list[str | Part]
 METHODS = ("criterion", "floquet")
+ABSENT = "(none in the scene)"  # nothing that was left out of this machine
 
 
 def picture_of(outcome: Outcome, shows: str) -> Image:
@@ -152,7 +153,10 @@ def assumptions(scene: Scene, own: Result, started: SwitchedOn) -> Parts:
     parts: Parts = [Heading("What was assumed?")]
     if started.assumed:
         parts.append(started.assumed[0].upper() + started.assumed[1:] + ".")
-    parts.append("Weights are at rest when the rotor starts, at the angles of the scene.")
+    where = "at the angles of the scene"
+    if started.motions is not None:
+        where = f"at random angles: of {started.motions.n} starts the one with the median peak"
+    parts.append(f"Weights are at rest when the rotor starts, {where}.")
     if not scene.operation.gravity:
         parts.append("The axis is vertical: gravity is left out.")
     for one in scene.balancer:
@@ -162,7 +166,7 @@ def assumptions(scene: Scene, own: Result, started: SwitchedOn) -> Parts:
     parts.append(
         f"Error of the motion, estimated by the run: {error:.1g} of itself." if error else ""
     )
-    parts += [Note(f"Left out: {line}") for line in own.left_out]
+    parts += [Note(f"Left out: {line}") for line in own.left_out if not line.endswith(ABSENT)]
     return [part for part in parts if part]
 
 

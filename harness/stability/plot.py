@@ -27,6 +27,7 @@ if TYPE_CHECKING:
 
 DECADES = 3.0  # of growth rates shown on either side of zero
 FLOOR = 1e-5  # of the largest residual amplitude: below is rounding and transients that differ
+_LABEL = 0.09  # of a bar's length: width of a number on it
 
 
 def plot_map(data: StabilityMap, path: Path | None) -> Path | Drawing:
@@ -130,7 +131,7 @@ def plot_speeds(data: Speeds, path: Path | None) -> Path | Drawing:
         sides = [data.lowest[method], *(crossing.above for crossing in found)]
         for side, low, high in zip(sides, ends, ends[1:], strict=False):
             axes.barh(row, high - low, left=low, height=0.6, color=colours.get(side, "0.8"))
-        for speed in ends[1:-1]:
+        for speed in _apart(ends[1:-1], data.range):
             axes.annotate(f"{speed:.5g}", (speed, row), ha="center", va="center", fontsize="small")
     names = [f"{name} (a rule)" if name == "criterion" else name for name in data.methods]
     axes.set_yticks(range(len(data.methods)), names)
@@ -138,6 +139,15 @@ def plot_speeds(data: Speeds, path: Path | None) -> Path | Drawing:
     unknown = ", not decided (grey)" if data.undecided else ""
     axes.set_title(f"{data.scene}: balancing is stable (green), unstable (red){unknown}")
     return save(figure, path)
+
+
+def _apart(speeds: Sequence[float], span: tuple[float, float]) -> list[float]:
+    """Those, from below, that leave room for the number of the one before."""
+    shown: list[float] = []
+    for speed in speeds:
+        if not shown or speed - shown[-1] > _LABEL * (span[1] - span[0]):
+            shown.append(speed)
+    return shown
 
 
 def _framed(data: Map) -> tuple[Figure, Any]:

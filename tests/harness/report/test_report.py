@@ -79,12 +79,23 @@ def test_verdict_counts_random_starts_and_not_only_evenly_spread_weights(
     point = Point(3.0, "run-up", shares, 1.0, peak)
     ends = {"with": (0.1, 1.0), "without": (1.0, 1.0)}
     monkeypatch.setattr(answers, "ends_and_peaks", ends.get)
+    monkeypatch.setattr(answers, "is_settled", bool)
     scene = ab.load("two_balls")
     found = Motions("", (point,), 40, (), scene)
     answer = answers.fitted(SwitchedOn(scene, "with", "without", motions=found))
     assert words in answer.text
     assert f"40 random starts, of which {balanced} balance" in answer.text
     assert answer.good is {0.9: balanced == 40, 2.0: None}[peak]
+
+
+def test_run_that_is_drawn_vibrates_as_the_median_of_random_starts(page):
+    written, text = page
+    said = re.search(r"a largest vibration of ([\d.]+) mm", written.verdicts[0])
+    row = re.search(r"<td[^>]*>switched on</td>(.*?)</tr>", text, re.S)
+    assert said
+    assert row
+    peak = re.findall(r"([\d.]+) mm", row[1])[-1]
+    assert float(peak) == pytest.approx(float(said[1]), rel=0.05)
 
 
 @pytest.mark.parametrize("name", ab.bundled_scenes())
