@@ -18,7 +18,8 @@ from numpy.typing import NDArray
 from autobalancer.fmus.native.build.layout import constants
 
 SOURCES = Path(__file__).parents[2] / "fmus" / "native"
-FOLDERS = ("base", "rotor", "weights", "contact")  # the equations
+FOLDERS = ("base", "rotor", "weights", "contact", "machine")  # the equations
+CARRIED = Path(__file__).parent / "host" / "carried.c"
 
 
 FLAGS = (
@@ -36,6 +37,7 @@ def shared_library(files: Sequence[str], destination: Path, *flags: str) -> Path
 def compile_library(destination: Path) -> Path:
     """Compile the equations into the shared library `destination`."""
     files = [str(path) for folder in FOLDERS for path in (SOURCES / folder).glob("*.c")]
+    files.append(str(CARRIED))
     (destination.parent / "constants.h").write_text(constants())
     return shared_library(files, destination, f"-I{SOURCES}", f"-I{destination.parent}")
 
@@ -93,13 +95,12 @@ Weights = _struct(
     lobes=c_int,
     lobe=_D,
 )
-Quadrature = _struct("Quadrature", damping_rate=c_double, step=c_double, response=c_double * 10)
 Track = _struct(
     "Track",
     weights=Weights,
     **dict.fromkeys(["weight_radius", "restitution", "mobility", "rolling_resistance"], c_double),
     offset=Complex,
-    **dict.fromkeys(["alpha", "lever", "grip", "damping_rate", "moment", "spin_share"], c_double),
+    **dict.fromkeys(["alpha", "moment"], c_double),
     **dict.fromkeys(["solid", "full", "eventful"], c_bool),
 )
 Moved = _struct(
@@ -113,8 +114,7 @@ CentreMotion = _struct("CentreMotion", signal=Complex * 4, spin=Spin)
 Instant = _struct("Instant", motion=Complex * 2, spin=Spin)
 
 STRUCTURES = (
-    Complex, Failure, LinearRotor, Spin, Excitation, Weights, Quadrature, Track, Moved,
-    Instant,
+    Complex, Failure, LinearRotor, Spin, Excitation, Weights, Track, Moved, Instant,
 )  # fmt: skip
 
 _RETURNS = {
@@ -122,11 +122,9 @@ _RETURNS = {
         "sine cosine natural_exp arc_sine hypotenuse modulo ieee_remainder nearest scaled_by_power"
         " find_first_fall find_polynomial_fall"
     ),
-    Complex: "rect track_static_moment hat_half pulse_ahead impact_on_plane",
-    c_size_t: (
-        "linear_rotor_size step_matrix_scratch taylor_step_size track_scratch impact_doubles"
-    ),
-    Quadrature: "quadrature_empty",
+    Complex: "rect track_static_moment hat_half pulse_ahead",
+    c_size_t: ("linear_rotor_size step_matrix_scratch taylor_step_size impact_doubles"),
+    c_void_p: "carried_of",
     LinearRotor: "linear_rotor_in linear_rotor_with_added_mass",
 }
 
@@ -204,16 +202,6 @@ class Core:
         parts = [Complex(z.real, z.imag) for z in map(complex, signal)]
         spin = Spin(0.0, speed, (c_double * 4)(*spin_up))
         return byref(CentreMotion((Complex * 4)(*parts), spin))
-
-    def shifted(
-        self, signal: Sequence[complex], offset: complex, speed: float, spin_up: Sequence[float]
-    ) -> NDArray:
-        """The acceleration of a point that is off, of a signal's value and derivatives."""
-        made = np.array(signal, complex)
-        self(
-            "shift_signal", made, len(made), complex(offset), float(speed), np.array(spin_up, float)
-        )
-        return made
 
     def taylor_step(self, rotor: Any, sliders: Any = None, count: int = 0) -> Any:
         """The step at any speed of a rotor made by `rotor_of`, with `count` sliders."""

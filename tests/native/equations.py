@@ -5,7 +5,7 @@ from __future__ import annotations
 import cmath
 import ctypes
 from collections.abc import Sequence
-from ctypes import POINTER, byref, c_double, c_int
+from ctypes import POINTER, byref, c_bool, c_double, c_int, c_void_p
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -72,7 +72,7 @@ class Track:
         )  # fmt: skip
         core.demand("track_prepare", byref(self.native))
         self.alpha = float(self.native.alpha)
-        self._scratch = np.full(core("track_scratch", w.count), np.nan)
+        self._carried = c_void_p(core("carried_of", byref(self.native)))
 
     def advance(
         self,
@@ -86,22 +86,12 @@ class Track:
         rates: Sequence[float] = STEADY,
     ) -> Moved:
         """Motion over a step; `signal` (4,) of the plane's centre, `rates` (3,) of w'."""
-        ends = [np.empty(self.weights.count) for _ in range(3)]
-        moved = self.core.structures.Moved(*(_pointer(values) for values in ends))
-        spin_up = np.array([angular_acceleration, *rates], float)
-        shifted = self.core.shifted(signal, self.offset, rotor_speed, spin_up)
-        centre = self.core.centre_motion(shifted, rotor_speed, spin_up)
-        if not self.native.eventful:
-            ends[2][:] = contacts
-            self.core.demand(
-                "weights_advance", byref(self.native.weights), *_arrays(angles, speeds), centre,
-                float(step), *ends[:2], byref(self.core("quadrature_empty")), None,
-            )  # fmt: skip
-        else:
-            self.core.demand(
-                "track_advance", byref(self.native), *_arrays(angles, speeds, contacts), centre,
-                float(step), 0, byref(moved), self._scratch,
-            )  # fmt: skip
+        ends = _arrays(angles, speeds, contacts)
+        moved = self.core.structures.Moved(*map(_pointer, ends))
+        centre = self.core.centre_motion(signal, rotor_speed, [angular_acceleration, *rates])
+        self.core.demand(
+            "carried_advance", self._carried, centre, float(step), c_bool(False), byref(moved)
+        )
         impulse = complex(moved.impulse.re, moved.impulse.im)
         return Moved(*(e.tolist() for e in ends), impulse, moved.events)
 
@@ -116,11 +106,11 @@ class Track:
         *spin_up: float,
     ) -> list[complex]:
         """Force on the rotor and its slope, rotor frame, without N m a and without impulses."""
-        found = np.empty(2, complex)
+        found, torque = np.empty(2, complex), np.empty(2)
         now = self.core.instant([acceleration, slope], 0.0, rotor_speed, *spin_up)
         self.core.demand(
-            "track_reaction", byref(self.native), *_arrays(angles, speeds, contacts), byref(now),
-            found, None, self._scratch,
+            "carried_push", self._carried, *_arrays(angles, speeds, contacts), byref(now), found,
+            torque,
         )  # fmt: skip
         return found.tolist()
 
@@ -159,27 +149,6 @@ def discharge(
     left = Complex(owed.real, owed.imag)
     given = core("pulse_ahead", complex(pulse), float(turn), float(step), byref(left))
     return complex(left.re, left.im) + impulse, complex(given.re, given.im)
-
-
-class Pools(ctypes.Structure):
-    """Runs of neighbours of a chain of n weights that share one value."""
-
-    _fields_ = (
-        ("count", c_int),
-        *((name, POINTER(c_int)) for name in ("first", "size")),
-        *((name, POINTER(c_double)) for name in ("forcing", "limit", "mass", "value")),
-    )
-
-
-def pooled(core: Core, forcings: Sequence[float], limits: Sequence[float] | None) -> list[float]:
-    """Accelerations of a chain of touching weights, by the principle of least constraint."""
-    n = len(forcings)
-    pools = Pools(0, *((c_int * n)() for _ in range(2)), *((c_double * n)() for _ in range(4)))
-    values = np.empty(n)
-    held = None if limits is None else np.array(limits, float)
-    core("pool_violators", byref(pools), np.array(forcings, float), held, None, n, 0.0)
-    core("expand_pools", byref(pools), values)
-    return values.tolist()
 
 
 class Excitation(NamedTuple):

@@ -9,11 +9,10 @@ import random
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
-from scipy.optimize import minimize
 
 from autobalancer.models.papers.capacity import packed_angles
 from autobalancer.models.weights import Weights
-from tests.native.equations import discharge, pooled, run, whirling
+from tests.native.equations import discharge, run, whirling
 
 pytestmark = pytest.mark.slow
 
@@ -76,24 +75,6 @@ def test_motion_between_collisions_keeps_order_four(track_of):
         errors.append(max(abs(a - b) for a, b in zip(found[0], exact[0], strict=True)))
     assert errors[0] / errors[1] > 10.0
     assert errors[1] / errors[2] > 10.0
-
-
-def test_groups_accelerate_by_the_principle_of_least_constraint(core):
-    rng = np.random.default_rng(2)
-    for with_grip in (False, True):
-        for _ in range(8):
-            g = rng.normal(size=6)
-            f = rng.uniform(0.0, 1.0, 6) if with_grip else np.zeros(6)
-            found = pooled(core, g, f)
-            # the same minimum with |y| = p + q, y = p - q, by a general solver
-            ahead = np.hstack([np.diff(np.eye(6), axis=0), -np.diff(np.eye(6), axis=0)])
-            best = minimize(
-                lambda s, g=g, f=f: ((s[:6] - s[6:] - g) ** 2).sum() / 2 + f @ (s[:6] + s[6:]),
-                np.ones(12), bounds=[(0, None)] * 12, method="SLSQP",
-                constraints={"type": "ineq", "fun": lambda s, a=ahead: a @ s},
-                options={"ftol": 1e-14, "maxiter": 500},
-            )  # fmt: skip
-            assert found == pytest.approx(best.x[:6] - best.x[6:], abs=2e-5)
 
 
 @pytest.mark.parametrize(("resistance", "rate"), [(0.0, 0.0), (0.03, 0.8)])

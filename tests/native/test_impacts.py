@@ -19,20 +19,12 @@ from scipy.optimize import nnls
 
 from autobalancer.harness import Scene
 from autobalancer.harness.export.one_file import build_one_file
-from tests.native.core import Complex
 from tests.native.packaging import Host, compile_units
 
 SOURCE = Path(__file__).parent / "host" / "impact.c"
 KAPPA, TRACK = 1.4, 0.3  # of the weights; radius of their track [m]
 CARRIER = 2.0  # mass of the rotor without weights [kg]
 _D = POINTER(c_double)
-
-
-class ImpactWeight(ctypes.Structure):
-    _fields_ = (
-        ("plane", c_int), ("inertia", c_double), ("moment", c_double), ("before", c_double),
-        ("direction", Complex),
-    )  # fmt: skip
 
 
 class ImpactPair(ctypes.Structure):
@@ -46,8 +38,7 @@ class Impact(ctypes.Structure):
     """`Impact` of impact_law.h."""
 
     _fields_ = (
-        ("mobility", _D), ("planes", c_int), ("count", c_int), ("contacts", c_int),
-        ("weights", POINTER(ImpactWeight)), ("pairs", POINTER(ImpactPair)), ("rate", _D),
+        ("count", c_int), ("contacts", c_int), ("pairs", POINTER(ImpactPair)), ("rate", _D),
         ("impulse", _D), ("jumps", _D), ("openings", _D), ("square", _D),
     )  # fmt: skip
 
@@ -57,19 +48,22 @@ def collided(core, angles, rates, pairs, mass, restitution, lasting=()):
     n = len(angles)
     core.library.impact_begin.restype = Impact
     memory = np.zeros(core.library.impact_doubles(n))
-    mobility = np.array([1.0 / (CARRIER + n * mass)])
-    impact = core("impact_begin", mobility, 1, n, memory)
-    impact.count, impact.contacts = n, len(pairs)
-    for k, (angle, rate) in enumerate(zip(angles, rates, strict=True)):
-        direction = Complex(math.cos(angle), math.sin(angle))
-        inertia = KAPPA * mass * TRACK**2
-        impact.weights[k] = ImpactWeight(0, inertia, mass * TRACK, rate, direction)
-        impact.rate[k] = rate
+    impact = core("impact_begin", n, memory)
+    impact.contacts = len(pairs)
+    matrix, rows = mass_matrix(angles, mass), np.zeros((len(pairs), 2 + n))
     for i, (a, b) in enumerate(pairs):
         impact.pairs[i] = ImpactPair(a, b, int(i in lasting), 0, restitution, 0.0)
+        rows[i, [2 + a, 2 + b]] = -1.0, 1.0
+    jumps = np.linalg.solve(matrix, rows.T)[2:].ravel()
+    for k, rate in enumerate(rates):
+        impact.rate[k] = rate
+    for i, jump in enumerate(jumps):
+        impact.jumps[i] = jump
     core.demand("impact_solve", byref(impact))
-    push = core("impact_on_plane", byref(impact), 0)
-    return np.array(impact.rate[:n]), mobility[0] * np.array([push.re, push.im])
+    after = np.array(impact.rate[:n])
+    # the rotor's momentum and the weights' along x and y are kept
+    push = matrix[:2, 2:] @ (after - np.array(rates, float))
+    return after, -push / matrix[0, 0]
 
 
 def mass_matrix(angles, mass):

@@ -100,6 +100,21 @@ def test_a_step_ends_where_a_weight_breaks_away(fmus, packaging):
     host.free()
 
 
+@pytest.mark.parametrize("more", [{"weight_radius": SIZE}, {"rolling_resistance": 1e-12}])
+def test_weights_with_events_follow_a_changing_acceleration(fmus, packaging, more):
+    """As one does that can neither meet another nor stick: nothing happens to it here."""
+    seen = []
+    plain = {"weight_radius": more.get("weight_radius", 0.0), "weight[1].speed0": 0.3}
+    for weights, values in ((1, plain), (2, plain | more)):
+        host = packaging.Host(fmus.native("BallBalancer", weights=weights))
+        host.begin({"speed": 10.0, "a_xi": 0.3} | values)
+        host.set({"acceleration": 30.0, "der(acceleration)": -4e3, "der(acceleration,2)": 1e6})
+        host.step(STEP)
+        seen.append(host.get("weight[1].angle", "weight[1].speed"))
+        host.free()
+    assert seen[1] == pytest.approx(seen[0], rel=1e-8)
+
+
 def test_outputs_are_those_of_the_contact(fmus, packaging):
     """What a host reads after an early end is what a state restored there gives."""
     host = begun(fmus, packaging, stop_at_contact=True, inertia_as_force=True)

@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import cmath
-import ctypes
 import math
-from ctypes import byref, c_double
 
 import numpy as np
 import pytest
@@ -149,62 +147,6 @@ def test_a_row_of_resting_weights_holds_until_one_end_can_move(track_of):
     assert not held(1.0)
 
 
-class Group(ctypes.Structure):
-    """A packed group that slides one way."""
-
-    _fields_ = (
-        *((name, c_double) for name in ("radius", "lever", "grip", "damping_rate")),
-        ("count", ctypes.c_int),
-        *((name, c_double) for name in ("spin_share", "factor", "inertia")),
-        *((name, ctypes.POINTER(c_double)) for name in ("mass", "offset")),
-    )
-
-    @classmethod
-    def of(cls, grip, damping_rate, masses, offsets, spin_share):
-        """Weights on a track of radius 1 m, whose offsets are from where their moment points to."""
-        n, inertia = len(masses), sum(masses)
-        factor = sum(m * math.cos(x) for m, x in zip(masses, offsets, strict=True)) / inertia
-        arrays = [(c_double * n)(*values) for values in (masses, offsets)]
-        return cls(1.0, -1 / 1.4, grip, damping_rate, n, spin_share, factor, inertia, *arrays)
-
-
-def forcing_of(core, group, a, slope, angle, rate, speed, spin_up):
-    """Forcing of a sliding group and its slope, with the sides of the race that carry it then."""
-    sides, found = np.zeros(group.count), np.empty(2)
-    now = core.instant([a, slope], 0.0, speed, spin_up)
-    count = core("find_sides", byref(group), byref(now), angle, rate, sides)
-    core("find_sliding_forcing", byref(group), byref(now), angle, rate, sides, count, found)
-    return found
-
-
-def test_a_sliding_group_feels_the_mean_of_its_weights_also_when_loads_change_sides(core):
-    angle, rate, w, grip = 0.7, 0.4, 1.0, 0.05
-    masses, offsets = [1.0, 0.6, 1.3], [-0.4, 0.1, 0.0]
-    tilt = cmath.phase(sum(m * cmath.rect(1.0, x) for m, x in zip(masses, offsets, strict=True)))
-    offsets = [x - tilt for x in offsets]
-    for a in (0.5 + 0.3j, 1.9 - 0.8j):  # below and above the centrifugal acceleration
-        group = Group.of(grip, 0.2, masses, offsets, 0.6)
-        found, _ = forcing_of(core, group, a, 0j, angle, rate, w, 0.1)
-        total = 0.0
-        for m, x in zip(masses, offsets, strict=True):
-            z = a * cmath.exp(-1j * (angle + x))
-            total += m * (-z.imag / 1.4 - grip * abs((w + rate) ** 2 - z.real) - 0.6 * 0.1)
-        assert found == pytest.approx(total / sum(masses), rel=1e-13)
-
-
-def test_slope_of_the_sliding_forcing_is_its_derivative(core):
-    group, h = Group.of(-0.04, 0.3, [1.0, 1.0], [-0.2, 0.2], 0.6), 1e-4
-    for a0, da in ((0.5 + 0.3j, 0.2 - 0.1j), (9.0 + 1.0j, -1.0 + 2.0j)):
-        x, v, w, spin = 0.7, -0.4, 2.0, 0.3
-        g0, slope = forcing_of(core, group, a0, da, x, v, w, spin)
-        bend = g0 - 0.3 * v
-        ends = []
-        for s in (-h, h):
-            later = x + s * v + s * s * bend / 2, v + s * bend, w + s * spin, spin
-            ends.append(forcing_of(core, group, a0 + s * da, da, *later)[0])
-        assert slope == pytest.approx((ends[1] - ends[0]) / (2 * h), rel=1e-6)
-
-
 @pytest.mark.parametrize(("offset", "resistance", "rates", "packed"), [
     (0.03 - 0.02j, 0.08, STEADY, False), (0.03 - 0.02j, 0.0, CHANGING, False),
     (0j, 0.0, CHANGING, False), (0.03 - 0.02j, 0.0, STEADY, True),
@@ -247,16 +189,6 @@ def test_sliding_keeps_order_four_between_events(track_of):
     ]
     assert errors[0] / errors[1] > 8.0
     assert errors[1] / errors[2] > 8.0
-
-
-def test_an_offset_adds_the_acceleration_of_its_turning_and_all_derivatives(core):
-    """(i w' - w^2) e, with a speed that is a polynomial of time."""
-    offset, rates = 0.3 - 0.1j, [0.7, -0.4, 1.1, -0.9]
-    speed = Polynomial(np.array([2.0, *rates]) / [1, 1, 2, 6, 24])
-    whirl = 1j * speed.deriv() - speed**2
-    given = np.array([1 + 1j, 2j, -1, 0.5])
-    expected = given + offset * np.array([whirl.deriv(k)(0.0) for k in range(4)])
-    assert core.shifted(given, offset, 2.0, rates) == pytest.approx(expected, rel=1e-14)
 
 
 def test_an_offset_track_leaves_its_centre_on_the_axis_of_rotation(track_of):

@@ -249,3 +249,13 @@ void matrix_transposed(int parts, int m, int n, const double *a, double *result)
         }
     }
 }
+
+double largest_of(int count, const double *values)
+{
+    double largest = absolute(values[0]);
+    int k;
+    for (k = 1; k < count; k++) {
+        largest = larger(largest, absolute(values[k]));
+    }
+    return largest;
+}

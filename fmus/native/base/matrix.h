@@ -34,4 +34,7 @@ void matrix_per_axis(int parts, int axes, int m, int n, const double *a, double 
 /* result (n, m) = a (m, n) transposed. */
 void matrix_transposed(int parts, int m, int n, const double *a, double *result);
 
+/* Largest absolute value of `count` >= 1. */
+double largest_of(int count, const double *values);
+
 #endif

@@ -19,18 +19,15 @@ static size_t doubles_of(size_t bytes)
 size_t impact_doubles(int count)
 {
     const size_t n = (size_t)count;
-    return n * doubles_of(sizeof(ImpactWeight) + sizeof(ImpactPair)) + n * (VECTORS + SQUARES * n);
+    return n * doubles_of(sizeof(ImpactPair)) + n * (VECTORS + SQUARES * n);
 }
 
-Impact impact_begin(const double *mobility, int planes, int count, double *memory)
+Impact impact_begin(int count, double *memory)
 {
     const size_t n = (size_t)count;
     Impact impact;
-    impact.mobility = mobility;
-    impact.planes = planes;
-    impact.count = impact.contacts = 0;
-    impact.weights = (ImpactWeight *)(void *)memory;
-    memory += n * doubles_of(sizeof(ImpactWeight));
+    impact.count = count;
+    impact.contacts = 0;
     impact.pairs = (ImpactPair *)(void *)memory;
     memory += n * doubles_of(sizeof(ImpactPair));
     impact.rate = memory;
@@ -47,54 +44,18 @@ double impact_opening(const Impact *impact, int contact)
     return impact->rate[impact->pairs[contact].ahead] - impact->rate[impact->pairs[contact].behind];
 }
 
-/* The angles' inertia B, (n, n). */
-static void fill_inertia(const Impact *impact, double *matrix)
-{
-    const int n = impact->count;
-    int k, l;
-    for (k = 0; k < n; k++) {
-        for (l = 0; l < n; l++) {
-            const ImpactWeight *a = impact->weights + k, *b = impact->weights + l;
-            const double mobility = impact->mobility[a->plane * impact->planes + b->plane];
-            matrix[k * n + l] = (k == l ? a->inertia : 0.0) -
-                                mobility * a->moment * b->moment *
-                                    (a->direction.re * b->direction.re +
-                                     a->direction.im * b->direction.im);
-        }
-    }
-}
-
-/* Jumps of the rates by unit impulses; 1: B is singular. */
-static int fill_jumps(Impact *impact)
-{
-    const int n = impact->count, c = impact->contacts;
-    double *jumps = impact->jumps;
-    int j;
-    fill_inertia(impact, impact->openings);
-    fill_doubles((size_t)n * (size_t)c, 0.0, jumps);
-    for (j = 0; j < c; j++) {
-        jumps[impact->pairs[j].behind * c + j] -= 1.0;
-        jumps[impact->pairs[j].ahead * c + j] += 1.0;
-    }
-    return matrix_solve(1, n, c, impact->openings, jumps);
-}
-
-/* What unit impulses make of the opening speeds; 1: B is singular. */
-static int fill_responses(Impact *impact)
+/* What unit impulses make of the opening speeds. */
+static void fill_responses(Impact *impact)
 {
     const int c = impact->contacts;
     const double *jumps = impact->jumps;
     int i, j;
-    if (impact->mobility && fill_jumps(impact)) {
-        return 1;
-    }
     for (i = 0; i < c; i++) {
         for (j = 0; j < c; j++) {
             impact->openings[i * c + j] =
                 jumps[impact->pairs[i].ahead * c + j] - jumps[impact->pairs[i].behind * c + j];
         }
     }
-    return 0;
 }
 
 /* Impulses of the pairs that push, so that their right-hand sides vanish; all others are 0. */
@@ -150,9 +111,7 @@ static int collide(Impact *impact, int rebounds, double tiny)
 {
     const int n = impact->count, c = impact->contacts;
     int i, j, pivot;
-    if (fill_responses(impact)) {
-        return 1;
-    }
+    fill_responses(impact);
     for (i = 0; i < c; i++) {
         const double e = rebounds && !impact->pairs[i].lasting ? impact->pairs[i].restitution : 0.0;
         impact->pairs[i].right = (1.0 + e) * impact_opening(impact, i);
@@ -202,18 +161,4 @@ int impact_solve(Impact *impact, Failure *failure)
     }
     return fail(failure, "no solution was found for an impact of %u pairs of weights, which close at "
                 "%6 rad/s", (unsigned long)impact->contacts, largest);
-}
-
-Complex impact_on_plane(const Impact *impact, int plane)
-{
-    Complex rate = {0.0, 0.0};
-    int k;
-    for (k = 0; k < impact->count; k++) {
-        const ImpactWeight *weight = impact->weights + k;
-        if (weight->plane == plane) {
-            const double jump = weight->moment * (impact->rate[k] - weight->before);
-            rate = complex_sum(rate, complex_scaled(jump, weight->direction));
-        }
-    }
-    return complex_of(rate.im, -rate.re); /* -i times it */
 }

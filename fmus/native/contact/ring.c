@@ -3,20 +3,17 @@
 #include "base/elementary.h"
 #include "base/matrix.h"
 #include "constants.h"
-#include "contact/impact_law.h"
 #include "contact/spacing.h"
 
 #define OVERLAP 1e-7  /* rad: of a start; rounding of angles after a million turns stays below */
 #define ALIGNED 1e-12 /* rad: contacts this exact are left alone, so that weights never creep */
 
-#define RING_DOUBLES 27 /* arrays of N doubles, and of N ints */
-#define RING_INTS 9
+enum { RING_DOUBLES = 9, RING_INTS = 4 }; /* arrays of N doubles, and of N ints */
 
 size_t ring_scratch(int count)
 {
     const size_t n = (size_t)count;
-    return RING_DOUBLES * n + impact_doubles(count) +
-           (RING_INTS * n * sizeof(int) + sizeof(double) - 1) / sizeof(double);
+    return RING_DOUBLES * n + (RING_INTS * n * sizeof(int) + sizeof(double) - 1) / sizeof(double);
 }
 
 static double *next_doubles(double **free, int count)
@@ -37,42 +34,18 @@ static int *next_ints(int **free, int count)
 static void lay_out_scratch(int n, double *scratch, WeightsInOrder *w)
 {
     double *d = scratch;
-    int *i = (int *)(void *)(scratch + RING_DOUBLES * n + impact_doubles(n));
+    int *i = (int *)(void *)(scratch + RING_DOUBLES * n);
     w->given = next_doubles(&d, n);
     w->begin = next_doubles(&d, n);
     w->angle = next_doubles(&d, n);
     w->angle_rate = next_doubles(&d, n);
-    w->groups.middle = next_doubles(&d, n);
-    w->groups.angle_rate = next_doubles(&d, n);
-    w->groups.sign = next_doubles(&d, n);
-    w->groups.end_middle = next_doubles(&d, n);
-    w->groups.end_rate = next_doubles(&d, n);
-    w->pools.forcing = next_doubles(&d, n);
-    w->pools.limit = next_doubles(&d, n);
-    w->pools.value = next_doubles(&d, n);
-    w->pools.mass = next_doubles(&d, n);
-    w->groups.mass = next_doubles(&d, n);
-    w->groups.factor = next_doubles(&d, n);
-    w->groups.damping_rate = next_doubles(&d, n);
-    w->groups.spin_share = next_doubles(&d, n);
     w->mass = next_doubles(&d, 2 * n);
     w->offset = next_doubles(&d, 2 * n);
-    w->damping_rate = next_doubles(&d, n);
-    w->spin_share = next_doubles(&d, n);
     w->spacing = next_doubles(&d, n);
-    w->forcings = next_doubles(&d, n);
-    w->limits = next_doubles(&d, n);
-    w->sides = next_doubles(&d, n);
-    w->impact = d;
     w->order = next_ints(&i, n);
     w->joined = next_ints(&i, n);
     w->chains.first = next_ints(&i, n);
     w->chains.size = next_ints(&i, n);
-    w->groups.runs.first = next_ints(&i, n);
-    w->groups.runs.size = next_ints(&i, n);
-    w->groups.resting = next_ints(&i, n);
-    w->pools.first = next_ints(&i, n);
-    w->pools.size = next_ints(&i, n);
 }
 
 /* Weights by their angle within a turn, those at one place as they were given. */
@@ -97,14 +70,10 @@ static void set_each(WeightsInOrder *w)
     int j;
     for (j = 0; j < n; j++) {
         w->mass[j] = w->mass[n + j] = weights_mass_ratio(all, w->order[j]);
-        w->damping_rate[j] = track->damping_rate;
-        w->spin_share[j] = track->spin_share;
         w->spacing[j] = 2.0 * track->alpha;
         if (all->each) {
             const Weights one = weights_single(all, w->order[j]);
             const Weights next = weights_single(all, w->order[(j + 1) % n]);
-            w->damping_rate[j] = weights_damping_rate(&one);
-            w->spin_share[j] = weights_spin_share(&one);
             w->spacing[j] = 2.0 * half_angle(0.5 * (one.radius + next.radius), all->track_radius);
         }
     }
@@ -120,8 +89,7 @@ int order_weights(const Track *track, const double *angles, const double *speeds
     weights->failure = failure;
     weights->track = track;
     weights->count = n;
-    weights->chains.count = weights->groups.runs.count = weights->pools.count = 0;
-    weights->quadrature = quadrature_empty();
+    weights->chains.count = 0;
     for (j = 0; j < n; j++) {
         weights->given[j] = angles[j];
         weights->angle[j] = modulo(angles[j], TAU);
@@ -201,6 +169,15 @@ static double angle_of(Complex vector)
 {
     const double size = magnitude(vector), angle = size > 0.0 ? arc_sine(vector.im / size) : 0.0;
     return vector.re < 0.0 ? copy_sign(PI, vector.im) - angle : angle;
+}
+
+/* sin(n alpha)/(n sin alpha): static moment of a packed group in units of that of its mass at the middle. */
+static double group_factor(int count, double alpha)
+{
+    if (count == 1 || alpha == 0.0) {
+        return 1.0;
+    }
+    return sine(count * alpha) / (count * sine(alpha));
 }
 
 double find_offsets(WeightsInOrder *weights, int first, int size)
@@ -284,4 +261,29 @@ void place_group(WeightsInOrder *weights, int first, int size, double middle, do
         weights->angle[k] = angle;
         weights->angle_rate[k] = rate;
     }
+}
+
+int track_first_contacts(const Track *track, const double *angles, const double *speeds,
+                         double *contacts, double *scratch, Failure *failure)
+{
+    const int n = track->weights.count;
+    WeightsInOrder weights;
+    double room = 0.0;
+    int k, code;
+    fill_doubles((size_t)n, 0.0, contacts);
+    if (!track->solid) {
+        return FINE;
+    }
+    code = order_weights(track, angles, speeds, contacts, scratch, &weights, failure);
+    for (k = 0; k < n && !code; k++) {
+        const int alike = weights.angle_rate[k] == weights.angle_rate[(k + 1) % n];
+        contacts[weights.order[k]] = alike && gap(&weights, k) <= TOUCHING_ANGLE ? 1.0 : 0.0;
+        room += gap(&weights, k);
+    }
+    if (!code && !track->full && !(room > n * TOUCHING_ANGLE)) { /* which depends on their order */
+        code = fail(failure, "weight_radius: %u weights of unequal radii need %6 rad of a track of radius "
+                    "%v m, must be less than a turn",
+                    (unsigned long)n, TAU - room, track->weights.track_radius);
+    }
+    return code;
 }

@@ -8,7 +8,6 @@
 #include <stddef.h>
 
 #include "base/failure.h"
-#include "contact/contact.h"
 #include "contact/track.h"
 
 /* Runs of neighbours among N weights. */
@@ -16,18 +15,6 @@ typedef struct {
     int count;         /* of runs; the entries beyond it mean nothing */
     int *first, *size; /* (N,) first weight of each, and how many it has */
 } Runs;
-
-/* Runs of weights that move as one. */
-typedef struct {
-    Runs runs;
-    double *middle, *angle_rate;   /* (N,) [rad, rad/s] */
-    double *sign;                  /* (N,) way it slides; 0 without resistance or at rest */
-    int *resting;                  /* (N,) held by resistance */
-    double *end_middle, *end_rate; /* (N,) after the stretch of time that is looked at */
-    double *mass;          /* (N,) of its weights */
-    double *factor;        /* (N,) mean forcing in units of that of its mass at the middle */
-    double *damping_rate, *spin_share; /* (N,) means */
-} Groups;
 
 /* State of the weights, and the arrays that are needed to move them. */
 typedef struct {
@@ -39,16 +26,10 @@ typedef struct {
     double *angle, *angle_rate;  /* (N,) in order, ascending and within a turn [rad, rad/s] */
     int *joined;                 /* (N,) true where a weight lastingly touches the next */
     double *mass;                /* (2 N,) in order, twice over, of each over `track->weights.mass` */
-    double *damping_rate, *spin_share; /* (N,) in order */
     double *spacing;             /* (N,) angle to the next where they touch [rad] */
     double *offset;              /* (2 N,) angle from the middle of the run it is in; beyond N: of runs
                                     that pass the last weight [rad] */
     Runs chains;                 /* found last */
-    Groups groups;               /* found last */
-    Pools pools;
-    double *forcings, *limits, *sides; /* (N,) scratch */
-    double *impact; /* of impact_law.h, for N weights */
-    Quadrature quadrature;
     Failure *failure; /* first thing that went wrong; its code is FINE while nothing has */
 } WeightsInOrder;
 
@@ -79,5 +60,9 @@ double find_offsets(WeightsInOrder *weights, int first, int size);
 
 /* Put a run of weights that touch, whose offsets are set, about the angle `middle`. */
 void place_group(WeightsInOrder *weights, int first, int size, double middle, double rate);
+
+/* `contacts` (N,) of a fresh start: weights that touch and move alike, whatever drives them. */
+int track_first_contacts(const Track *track, const double *angles, const double *speeds,
+                         double *contacts, double *scratch, Failure *failure);
 
 #endif

@@ -74,11 +74,7 @@ int track_prepare(Track *track, Failure *failure)
         return code;
     }
     track->alpha = half_angle(track->weight_radius, weights->track_radius);
-    track->lever = weights_lever(weights);
-    track->grip = -track->rolling_resistance * track->lever;
-    track->damping_rate = weights_damping_rate(weights);
     track->moment = weights->mass * weights->track_radius;
-    track->spin_share = weights_spin_share(weights);
     track->solid = track->alpha > 0.0 && weights->count > 1;
     for (k = 0; weights->each && k < weights->count; k++) {
         sizes_differ |= weights->each[2 * weights->count + k] != 1.0;
@@ -88,4 +84,10 @@ int track_prepare(Track *track, Failure *failure)
     track->eventful =
         (track->weight_radius > 0.0 && weights->count > 1) || track->rolling_resistance > 0.0;
     return FINE;
+}
+
+Complex track_static_moment(const Track *track, const double *angles, Turned *turned)
+{
+    return complex_sum(weights_static_moment(&track->weights, angles, turned),
+                       complex_scaled(weights_added_mass(&track->weights), track->offset));
 }

@@ -21,11 +21,7 @@ typedef struct {
     Complex offset;            /* of the track's centre from the plane's, rotor frame [m] */
     /* set by track_prepare */
     double alpha;        /* half the angle between weights that touch [rad] */
-    double lever;        /* -1/(kappa R) [1/m] */
-    double grip;         /* mu/(kappa R): resistance over load, per angle [1/m] */
-    double damping_rate; /* d = b/(kappa m) [1/s] */
     double moment;       /* m R [kg m] */
-    double spin_share;   /* s: part of w' by which a free weight falls behind */
     bool solid;          /* there are weights that can meet */
     bool full;           /* they fill the track: each touches both neighbours for ever */
     bool eventful;       /* weights can collide or stick */
@@ -39,5 +35,8 @@ typedef struct {
 Touch track_touch(const Track *track);
 /* Check the parameters and set what follows from them; 0, or what is not allowed. */
 int track_prepare(Track *track, Failure *failure);
+/* Static moment about the plane's centre, sum m (e + R e^{i theta}), rotor frame [kg m]; turned: as of
+   weights_static_moment. */
+Complex track_static_moment(const Track *track, const double *angles, Turned *turned);
 
 #endif

@@ -1,7 +1,5 @@
 /* The phase of a machine in one piece: what the memories of its parts say of who touches and what sticks. */
 #include "base/elementary.h"
-#include "constants.h"
-#include "contact/spacing.h"
 #include "coupling/composite.h"
 #include "machine/restraints.h"
 
@@ -54,18 +52,12 @@ void one_piece_make_phase(const Composite *c, Machine *m)
     const Rotor *rotor = composite_rotor(c);
     const double t = m->per_rate;
     struct Phase *phase = m->phase;
-    int k, w, track = 0, i = 0;
+    int k, track = 0;
     for (k = 1; k < c->parts_without_motor; k++) {
         const Balls *balls = part_balls(c->parts + k);
-        for (w = 0; balls && w < balls->count; w++, i++) {
-            PhaseWeight *own = phase->weights + i;
-            own->track = track;
-            own->lasts = balls->track.full;
-            own->radius = balls->track.weights.track_radius;
-            own->touch = track_touch(&balls->track);
-            own->grip = own->touch.resistance;
+        if (balls) {
+            phase_take_track(m, track++, &balls->track);
         }
-        track += balls != NULL;
     }
     phase->grain = c->pieces.grain > 0.0 ? c->pieces.grain : 1.0;
     phase->slider_count = 0;
@@ -81,37 +73,6 @@ void one_piece_make_phase(const Composite *c, Machine *m)
             own->stiffness = slider->stiffness * t * t;
             own->stroke = slider->stroke;
             phase->slider_count++;
-        }
-    }
-}
-
-/* Weights of a track, the first of them `first` of the machine, as each stands before the next. */
-static void order_track(const Machine *m, const Track *track, int first)
-{
-    PhaseWeight *all = m->phase->weights + first;
-    const int n = track->weights.count;
-    int j, k;
-    for (k = 0; k < n; k++) {
-        const double at = modulo(phase_angle(m, first + k), TAU);
-        double nearest_ahead = infinity();
-        int ahead = -1;
-        /* who is ahead: among equals the next by number */
-        for (j = 1; j < n && track->solid; j++) {
-            const int other = (k + j) % n;
-            const double there = modulo(phase_angle(m, first + other), TAU);
-            const int wraps = there < at || (there == at && other < k);
-            const double apart = there - at + (wraps ? TAU : 0.0);
-            if (apart < nearest_ahead) {
-                nearest_ahead = apart;
-                ahead = other;
-            }
-        }
-        all[k].ahead = ahead < 0 ? -1 : first + ahead;
-        if (ahead >= 0) {
-            const Weights one = weights_single(&track->weights, k), next = weights_single(&track->weights, ahead);
-            all[k].spacing = track->weights.each
-                                 ? 2.0 * half_angle(0.5 * (one.radius + next.radius), one.track_radius)
-                                 : 2.0 * track->alpha;
         }
     }
 }
@@ -132,7 +93,7 @@ void one_piece_load_phase(const Composite *c, Machine *m, const double *states)
         const Balls *balls = part_balls(c->parts + k);
         const double *contacts = balls ? memory_in(c, c->parts + k, states) + 2 * balls->count : NULL;
         if (balls) {
-            order_track(m, &balls->track, i);
+            phase_order_track(m, &balls->track, i);
         }
         for (w = 0; balls && w < balls->count; w++, i++, kept += PHASE_OF_WEIGHT) {
             PhaseWeight *own = phase->weights + i;

@@ -76,20 +76,19 @@ static void tell_spin(const Composite *c)
     }
 }
 
-/* Tell weights on a race with lobes what they push with: contacts between them are in it. */
+/* Tell weights what they push with. */
 static void give_push(const Composite *c, const Part *part)
 {
     const Machine *m = &c->pieces.instant;
     Balls *balls = part_balls(part);
     int k, track = 0;
-    if (!balls || !balls->race) {
+    if (!balls) {
         return;
     }
     for (k = 1; c->parts + k < part; k++) {
         track += part_balls(c->parts + k) != NULL;
     }
-    race_sum(m->weights + m->tracks[track].first, balls->count, m->spin, m->tracks[track].offset, m->speed[0], m->rate,
-             balls->given, balls->given_torque);
+    machine_reaction(m, track, &balls->track, balls->given, balls->given_torque);
     balls->is_given = true;
 }
 

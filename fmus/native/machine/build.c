@@ -149,6 +149,26 @@ void machine_take_weights(Machine *machine, const double *row, const Track *trac
     }
 }
 
+void machine_take_carried(Machine *machine, Carried *carried, double rate)
+{
+    machine->weight_count = machine->track_count = machine->ring_count = 0;
+    machine->width = machine->stations;
+    machine->unknowns = 2 * machine->stations;
+    machine->rate = rate;
+    machine->per_rate = 1.0 / rate;
+    machine->drive.motor = NULL;
+    machine->crossed = machine->varies = false;
+    machine->turns = 0;
+    machine->mass[0] = 0.0;
+    machine->unbalance[0] = machine->gravity = pair_zero();
+    machine->carried = carried;
+}
+
+void machine_take_mobility(Machine *machine, double mobility)
+{
+    machine->mass[0] = mobility > 0.0 ? 1.0 / mobility : 0.0;
+}
+
 void machine_take_motor(Machine *machine, const Motor *motor)
 {
     MachineDrive *drive = &machine->drive;

@@ -3,6 +3,7 @@
 
 #include "base/elementary.h"
 #include "base/matrix.h"
+#include "machine/phase.h"
 
 enum { MOST_PASSES = 12 };
 #define DISTURBANCE 1e-7 /* of what moves: by which derivatives are taken */
@@ -27,36 +28,43 @@ int collocation_allocate(Unit *unit, Collocation *c, int stations, int weights)
     c->factors = unit_allocate(unit, MODES * d * d, sizeof(Complex));
     c->right = unit_allocate(unit, d, sizeof(Complex));
     c->rows = unit_allocate(unit, MODES * d, sizeof(int));
+    c->held = unit_allocate(unit, 2 * (STAGES + 1) * (size_t)weights, sizeof(double));
     c->push = unit_allocate(unit, SIGNAL_ORDERS * (size_t)stations, sizeof(Pair));
     return !c->start || !c->by_place || !c->by_speed || !c->places || !c->speeds || !c->rates || !c->moved ||
-           !c->scratch || !c->factors || !c->right || !c->rows || !c->push;
+           !c->scratch || !c->factors || !c->right || !c->rows || !c->push || !c->held;
 }
 
 /* -- accelerations ----------------------------------------------------------------------------------- */
 
+/* How many numbers say where the stations are. */
+static int numbers_of_stations(const Machine *m)
+{
+    return m->carried ? 0 : 2 * m->stations;
+}
+
 /* Places and speeds of a machine, from its coefficients of order 0; its accelerations, from those of order 1. */
 static void read_columns(const Machine *m, const Pair *columns, double *to)
 {
-    const int n = m->stations;
+    const int n = m->stations, first = numbers_of_stations(m);
     int k;
-    for (k = 0; k < n; k++) {
+    for (k = 0; 2 * k < first; k++) {
         to[2 * k] = pair_x(columns[k]);
         to[2 * k + 1] = pair_y(columns[k]);
     }
     for (k = 0; k < m->weight_count; k++) {
-        to[2 * n + k] = pair_at(columns[n + k / 2], k % 2);
+        to[first + k] = pair_at(columns[n + k / 2], k % 2);
     }
 }
 
 static void write_columns(const Machine *m, const double *from, Pair *columns)
 {
-    const int n = m->stations;
+    const int n = m->stations, first = numbers_of_stations(m);
     int k;
-    for (k = 0; k < n; k++) {
+    for (k = 0; 2 * k < first; k++) {
         columns[k] = pair_of(from[2 * k], from[2 * k + 1]);
     }
     for (k = 0; k < m->weight_count; k++) {
-        pair_set(&columns[n + k / 2], k % 2, from[2 * n + k]);
+        pair_set(&columns[n + k / 2], k % 2, from[first + k]);
     }
 }
 
@@ -75,7 +83,10 @@ static void accelerate(const Collocation *c, double time, const double *places, 
         m->speed[0] = speeds[last];
         turned = places[last];
     }
-    for (k = 0; k < n; k++) {
+    if (m->carried) {
+        turned = machine_carry(m, &c->carried, time);
+    }
+    for (k = 0; k < n && !m->carried; k++) {
         Pair push = c->push[(SIGNAL_ORDERS - 1) * n + k];
         for (order = SIGNAL_ORDERS - 2; order >= 0; order--) {
             push = pair_add_scaled(c->push[order * n + k], push, time);
@@ -86,6 +97,18 @@ static void accelerate(const Collocation *c, double time, const double *places, 
     read_columns(m, m->velocity + m->width, rates);
     if (m->drive.motor) {
         rates[last] = m->speed[1];
+    }
+}
+
+/* Keep what weights that touch or stick would do alone, and their loads, at the start or a point from 1 on. */
+static void keep_holds(const Collocation *c, int point)
+{
+    const Machine *m = c->at;
+    double *alone = c->held + point * m->weight_count, *load = alone + (STAGES + 1) * m->weight_count;
+    int w;
+    for (w = 0; w < m->weight_count && m->phase; w++) {
+        alone[w] = m->phase->weights[w].alone[0];
+        load[w] = m->phase->weights[w].load[0];
     }
 }
 
@@ -104,9 +127,31 @@ static void differentiate(const Collocation *c, double *number, double by, int c
     }
 }
 
+/* The same of all columns at once, where no number changes the acceleration of another: weights that are carried. */
+static void differentiate_apart(const Collocation *c, double *numbers, double by, double *matrix)
+{
+    const int d = c->unknowns;
+    const double *rates = c->start + 2 * d;
+    double *kept = c->scratch + d;
+    int k;
+    copy_doubles((size_t)d, numbers, kept);
+    for (k = 0; k < d; k++) {
+        numbers[k] += by;
+    }
+    accelerate(c, 0.0, c->start, c->start + d, c->scratch);
+    for (k = 0; k < d * d; k++) {
+        matrix[k] = 0.0;
+    }
+    for (k = 0; k < d; k++) {
+        matrix[k * d + k] = (c->scratch[k] - rates[k]) / (numbers[k] - kept[k]);
+    }
+    copy_doubles((size_t)d, kept, numbers);
+}
+
 void collocation_start(Collocation *c, const Machine *m, Machine *at, double angle)
 {
-    const int n = m->stations, has_shaft = m->drive.motor != NULL, d = 2 * n + m->weight_count + has_shaft;
+    const int n = m->stations, first = numbers_of_stations(m), has_shaft = m->drive.motor != NULL;
+    const int d = first + m->weight_count + has_shaft;
     double *places = c->start, *speeds = places + d, largest;
     int k;
     c->at = at;
@@ -114,8 +159,12 @@ void collocation_start(Collocation *c, const Machine *m, Machine *at, double ang
     c->angle = angle;
     c->speed = m->speed[0];
     c->acceleration = has_shaft ? 0.0 : m->speed[1];
-    for (k = 0; k < SIGNAL_ORDERS * n; k++) {
+    for (k = 0; k < SIGNAL_ORDERS * n && !m->carried; k++) {
         c->push[k] = m->push[k];
+    }
+    if (m->carried) {
+        c->carried = *m->carried;
+        at->phase = m->phase;
     }
     at->drive = m->drive;
     read_columns(m, m->motion, places);
@@ -125,9 +174,15 @@ void collocation_start(Collocation *c, const Machine *m, Machine *at, double ang
         speeds[d - 1] = c->speed;
     }
     accelerate(c, 0.0, places, speeds, speeds + d);
-    largest = larger(largest_of(2 * n, places), 1e-3 * largest_of(2 * n, speeds));
+    keep_holds(c, 0);
+    if (m->carried && !m->phase) {
+        differentiate_apart(c, places, DISTURBANCE, c->by_place);
+        differentiate_apart(c, speeds, DISTURBANCE, c->by_speed);
+        return;
+    }
+    largest = m->carried ? 1.0 : larger(largest_of(first, places), 1e-3 * largest_of(first, speeds));
     for (k = 0; k < d; k++) {
-        const double size = k < 2 * n ? (largest > 0.0 ? largest : 1.0) : 1.0;
+        const double size = k < first ? (largest > 0.0 ? largest : 1.0) : 1.0;
         differentiate(c, places + k, DISTURBANCE * size, k, c->by_place);
         differentiate(c, speeds + k, DISTURBANCE * size, k, c->by_speed);
     }
@@ -176,6 +231,9 @@ static int factorise_mode(const Collocation *c, int mode, double length)
         }
         for (i = k + 1; i < d; i++) {
             const Complex part = quotient(a[i * d + k], a[k * d + k]);
+            if (part.re == 0.0 && part.im == 0.0) { /* weights that do not feel each other */
+                continue;
+            }
             a[i * d + k] = part;
             for (j = k + 1; j < d; j++) {
                 a[i * d + j] = complex_difference(a[i * d + j], complex_product(part, a[k * d + j]));
@@ -216,7 +274,7 @@ static void solve_mode(const Collocation *c, int mode)
 /* The part of the unknowns that is displacements over `largest`, the rest over 1: its largest number. */
 static double size_of_motion(const Collocation *c, const double *places, double largest)
 {
-    const int n = 2 * c->at->stations;
+    const int n = numbers_of_stations(c->at);
     double most = 0.0;
     int k;
     for (k = 0; k < c->unknowns; k++) {
@@ -267,6 +325,7 @@ static double correct_points(const Collocation *c, double length, double largest
             c->scratch[d + k] = c->start[d + k] + c->speeds[i * d + k];
         }
         accelerate(c, RADAU_NODES[i] * length, c->scratch, c->scratch + d, c->rates + i * d);
+        keep_holds(c, i + 1);
     }
     integrate(c->rates, d, length, residual);
     for (k = 0; k < STAGES * d; k++) {
@@ -370,6 +429,30 @@ double collocation_factor(double error)
 
 /* -- the polynomial ------------------------------------------------------------------------------------- */
 
+/* The polynomial through values at the start and the points, `stride` apart, as a series. */
+static void write_values(const double *values, int stride, double length, double *series)
+{
+    double power = 1.0;
+    int j, order;
+    series[0] = values[0];
+    for (order = 1; order <= STAGES; order++) {
+        power /= length;
+        series[order] = 0.0;
+        for (j = 0; j < STAGES; j++) {
+            series[order] += RADAU_COEFFICIENTS[order - 1][j] * (values[(j + 1) * stride] - values[0]) * power;
+        }
+    }
+}
+
+static void write_holds(const Collocation *c, double length, const Machine *m)
+{
+    int w;
+    for (w = 0; w < m->weight_count && m->phase; w++) {
+        write_values(c->held + w, m->weight_count, length, m->phase->weights[w].alone);
+        write_values(c->held + (STAGES + 1) * m->weight_count + w, m->weight_count, length, m->phase->weights[w].load);
+    }
+}
+
 void collocation_write(const Collocation *c, double length, Machine *m)
 {
     const int d = c->unknowns, has_shaft = m->drive.motor != NULL;
@@ -392,7 +475,8 @@ void collocation_write(const Collocation *c, double length, Machine *m)
             m->speed[order] = speeds[d - 1];
         }
     }
-    if (!has_shaft) {
+    if (!has_shaft && !m->carried) {
         m->speed[1] = c->acceleration;
     }
+    write_holds(c, length, m);
 }

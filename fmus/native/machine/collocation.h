@@ -29,6 +29,8 @@ typedef struct {
     Complex *factors;  /* (MODES, d, d) */
     Complex *right;    /* (d,) */
     int *rows;         /* (MODES, d) exchanged */
+    double *held;      /* (2, STAGES + 1, N) at the start and the points: what weights would do alone, and their loads */
+    Carried carried;   /* where the machine is carried: how, at the start */
     Pair *push;        /* (SIGNAL_ORDERS, n) series of the forces from outside */
     double angle, speed, acceleration; /* of the rotor at the start */
 } Collocation;

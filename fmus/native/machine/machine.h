@@ -23,13 +23,14 @@
 
 #include "base/number.h"
 #include "base/pair.h"
+#include "contact/track.h"
 #include "fmi/unit.h"
 #include "machine/blocks.h"
 #include "machine/race_series.h"
 #include "machine/weights_series.h"
 #include "rotor/motor.h"
 #include "units/rotor_unit.h"
-#include "units/weights_unit.h"
+#include "weights/centre.h"
 
 #define LONGEST_STEP 12.0     /* rad of the rotor at about its fastest speed: of a step */
 #define MOST_TURN 800.0       /* rad of the rotor in a step, at any speed */
@@ -54,6 +55,14 @@ typedef struct {
     Number inertia;       /* of all that turns [kg m^2] */
     Number torque, slope; /* at speed 0, and by the speed */
 } MachineDrive;
+
+/* How the one station moves and the rotor turns where that is told and follows from no forces: weights by themselves.
+   Series in the machine's time. */
+typedef struct {
+    Pair signal[SIGNAL_ORDERS];       /* of A, in the rotor's axes */
+    Number speed[SIGNAL_ORDERS + 1]; /* of w */
+    int speed_order;                 /* the highest that is not 0 */
+} Carried;
 
 typedef struct {
     int stations, weight_count, track_count; /* n, N */
@@ -95,6 +104,7 @@ typedef struct {
     Number *rows;        /* (tracks, n) where waves make stations more than the rotor has */
     struct MachineRing *rings; /* of rings.h */
     double *root;        /* (K + 1,) series of the root of the speed, where a wave is damped by viscosity */
+    Carried *carried;    /* NULL: the stations move as forces make them */
     struct Restraints *restraints; /* of restraints.h: cubic springs and stops; NULL: there are none */
     struct Phase *phase; /* of phase.h, where weights can touch or stick, or supports stick or have stops; NULL: they cannot */
 } Machine;
@@ -111,6 +121,9 @@ void machine_take_rotor(Machine *machine, const LinearRotor *rotor, double rate)
 /* Bearings that change with the speed: those on a line of their table. */
 void machine_take_bearings(Machine *machine, const LinearRotor *rotor, int line);
 void machine_take_liquid(Machine *machine, const double *row, double mass);
+/* Begin anew with a station that is carried along; then its weights, and what an impact finds it moved by [1/kg]. */
+void machine_take_carried(Machine *machine, Carried *carried, double rate);
+void machine_take_mobility(Machine *machine, double mobility);
 void machine_take_weights(Machine *machine, const double *row, const Track *track);
 void machine_take_motor(Machine *machine, const Motor *motor);
 
@@ -152,6 +165,18 @@ void machine_take_weight(Machine *machine, int weight, int k, Number acceleratio
 /* What is known of a weight before the solution of order k: 'turned' and 'free'; its force on the track by that. */
 void machine_advance_weight(Machine *machine, const MachineTrack *track, int weight, int k, Number carried);
 Pair machine_weight_force(const SeriesWeight *weight, int k);
+
+/* -- carriage.c ---------------------------------------------------------------------------------- */
+
+/* Let a machine be carried as it is so long after a start; the angle that the rotor has turned by then. */
+double machine_carry(Machine *machine, const Carried *start, double time);
+
+/* -- reaction.c --------------------------------------------------------------------------------- */
+
+/* Once they are expanded up to the third order of their places: force of the weights of a track on their plane beside
+   that of their added mass, and torque about the plane's centre (NULL: not wanted), each with its slope, in the rotor's
+   axes. */
+void machine_reaction(const Machine *machine, int track, const Track *of, Complex *force, double *torque);
 
 /* -- shaft_series.c ----------------------------------------------------------------------------- */
 

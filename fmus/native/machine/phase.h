@@ -6,7 +6,9 @@
        phi''_G = mean of free phi'' - 1/(kappa R) (mean of b) x,    M x = ... - sum over groups of (sum of m/kappa) c (b x)
 
    where x are the unknowns of machine.h, c x = Im(a p*) is what the track's acceleration a pushes a weight by,
-   and b = c but for a weight that slides against rolling resistance (contact/resistance.h),
+   and b = c but for a weight that slides against rolling resistance (a cause of residual unbalance named by Goncharov 2017,
+   section 2, after Nesterenko 1985 and Yang 2005; mu: its lever arm over the weight's radius for balls and rollers,
+   friction times journal radius over R for pendulums; the load is that in the plane),
 
        phi'' = ... - s sigma mu/(kappa R) (R phi'^2 - Re(a p*)),   b x = Im(a p*) - s sigma mu Re(a p*),
 
@@ -26,6 +28,7 @@ typedef struct {
     int joined;      /* whether it touches that for good */
     int touches;     /* whether it did before the phase was decided */
     int group, begins; /* the group it is in, and whether as its first */
+    double within;   /* its angle within a turn, when that was found [rad] */
     double spacing;  /* to the next where they touch [rad] */
     double radius;   /* R [m] */
     double grip;     /* mu */
@@ -81,6 +84,13 @@ double phase_gap(const Machine *machine, int weight);
 /* Angle of a weight in the rotor and its rate, at the start. */
 double phase_angle(const Machine *machine, int weight);
 double phase_rate(const Machine *machine, int weight);
+
+/* -- phase_track.c ---------------------------------------------------------------------------------- */
+
+/* What does not change of the weights of a track. */
+void phase_take_track(Machine *machine, int number, const Track *track);
+/* As each stands before the next; `first`: of its weights among the machine's. */
+void phase_order_track(const Machine *machine, const Track *track, int first);
 
 /* -- phase_series.c -------------------------------------------------------------------------------- */
 

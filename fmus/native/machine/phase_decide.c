@@ -96,7 +96,7 @@ static int open_contact(Machine *m, const PhaseGroup *group)
 {
     struct Phase *phase = m->phase;
     int k, w = group->first;
-    for (k = 1; k < group->size; k++, w = phase->weights[w].ahead) {
+    for (k = 1; k < group->size && !phase->weights[w].lasts; k++, w = phase->weights[w].ahead) {
         double pressure = 0.0;
         phase_press(m, group, k, 0, &pressure);
         if (pressure < -phase_slack(m, group)) {

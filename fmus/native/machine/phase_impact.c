@@ -47,7 +47,6 @@ static void fill_impact(const Machine *m, Impact *impact)
 {
     const struct Phase *phase = m->phase;
     int w;
-    impact->count = m->weight_count;
     for (w = 0; w < m->weight_count; w++) {
         const PhaseWeight *own = phase->weights + w;
         impact->rate[w] = turning_of(m) + phase_rate(m, w);
@@ -63,9 +62,12 @@ static void fill_impact(const Machine *m, Impact *impact)
 static void fill_answers(Machine *m, double angle, Impact *impact, double *right)
 {
     struct Phase *phase = m->phase;
+    Carried *carried = m->carried;
     const int c = impact->contacts, size = m->unknowns;
+    const bool is_held = carried && !(m->mass[0] > 0.0);
     int j, side, i, w;
     m->phase = NULL;
+    m->carried = NULL;
     machine_start(m, angle);
     for (j = 0; j < c; j++) {
         const int pushed[2] = {impact->pairs[j].behind, impact->pairs[j].ahead};
@@ -85,6 +87,9 @@ static void fill_answers(Machine *m, double angle, Impact *impact, double *right
             }
         }
         machine_solve(m, right);
+        for (i = 0; i < size && is_held; i++) {
+            right[i] = 0.0;
+        }
         for (w = 0; w < m->weight_count; w++) {
             const MachineTrack *track = m->tracks + phase->weights[w].track;
             for (i = 0; i < size; i++) {
@@ -94,6 +99,15 @@ static void fill_answers(Machine *m, double angle, Impact *impact, double *right
         }
     }
     m->phase = phase;
+    m->carried = carried;
+}
+
+static void set_rates(Machine *m, const Impact *impact)
+{
+    int w;
+    for (w = 0; w < m->weight_count; w++) {
+        pair_set(&m->velocity[m->stations + w / 2], w % 2, impact->rate[w] - turning_of(m));
+    }
 }
 
 /* Let rotor and shaft jump with the weights, whose rates have jumped to those of the impact; 1: the mass
@@ -124,9 +138,7 @@ static int push_carrier(Machine *m, const Impact *impact, double *right)
         m->velocity[i] = pair_sum(m->velocity[i], pair_of(right[2 * i], right[2 * i + 1]));
     }
     m->speed[0] += size > 2 * n ? right[2 * n] : 0.0;
-    for (w = 0; w < m->weight_count; w++) {
-        pair_set(&m->velocity[n + w / 2], w % 2, impact->rate[w] - turning_of(m));
-    }
+    set_rates(m, impact);
     return 0;
 }
 
@@ -212,7 +224,7 @@ static int end_bounces(Machine *m, Impact *impact)
 
 int phase_collide(Machine *m, double angle, double *memory, Failure *failure)
 {
-    Impact impact = impact_begin(NULL, 1, m->weight_count, memory);
+    Impact impact = impact_begin(m->weight_count, memory);
     double *right = memory + impact_doubles(m->weight_count);
     phase_group(m);
     fill_impact(m, &impact);
@@ -221,7 +233,9 @@ int phase_collide(Machine *m, double angle, double *memory, Failure *failure)
         if (impact_solve(&impact, failure)) {
             return 1;
         }
-        if (push_carrier(m, &impact, right)) {
+        if (m->carried) { /* whoever carries it is told of the impulse */
+            set_rates(m, &impact);
+        } else if (push_carrier(m, &impact, right)) {
             return fail(failure, "the rotor's mass matrix is singular");
         }
         set_contacts(m, &impact);

@@ -254,6 +254,11 @@ void machine_start(Machine *m, Number angle)
     for (i = 0; i < n; i++) {
         m->motion[m->width + i] = m->velocity[i];
     }
+#ifndef SIDE_BY_SIDE
+    if (m->carried) { /* there are no unknowns */
+        return;
+    }
+#endif
     machine_set_carrier(m);
 #ifndef SIDE_BY_SIDE
     if (m->phase) {
@@ -263,6 +268,32 @@ void machine_start(Machine *m, Number angle)
 #endif
     take_off_weights(m);
     factorise(m);
+}
+
+#ifndef SIDE_BY_SIDE
+/* A of order k where it is told. */
+static void carry_station(Machine *m, int k)
+{
+    Pair sum = pair_zero();
+    int j;
+    for (j = 0; j <= k && j < SIGNAL_ORDERS; j++) {
+        sum = pair_sum(sum, pair_product(m->carried->signal[j], m->spin[k - j]));
+    }
+    m->right[0] = pair_x(sum);
+    m->right[1] = pair_y(sum);
+}
+#endif
+
+/* The unknowns of order k. */
+static void solve_order(Machine *m, int k)
+{
+#ifndef SIDE_BY_SIDE
+    if (m->carried) {
+        carry_station(m, k);
+        return;
+    }
+#endif
+    machine_solve(m, m->right);
 }
 
 /* What restrains the rotor, what holds together, and what sticks, once all else is known. */
@@ -285,6 +316,11 @@ void machine_expand(Machine *m, Number angle, int order)
 {
     int k;
     m->speed_order = m->drive.motor ? 0 : !number_is_zero(m->speed[1]);
+#ifndef SIDE_BY_SIDE
+    if (m->carried) {
+        m->speed_order = m->carried->speed_order;
+    }
+#endif
     machine_start(m, angle);
 #ifndef SIDE_BY_SIDE
     if (m->waves) {
@@ -300,7 +336,7 @@ void machine_expand(Machine *m, Number angle, int order)
             shaft_push(m, k);
         }
         push_events(m, k);
-        machine_solve(m, m->right);
+        solve_order(m, k);
         take_stations(m, k);
         if (m->drive.motor) {
             gained = shaft_take(m, k);

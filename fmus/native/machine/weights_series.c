@@ -7,7 +7,7 @@ void series_weight_take(SeriesWeight *made, const Weights *one, double per_rate)
     const double radius = one->track_radius;
     made->moment = number_of(one->mass * radius);
     made->share = number_of(one->mass / one->kappa);
-    made->lever = number_of(1.0 / (one->kappa * radius));
+    made->lever = number_of(weights_lever(one));
     made->damping_rate = number_of(weights_damping_rate(one) * per_rate);
     made->roll = number_of((one->kappa - 1.0) * (radius + one->radius));
     made->inertia = made->roll * one->mass * (radius + one->radius);

@@ -5,7 +5,7 @@
 #define AUTOBALANCER_MOTOR_H
 
 #include "base/failure.h"
-#include "weights/weights.h"
+#include "rotor/response.h"
 
 typedef struct {
     double inertia; /* of all that turns [kg m^2] */

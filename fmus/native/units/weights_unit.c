@@ -4,6 +4,7 @@
 
 #include "units/weights_unit.h"
 #include "base/elementary.h"
+#include "base/matrix.h"
 #include "constants.h"
 #include "weights_parameters.h"
 #include "contact/pulse.h"
@@ -37,13 +38,10 @@ static int weights_allocate(Unit *unit)
 {
     Balls *own = unit->own;
     own->count = unit->layout.sizes.weights;
-    own->scratch = unit_allocate(unit, track_scratch(own->count), sizeof(double));
+    own->scratch = unit_allocate(unit, ring_scratch(own->count), sizeof(double));
     own->turned = unit_allocate(unit, 2 * (size_t)own->count, sizeof(Turned));
-    if (unit->layout.sizes.lobes) {
-        own->race = race_allocate(unit, own->count, unit->layout.sizes.lobes);
-        return !own->race || !own->scratch || !own->turned;
-    }
-    return !own->scratch || !own->turned;
+    own->carried = carried_allocate(unit, own->count, unit->layout.sizes.lobes);
+    return !own->scratch || !own->turned || !own->carried;
 }
 
 /* A Boolean parameter; 0 where the unit is declared without it. */
@@ -98,7 +96,6 @@ static int weights_parameters(Unit *unit)
     track->mobility = real[TRACK_MOBILITY];
     track->rolling_resistance = real[ROLLING_RESISTANCE];
     track->offset = complex_of(real[TRACK_OFFSET_XI], real[TRACK_OFFSET_ETA]);
-    own->quadrature = quadrature_empty();
     for (k = 0; k < 2 * own->count; k++) {
         own->turned[k].angle = not_a_number();
     }
@@ -108,13 +105,11 @@ static int weights_parameters(Unit *unit)
     if (track_prepare(track, &failure)) {
         return unit_failed(unit, &failure);
     }
-    if (own->race) {
-        race_take(own->race, track);
-    }
+    carried_take(own->carried, track);
     own->is_given = false;
     own->stop_at_contact = flag(unit, "stop_at_contact") && unit->may_end_early;
-    own->carried = flag(unit, "inertia_as_force") ? 0.0 : weights_added_mass(&track->weights);
-    own->sent = weights_added_mass(&track->weights) - own->carried;
+    own->through_port = flag(unit, "inertia_as_force") ? 0.0 : weights_added_mass(&track->weights);
+    own->sent = weights_added_mass(&track->weights) - own->through_port;
     return 0;
 }
 
@@ -133,39 +128,22 @@ static int weights_begin(Unit *unit)
     return 0;
 }
 
-/* Force of weights on a race with lobes, without that of the race's offset, and their torque, each with its slope. */
-static void find_push(const Unit *unit, const Instant *plane, Complex *force, double *torque)
+/* Residual force of the weights on the rotor and their torque (NULL: not wanted), each with its slope, in the rotor's
+   axes, without pulses; 1 with the reason. */
+static int find_push(Unit *unit, const Instant *plane, Complex *force, double *torque)
 {
     const Balls *own = unit->own;
-    Instant centre = *plane;
+    const double *angles = unit->memory, *speeds = angles + own->count;
+    Failure failure;
     if (own->is_given) {
         memcpy(force, own->given, sizeof own->given);
-        memcpy(torque, own->given_torque, sizeof own->given_torque);
-        return;
-    }
-    shift_signal(centre.motion, 2, own->track.offset, centre.spin.speed, centre.spin.rates);
-    race_answer(own->race, unit->memory, unit->memory + own->count, &centre, force, torque, NULL);
-}
-
-/* Residual force of the weights on the rotor and its slope in its frame, without pulses; 1 with the
-   reason. */
-static int find_reaction(Unit *unit, const Instant *plane, Complex *force)
-{
-    const Balls *own = unit->own;
-    const size_t count = (size_t)own->count;
-    const double *angles = unit->memory;
-    Failure failure;
-    if (own->race) {
-        double torque[2];
-        find_push(unit, plane, force, torque);
-        shift_signal(force, 2, complex_scaled(-weights_added_mass(&own->track.weights), own->track.offset),
-                     plane->spin.speed, plane->spin.rates);
+        copy_doubles(torque ? 2 : 0, own->given_torque, torque);
         return 0;
     }
-    if (track_reaction(&own->track, angles, angles + count, angles + 2 * count, plane,
-                       force, own->turned, own->scratch, &failure)) {
+    if (carried_look(own->carried, angles, speeds, speeds + own->count, plane, &failure)) {
         return unit_failed(unit, &failure);
     }
+    machine_reaction(&own->carried->step, 0, &own->track, force, torque);
     return 0;
 }
 
@@ -177,7 +155,7 @@ static int weights_put_outputs(Unit *unit)
     Complex pulse_acceleration, force[2];
     Instant plane = find_plane_motion(unit, &pulse_acceleration);
     int k;
-    if (find_reaction(unit, &plane, force)) {
+    if (find_push(unit, &plane, force, NULL)) {
         return 1;
     }
     force[0] = complex_sum(force[0], weights_pulse(unit));
@@ -189,7 +167,7 @@ static int weights_put_outputs(Unit *unit)
         rotate_derivatives(force, &plane.spin, 1);
     }
     memcpy(out, force, sizeof force);
-    out[ADDED_MASS] = own->carried;
+    out[ADDED_MASS] = own->through_port;
     return 0;
 }
 
@@ -215,35 +193,28 @@ static bool ends_at_event(const Unit *unit, double length)
 }
 
 /* One step of weights that may touch or stick. */
-static int step_with_events(Unit *unit, CentreMotion *motion, double length)
+static int step_with_events(Unit *unit, CentreMotion *motion, double length, Moved *moved)
 {
-    Balls *own = unit->own;
-    const size_t count = (size_t)own->count;
-    double *angles = unit->memory, *owes = weights_impulses(unit);
+    const Balls *own = unit->own;
+    double *owes = weights_impulses(unit);
     const Complex pulse = weights_pulse(unit);
-    const double speed = motion->spin.speed, spin_up = motion->spin.rates[0];
     Complex owed = complex_of(owes[0], owes[1]), left = owed, given;
-    Moved moved;
     Failure failure;
-    moved.angles = angles;
-    moved.speeds = angles + count;
-    moved.contacts = angles + 2 * count;
-    given = pulse_ahead(pulse, length * (speed + 0.5 * spin_up * length), length, &left);
+    given = pulse_ahead(pulse, spin_after(&motion->spin, length).angle, length, &left);
     take_off_answer(own->track.mobility, pulse, given, length, motion->signal);
-    if (track_advance(&own->track, moved.angles, moved.speeds, moved.contacts, motion, length,
-                      ends_at_event(unit, length), &moved, own->scratch, &failure)) {
+    if (carried_advance(own->carried, motion, length, ends_at_event(unit, length), moved, &failure)) {
         return unit_failed(unit, &failure);
     }
-    unit->made = moved.reached;
-    if (moved.reached == 0.0) {
+    unit->made = moved->reached;
+    if (moved->reached == 0.0) {
         return 0;
     }
-    if (moved.reached < length) {
-        length = moved.reached;
+    if (moved->reached < length) {
+        length = moved->reached;
         left = owed;
-        given = pulse_ahead(pulse, length * (speed + 0.5 * spin_up * length), length, &left);
+        given = pulse_ahead(pulse, spin_after(&motion->spin, length).angle, length, &left);
     }
-    owed = complex_sum(left, moved.impulse);
+    owed = complex_sum(left, moved->impulse);
     owes[0] = owed.re;
     owes[1] = owed.im;
     owes[2] = given.re;
@@ -251,8 +222,8 @@ static int step_with_events(Unit *unit, CentreMotion *motion, double length)
     return 0;
 }
 
-/* How the track's centre moves over a step of this length, in the rotor frame, whose angle is 0. */
-static CentreMotion find_centre_motion(const Unit *unit, double length)
+/* How the plane's centre moves over a step of this length, in the rotor frame, whose angle is 0. */
+static CentreMotion find_step_motion(const Unit *unit, double length)
 {
     CentreMotion motion = find_plane_signal(unit);
     if (unit->layout.sizes.fixed_frame) {
@@ -264,32 +235,21 @@ static CentreMotion find_centre_motion(const Unit *unit, double length)
         }
         cubic_between(ends[0].motion, ends[1].motion, length, motion.signal);
     }
-    shift_signal(motion.signal, SIGNAL_ORDERS, ((const Balls *)unit->own)->track.offset,
-                 motion.spin.speed, motion.spin.rates);
     motion.spin.angle = 0.0;
     return motion;
 }
 
 static int weights_step_unit(Unit *unit, double length)
 {
-    Balls *own = unit->own;
-    double *angles = unit->memory, *speeds = unit->memory + own->count;
-    CentreMotion motion = find_centre_motion(unit, length);
+    const Balls *own = unit->own;
+    CentreMotion motion = find_step_motion(unit, length);
+    Moved moved = {unit->memory, unit->memory + own->count, unit->memory + 2 * own->count, {0.0, 0.0}, 0, length};
     Failure failure;
-    if (own->race && own->track.eventful) {
-        return unit_fail(unit, "weight_radius = %v m: weights on a race with lobes touch in one file alone; leave it out, or "
-                         "build the whole machine as one file", unit->real[WEIGHT_RADIUS]);
-    }
-    if (own->race) {
-        if (race_advance(own->race, angles, speeds, &motion, length, &failure)) {
-            return unit_failed(unit, &failure);
-        }
-    } else if (own->track.eventful) {
-        if (step_with_events(unit, &motion, length)) {
+    if (own->track.eventful) {
+        if (step_with_events(unit, &motion, length, &moved)) {
             return 1;
         }
-    } else if (weights_advance(&own->track.weights, angles, speeds, &motion, length, angles, speeds,
-                               &own->quadrature, own->turned, &failure)) {
+    } else if (carried_advance(own->carried, &motion, length, false, &moved, &failure)) {
         return unit_failed(unit, &failure);
     }
     unit->memory[unit->memory_count - 1] = unit->made;
@@ -316,19 +276,10 @@ static void weights_observe(Unit *unit)
 
 static void weights_observe_torques(Unit *unit)
 {
-    const Balls *own = unit->own;
-    const double *angles = unit->memory, *speeds = angles + own->count;
     double *out = unit->real + unit->layout.real_count - 2;
     Complex pulse_acceleration, force[2];
     const Instant plane = find_plane_motion(unit, &pulse_acceleration);
-    Failure failure;
-    if (own->race) {
-        find_push(unit, &plane, force, out);
-        return;
-    }
-    if (find_reaction(unit, &plane, force) ||
-        track_torque(&own->track, angles, speeds, speeds + own->count, &plane, force, out,
-                     own->scratch, &failure)) {
+    if (find_push(unit, &plane, force, out)) {
         out[0] = out[1] = not_a_number();
     }
 }
@@ -349,22 +300,19 @@ static double weights_reach(const Unit *unit, size_t input)
                                                                          : size;
 }
 
-/* Acceleration of the k-th of weights without events at the present time [rad/s^2]. */
-static double weight_acceleration(const Unit *unit, size_t k)
+/* Acceleration of the k-th of weights without events at the present time [rad/s^2]; 1 with the reason. */
+static int find_acceleration(Unit *unit, size_t k, double *value)
 {
     const Balls *own = unit->own;
-    const Weights one = weights_single(&own->track.weights, (int)k);
-    const double *angle = unit->memory + k;
+    const double *angles = unit->memory, *speeds = angles + own->count;
     Complex pulse_acceleration;
-    Instant now = find_plane_motion(unit, &pulse_acceleration);
-    double turned[2];
-    shift_signal(now.motion, 2, own->track.offset, now.spin.speed, now.spin.rates);
-    if (own->race) {
-        race_answer(own->race, unit->memory, unit->memory + own->count, &now, NULL, NULL, own->scratch);
-        return own->scratch[k];
+    const Instant plane = find_plane_motion(unit, &pulse_acceleration);
+    Failure failure;
+    if (carried_look(own->carried, angles, speeds, speeds + own->count, &plane, &failure)) {
+        return unit_failed(unit, &failure);
     }
-    weights_unhindered(&one, angle, angle + own->count, &now, turned);
-    return turned[0];
+    *value = carried_acceleration(own->carried, (int)k);
+    return 0;
 }
 
 static int weights_slope(Unit *unit, size_t reference, double *value)
@@ -379,7 +327,7 @@ static int weights_slope(Unit *unit, size_t reference, double *value)
     if (output < count) {
         *value = unit->memory[count + output];
     } else if (output < 2 * count && !own->track.eventful) {
-        *value = weight_acceleration(unit, output - count);
+        return find_acceleration(unit, output - count, value);
     }
     return 0;
 }

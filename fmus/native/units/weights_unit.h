@@ -4,9 +4,9 @@
 
 #include <stdbool.h>
 
-#include "contact/motion.h"
+#include "contact/track.h"
 #include "fmi/unit.h"
-#include "units/weights_race.h"
+#include "machine/carried.h"
 
 enum { SIGNALS = 2 };
 
@@ -18,13 +18,12 @@ typedef struct {
     int count;
     Track track;
     bool stop_at_contact; /* whether a step ends behind the first event */
-    double carried, sent; /* parts of the added mass: through the port, in the force [kg] */
-    Quadrature quadrature;
+    double through_port, sent; /* parts of the added mass: that, and in the force [kg] */
     Turned *turned; /* (N, 2) by the weights' angles */
     double *scratch;
-    RaceSeries *race; /* where the race has lobes, else NULL */
+    CarriedWeights *carried;
     bool is_given;    /* whether the whole machine has told what they push with: */
-    Complex given[2]; /* force as of race_answer, */
+    Complex given[2]; /* as machine_reaction, */
     double given_torque[2];
 } Balls;
 

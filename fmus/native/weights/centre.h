@@ -21,8 +21,4 @@ typedef struct {
 /* What drives weights `time` after the start of the step [s]. */
 Instant find_instant(const CentreMotion *motion, double time);
 
-/* Add to the value and derivatives of a signal, `count` (at most 4) in all, those of (i w' - w^2) e:
-   what an offset e from where it belongs adds to an acceleration; spin_up (4,): w' and its derivatives. */
-void shift_signal(Complex *signal, int count, Complex offset, double speed, const double *spin_up);
-
 #endif

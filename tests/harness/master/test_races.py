@@ -7,7 +7,7 @@ import pytest
 
 import autobalancer as ab
 from autobalancer.harness import cosimulate
-from autobalancer.harness.errors import SceneError, SimulationError
+from autobalancer.harness.errors import SceneError
 from autobalancer.models.monolith import simulate
 from tests.studies import races
 
@@ -107,9 +107,21 @@ def test_random_machines_run_as_their_equations_written_anew_say():
 
 
 @pytest.mark.filterwarnings("ignore::UserWarning")
-def test_weights_that_touch_need_one_file():
-    with pytest.raises(SimulationError, match="race with lobes touch in one file alone"):
-        cosimulate(machine(balancer=balls(**MEET)), separate=True)
+def test_separate_weights_that_touch_come_nearer_with_smaller_steps():
+    """Impacts go to the rotor as pulses: an error of order 1, on a circle too."""
+    coarse, fine = (
+        errors(
+            machine(
+                balancer=balls(**MEET),
+                coupling={"scheme": "iterated", "steps_per_rev": steps, "order": 3},
+                run={"revolutions": 12, "record": SIGNALS[:3]},
+            ),
+            separate=True,
+        )
+        for steps in (40, 160)
+    )
+    assert max(coarse.values()) < 1e-3
+    assert max(fine.values()) < 0.5 * max(coarse.values())
 
 
 @pytest.mark.parametrize(
