@@ -214,9 +214,11 @@ class Support:
         Raises:
             ValueError: its table does not hold the speed.
         """
-        if self.table is None:
-            return self
-        k, c = (_spread(each, self.across) for each in self.table.at(speed))
+        return self if self.table is None else self.with_matrices(*self.table.at(speed))
+
+    def with_matrices(self, stiffness: Numbers, damping: Numbers) -> Support:
+        """The support with matrices (2, 2) in the place of its table."""
+        k, c = (_spread(each, self.across) for each in (stiffness, damping))
         return replace(self, stiffness=k, damping=c, table=None)
 
     @classmethod

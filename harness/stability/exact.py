@@ -15,6 +15,7 @@ from ...models.linear.balanced import CannotBalance, balanced_angles
 from ...models.papers.window import LiquidWindow
 from ...models.proof.balanced import Seen, WeightBalls, seen
 from ...models.proof.equations import Equations, matrices
+from ...models.proof.lines import piece_around
 from ...models.proof.rotors import RingBalls, Unproved, rotor_balls
 from ...models.proof.slopes import Exact, Number, Sloped, ball
 from ...models.proof.window import WindowBalls
@@ -25,6 +26,7 @@ from ..scene.replace import in_full
 from ..units import si_number
 
 _UNITS = arb(2) ** -48  # relative: what the conversion of units rounds in a dozen operations
+_WEIGHS = r"rotor\.(mass|masses|com|span|stations)\b"  # what shares the weight among supports
 _DIGITS = 15  # of a double: a number written with more is known to its neighbours only
 
 
@@ -125,6 +127,9 @@ class Tables:
         document = scene.document
         self.scene = scene
         self.rotor = _balls(scene.rotor.model_dump(), document["rotor"])
+        loads = scene.rotor.static_loads() if scene.rotor.bearings else []
+        for held, bearing in zip(self.rotor["bearings"], scene.rotor.bearings, strict=True):
+            held |= {"table": bearing.over_speed(loads[bearing.support - 1]), "journal": None}
         given = document.get("balancer", [])
         self.balancers = {
             table.label: _balls(table.model_dump(), each)
@@ -135,8 +140,10 @@ class Tables:
         """The different numbers that a path names.
 
         Raises:
-            UserError: it names no number of the rotor or of a balancer.
+            UserError: it names no number of the rotor or of a balancer, or one that shapes a table
+                over the speed.
         """
+        self._refuse_shaping(path)
         known: dict[int, Number] = {}
         with suppress(KeyError, IndexError, TypeError):
             holder, key = self._place(path)
@@ -147,6 +154,21 @@ class Tables:
                 f"such as rotor.stiffness or {next(iter(self.balancers), 'balls')}.mass"
             )
         return known
+
+    def _refuse_shaping(self, path: str) -> None:
+        """Raise UserError for a number on which the rows of a bearing's table depend."""
+        for k, bearing in enumerate(self.scene.rotor.bearings, start=1):
+            for key in ("table", "journal"):
+                if path.startswith((f"rotor.bearings[{k}].{key}", f"bearings[{k}].{key}")):
+                    raise UserError(
+                        f"{path}: a bearing over the speed takes no interval; vary its values one "
+                        "by one, or give stiffness and damping at one speed"
+                    )
+            if bearing.journal and bearing.journal.load is None and re.match(_WEIGHS, path):
+                raise UserError(
+                    f"{path}: the load of the journal bearing follows from it: give "
+                    f"rotor.bearings[{k}].journal.load (N)"
+                )
 
     def _place(self, path: str) -> tuple[Any, Any]:
         """What holds a path's value, and its key or index."""
@@ -179,8 +201,11 @@ class Tables:
             rows = self.rotor["damping_ratio"] * table.critical_damping()
             self.rotor[table.damping_key] = rows[0] if len(rows) == 1 else rows
 
-    def matrices(self) -> tuple[Exact, list[Seen]]:
+    def matrices(self, speed: float) -> tuple[Exact, list[Seen]]:
         """Of small motions about the balanced motion, and its balancers.
+
+        Args:
+            speed: where tables over the speed have the line that is taken [rad/s].
 
         Raises:
             Unproved: a balanced motion is not proved to exist.
@@ -200,7 +225,7 @@ class Tables:
                 each, radius, drag = (table[key] for key in ("mass", "track_radius", "drag"))
                 kappa = _exact(KAPPA[table["kind"]])
                 weights.append(WeightBalls(plane, count, each, radius, drag, kappa, stand))
-        rotor = rotor_balls(self.rotor, added, rings)
+        rotor = rotor_balls(self.rotor, added, rings, speed)
         found = seen(rotor, weights)
         return matrices(rotor, found), found
 
@@ -249,21 +274,27 @@ def refuse_unproved(scene: Scene) -> None:
             raise Unproved(f"{mounted.name}: its track is off centre, where no rotor rests")
 
 
-def system(scene: Scene, changes: Sequence[Change] = ()) -> Equations:
+def system(scene: Scene, changes: Sequence[Change] = (), speed: float | None = None) -> Equations:
     """The equations of a scene whose parameters take intervals.
+
+    Args:
+        speed: where bearings over the speed have the line that is taken [rad/s]; default: the
+            speed of operation.
 
     Raises:
         Unproved: they have none, or a balanced motion is not proved to exist.
     """
     refuse_unproved(scene)
+    speed = scene.profile().end if speed is None else speed
+    piece = piece_around(scene.assembly().rotor, speed)
     tables = Tables(scene)
     tables.change([change.middle for change in changes])
-    middle, weights = tables.matrices()
+    middle, weights = tables.matrices(speed)
     if all(change.low == change.high for change in changes):
-        return Equations.of(middle, middle, weights)
+        return Equations.of(middle, middle, weights, piece)
     tables = Tables(scene)
     tables.change(changes)
-    return Equations.of(middle, *tables.matrices())
+    return Equations.of(middle, *tables.matrices(speed), piece)
 
 
 def window(scene: Scene, changes: Sequence[Change] = ()) -> WindowBalls | None:

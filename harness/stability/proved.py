@@ -9,6 +9,7 @@ from __future__ import annotations
 import functools
 import itertools
 import math
+from bisect import bisect_right
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
@@ -18,6 +19,8 @@ import numpy as np
 
 from ...models.boundaries import Crossing
 from ...models.proof.certificate import Certificate, State
+from ...models.proof.equations import Equations
+from ...models.proof.lines import row_speeds
 from ...models.proof.rotors import Unproved
 from ...models.proof.window import WindowBalls, ends
 from ..output.workers import Progress
@@ -171,6 +174,7 @@ class _Search:
         self.scene, self.whole = scene, box
         self.narrowest, self.progress = narrowest, progress
         self.certificates, self.most_boxes = 0, 1
+        self.rows = row_speeds(scene.assembly().rotor)
         self.system = functools.cache(functools.partial(system, scene))
         self.range = (0.0, 1.0)
 
@@ -181,8 +185,17 @@ class _Search:
             Unproved: the machine in the middle of the box has no balanced motion.
         """
         self.range = low, high
-        self.system(_middle(self.whole))
-        return self._bands(low, high, [self.whole], 0)
+        ends = [low, *(w for w in self.rows if low < w < high), high]
+        self._system(_middle(self.whole), low)
+        pieces = itertools.pairwise(ends)
+        return itertools.chain.from_iterable(
+            self._bands(begin, end, [self.whole], 0) for begin, end in pieces
+        )
+
+    def _system(self, box: Box, speed: float) -> Equations:
+        """Of a box, with the lines that tables over the speed have at a speed [rad/s]."""
+        row = bisect_right(self.rows, speed)
+        return self.system(box, self.rows[row - 1] if row else speed)
 
     def _bands(self, low: float, high: float, boxes: list[Box], stuck: int) -> Iterator[Band]:
         """Bands of an interval; `stuck` counts what was divided in vain."""
@@ -244,7 +257,7 @@ class _Search:
     def _certificate(self, box: Box, speed: float, degree: int | None = None) -> Certificate | None:
         self.certificates += 1
         try:
-            return Certificate.of(self.system(box), speed, degree)
+            return Certificate.of(self._system(box, speed), speed, degree)
         except Unproved:
             return None
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import pairwise
@@ -12,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...models.proof.certificate import Certificate, State
+from ...models.proof.lines import row_speeds
 from ...models.proof.rotors import Unproved
 from ..output.table import Sheet
 from ..output.workers import Progress, Workers, in_order
@@ -136,7 +138,11 @@ class _Modes:
         self.speed = middle.profile().end
         self.along = [None if c.path == SPEED else c for c in changes]
         others = [change for change in self.along if change]
-        self.certificate = Certificate.of(system(middle, others), self.speed)
+        low, high = next(((c.low, c.high) for c in changes if c.path == SPEED), (self.speed,) * 2)
+        ends = [w for w in row_speeds(middle.assembly().rotor) if low < w < high]
+        middles = [0.5 * (a + b) for a, b in pairwise([low, *ends, high])] if ends else [self.speed]
+        self.ends = [-math.inf, *ends, math.inf]
+        self.certificates = [Certificate.of(system(middle, others, w), w) for w in middles]
 
     def pieces(self, box: Box, levels: int) -> Iterator[tuple[Box, State]]:
         """The box in pieces as far as they are decided, or worth modes of their own."""
@@ -160,7 +166,13 @@ class _Modes:
                 scale = max(change.high - about, about - change.low)
                 ends = ((middle - half - about) / scale, (middle + half - about) / scale)
                 parts.append((ends[0] - _ROUNDING, ends[1] + _ROUNDING))
-        return self.certificate.state(*speeds, parts)
+        low, high = speeds
+        states = {
+            one.state(max(low, begin), min(high, end), parts)
+            for one, (begin, end) in zip(self.certificates, pairwise(self.ends), strict=True)
+            if begin <= high and low <= end
+        }
+        return states.pop() if len(states) == 1 else "undecided"
 
 
 def _side(box: Box) -> int:

@@ -102,6 +102,8 @@ class RotorParts:
         centrifugal: (n,) force of the waves in proportion to their displacement, over w^2 [kg].
         rooted: (n,) damping of waves over the root of the speed; None where viscosity damps none.
         turning: the first four again as multiples of i; None where no support has cross terms.
+        by_speed: what 1 rad/s more adds to stiffness and damping, of bearings that change with the
+            speed along a line; None where none do.
     """
 
     stiffness: Numbers
@@ -113,6 +115,7 @@ class RotorParts:
     centrifugal: Numbers
     rooted: Numbers | None = None
     turning: tuple[Numbers, Numbers, Numbers, Numbers] | None = None
+    by_speed: RotorParts | None = None
 
     @classmethod
     def of(cls, rotor: LinearRotor) -> RotorParts:
@@ -221,6 +224,8 @@ def small_motions(
 ) -> Numbers:
     """The matrices (5 or 7, d, d) of `Linearised`: steady, cosine, sine, and those of w^0.5, w^1.5.
 
+    With bearings that change with the speed two more stand behind them: w cosine and w sine.
+
     Numbers may be of any kind that `solve` can compute with: a proof has balls.
 
     Args:
@@ -230,13 +235,15 @@ def small_motions(
     at = _Blocks.of(c)
     n, both = len(rotor.internal), np.eye(2)
     turn = spread(_TURN, np.eye(n))
-    parts = 5 if rotor.rooted is None else 7
+    parts = 5 + 2 * (rotor.rooted is not None) + 2 * (rotor.by_speed is not None)
     forces = np.zeros((parts, 2 * n, at.size), mass.dtype)  # rows of M_eff D^2 zeta
-    forces[0, :, at.q] = -spread(both, rotor.stiffness)
-    forces[0, :, at.u] = -spread(both, rotor.damping + rotor.internal)
+    _add_supports(forces, rotor, at, power=0, halves=3)
+    if rotor.by_speed is not None:
+        _add_supports(forces, rotor.by_speed, at, power=1, halves=parts - 2)
+    forces[0, :, at.u] -= spread(both, rotor.internal)
     forces[0, :, at.v] = c.pull_rate * c.drag
-    forces[1, :, at.q] = turn @ spread(both, rotor.internal)
-    forces[1, :, at.u] = turn @ spread(both, rotor.gyroscopic)
+    forces[1, :, at.q] += turn @ spread(both, rotor.internal)
+    forces[1, :, at.u] += turn @ spread(both, rotor.gyroscopic)
     forces[1, :, at.v] = -2.0 * turn @ c.pull_rate
     forces[2, :, at.g] = c.pull_turn
     if c.spring is not None:
@@ -245,10 +252,6 @@ def small_motions(
     if rotor.rooted is not None:
         forces[5, :, at.u] = -spread(both, np.diag(rotor.rooted))
         forces[6, :, at.q] = turn @ spread(both, np.diag(rotor.rooted))
-    for part, mirror in enumerate(_MIRRORS, start=3):
-        forces[part, :, at.q] = -spread(mirror, rotor.half_stiffness)
-        forces[part, :, at.u] = -spread(mirror, rotor.half_damping)
-    _add_turning(forces, rotor, at)
     acceleration = solve(mass, forces)
     result = np.zeros((parts, at.size, at.size), mass.dtype)
     result[:, at.u], result[:, at.v] = acceleration, -c.drive @ acceleration
@@ -263,17 +266,30 @@ def small_motions(
     else:  # in fixed axes, where beta stays 0
         result[0] += result[3]
         result[3:5] = 0.0
+        if rotor.by_speed is not None:
+            result[1] += result[parts - 2]
+            result[parts - 2 :] = 0.0
     return result
 
 
-def _add_turning(forces: Numbers, rotor: RotorParts, at: _Blocks) -> None:
-    """The parts of the supports with cross terms, which turn what they push by i."""
+def _add_supports(
+    forces: Numbers, rotor: RotorParts, at: _Blocks, *, power: int, halves: int
+) -> None:
+    """Stiffness and damping among the forces by a power of the speed; their halves by the
+    conjugate stand in two parts from `halves` on."""
+    both = np.eye(2)
+    forces[power, :, at.q] -= spread(both, rotor.stiffness)
+    forces[power, :, at.u] -= spread(both, rotor.damping)
+    for part, mirror in enumerate(_MIRRORS, start=halves):
+        forces[part, :, at.q] -= spread(mirror, rotor.half_stiffness)
+        forces[part, :, at.u] -= spread(mirror, rotor.half_damping)
     if rotor.turning is None:
         return
+    # with cross terms supports turn what they push by i
     stiffness, half_stiffness, damping, half_damping = rotor.turning
-    forces[0, :, at.q] -= spread(_TURN, stiffness)
-    forces[0, :, at.u] -= spread(_TURN, damping)
-    for part, mirror in enumerate(_MIRRORS, start=3):
+    forces[power, :, at.q] -= spread(_TURN, stiffness)
+    forces[power, :, at.u] -= spread(_TURN, damping)
+    for part, mirror in enumerate(_MIRRORS, start=halves):
         forces[part, :, at.q] -= spread(_TURN @ mirror, half_stiffness)
         forces[part, :, at.u] -= spread(_TURN @ mirror, half_damping)
 

@@ -40,7 +40,7 @@ class Certificate:
         residual: bounds of G (A F - F' - F T), (Q, d, d) by monomials, for all beta.
         error: of G F - 1, (P, d, d).
         orders: (Q, n) exponents of s, e_1, ... in the monomials.
-        decays: `Equations.decays`.
+        decays, piece: as of `Equations`; of speeds outside the piece nothing is known.
     """
 
     speed: float
@@ -49,6 +49,7 @@ class Certificate:
     error: Array
     orders: NDArray[np.int64]
     decays: tuple[float, ...]
+    piece: tuple[float, float]
 
     @classmethod
     def of(cls, system: Equations, speed: float, degree: int | None = None) -> Certificate:
@@ -81,7 +82,7 @@ class Certificate:
         error = near + Series.exact(one, n)
         orders = np.array(monomials(n, degree_of(len(rest.mid), n)))
         residual, size = (x.size.sum(axis=1) * UP for x in (rest, error))
-        return cls(speed, found, residual, size, orders, system.decays)
+        return cls(speed, found, residual, size, orders, system.decays, system.piece)
 
     @cached_property
     def growth(self) -> float:
@@ -109,7 +110,8 @@ class Certificate:
         Args:
             part: of the machines: from and to in each e_j; default: all, -1 to 1.
         """
-        bounds = self._bounds(low, high, part)
+        inside = self.piece[0] <= low and high <= self.piece[1]
+        bounds = self._bounds(low, high, part) if inside else None
         if bounds is None:
             return "undecided"
         least, most, beside = bounds

@@ -8,6 +8,7 @@ are divided out exactly, and the rates left over decay as e^{-d t}.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -30,23 +31,31 @@ class Equations:
     """A = sum_k w^k steady[k] + cosine cos 2 beta + sine sin 2 beta, scaled.
 
     Attributes:
-        mid, rad: (5, d, d) of steady (3), cosine, sine, in the middle of a set of machines.
-        slopes: (m, 5, d, d) what each parameter e_j adds, |e_j| <= 1; `rad` bounds what more does.
+        mid, rad: (5, d, d) of steady (3), cosine, sine, in the middle of a set of machines; (7, d,
+            d) where bearings change with the speed: w cosine and w sine behind them.
+        slopes: (m, 5 or 7, d, d) what each parameter e_j adds, |e_j| <= 1; `rad` bounds what more
+            does.
         decays: drag rates of the turns that the rotor does not see: lower bounds [1/s].
+        piece: speeds between which these are the equations [rad/s].
     """
 
     mid: NDArray[np.float64]
     rad: NDArray[np.float64]
     slopes: NDArray[np.float64]
     decays: tuple[float, ...]
+    piece: tuple[float, float] = (0.0, math.inf)
 
     @classmethod
-    def of(cls, middle: Exact, machines: Exact, weights: Sequence[Seen]) -> Equations:
+    def of(
+        cls, middle: Exact, machines: Exact, weights: Sequence[Seen],
+        piece: tuple[float, float] = (0.0, math.inf),
+    ) -> Equations:  # fmt: skip
         """Doubles and bounds, in units that balance the sizes of rows and columns.
 
         Args:
             middle, machines: `matrices` of the machine in the middle, and of a set.
             weights: of the set.
+            piece: as the attribute.
         """
         count = max((len(x.slopes) for x in machines.flat if isinstance(x, Sloped)), default=0)
         values = np.zeros((1 + count, *machines.shape))
@@ -59,7 +68,7 @@ class Equations:
         _, (scale, _) = matrix_balance(np.abs(values[0]).sum(axis=0), permute=False, separate=True)
         factor = scale / scale[:, None]  # powers of 2: exact
         decays = tuple(float(ball(w.rate).lower()) / UP for w in weights if w.free)
-        return cls(values[0] * factor, rad * factor * UP, values[1:] * factor, decays)
+        return cls(values[0] * factor, rad * factor * UP, values[1:] * factor, decays, piece)
 
     @property
     def size(self) -> int:
@@ -73,28 +82,42 @@ class Equations:
 
     def around(self, speed: float) -> Series:
         """A in s = w - speed and the e_j, degree 3, by harmonics e^{2 i k beta}, |k| <= 1 or 0."""
-        mid = np.concatenate([self.mid[None], self.slopes]).astype(complex)
-        rad = np.concatenate([self.rad[None], np.zeros(self.slopes.shape)])
-        zero, one, two = (Series(mid[:, k], rad[:, k]) for k in range(3))
-        linear, square = Series.number(speed), Series.number(speed) * Series.number(speed)
-        rows = zero + linear * one + square * two, one + Series.number(2.0) * linear * two, two
+        rows = self._about(speed, range(3))
         orders = monomials(self.variables, 3)
         by_one = np.eye(self.variables, dtype=int)[:, 1:].tolist()  # 1, e_1, e_2, ...
         places = [[orders.index((p, *each)) for each in by_one] for p in range(3)]
-        side = int(mid[:, 3:].any())
+        side = int(self.mid[3:].any() or self.slopes[:, 3:].any())
         out = np.zeros((len(orders), 1 + 2 * side, self.size, self.size), complex)
         bound = np.zeros(out.shape)
         for at, row in zip(places, rows, strict=True):
             out[at, side], bound[at, side] = row.mid, row.rad
-        bound[0, [0, -1]] += (self.rad[3] + self.rad[4]) / (1.0 + side) * UP
-        if side:
-            out[places[0], 2] = (mid[:, 3] - 1j * mid[:, 4]) / 2.0
-            out[places[0], 0] = (mid[:, 3] + 1j * mid[:, 4]) / 2.0
+        swings = (self._about(speed, range(first, len(self.mid), 2)) for first in (3, 4))
+        for at, cosine, sine in zip(places, *swings, strict=False):
+            radius = (cosine.rad + sine.rad) / (1.0 + side) * UP
+            bound[at, 0] += radius
+            if side:
+                bound[at, 2] += radius
+                out[at, 2] = (cosine.mid - 1j * sine.mid) / 2.0
+                out[at, 0] = (cosine.mid + 1j * sine.mid) / 2.0
         return Series(out, bound, self.variables)
+
+    def _about(self, speed: float, parts: Sequence[int]) -> list[Series]:
+        """Coefficients of 1, s, s^2 of the sum of w^k part[k], w = speed + s: by parameters."""
+        mid = np.concatenate([self.mid[None], self.slopes]).astype(complex)
+        rad = np.concatenate([self.rad[None], np.zeros(self.slopes.shape)])
+        given = [Series(mid[:, k], rad[:, k]) for k in parts]
+        linear, square = Series.number(speed), Series.number(speed) * Series.number(speed)
+        if len(given) == 1:
+            return given
+        if len(given) == 2:
+            return [given[0] + linear * given[1], given[1]]
+        zero, one, two = given
+        twice = Series.number(2.0) * linear
+        return [zero + linear * one + square * two, one + twice * two, two]
 
 
 def matrices(rotor: RotorBalls, weights: Sequence[Seen]) -> Exact:
-    """The matrices (5, d, d) of a rotor with its balancers, as `Equations` has them, not scaled."""
+    """The matrices (5 or 7, d, d) of a rotor with its balancers, as in `Equations`, not scaled."""
     n = len(rotor.mass)
     sees = [np.kron(_AXES, rotor.planes[w.plane][None]) for w in weights]  # (2, 2n) each
     pulls = [rows.T @ w.basis for rows, w in zip(sees, weights, strict=True)]

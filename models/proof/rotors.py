@@ -20,6 +20,7 @@ from ..constants import SAME_PLACE
 from ..linear.linearised import RotorParts
 from ..rotor import LinearRotor
 from ..rubber import Zener, foot_numbers, with_rubber, zener
+from .lines import on_line
 from .slopes import Exact, Number, Sloped, ball, largest
 
 _NO_ARGUMENTS = (  # of a constructor of `LinearRotor`, or used apart from it
@@ -131,23 +132,30 @@ def rotor_balls(
     table: Mapping[str, Any],
     added: Sequence[tuple[int, Number]],
     rings: Sequence[tuple[int, RingBalls]] = (),
+    speed: float = 0.0,
 ) -> RotorBalls:
     """The rotor of a scene's table, every number a ball, with `added` masses [kg] and rings of
     liquid at its planes.
+
+    A bearing over the speed has a `SpeedTable` under the key `table`; the rotor has the lines of
+    these tables at `speed` [rad/s].
 
     Raises:
         Unproved: it is not proved that there is such a rotor.
     """
     given = {key: value for key, value in table.items() if key not in _NO_ARGUMENTS}
     kind = table["kind"]
-    _refuse_unproved(table)
     if kind == "planar":
         places = [arb(0)]
         loads = [(places[0], table["unbalance"], table["unbalance_angle"])]
     else:
         places = table.get("stations", table.get("planes"))
         loads = [(u["position"], u["amount"], u["angle"]) for u in table["unbalances"]]
-    given["bearings"] = [(b["support"], b["stiffness"], b["damping"]) for b in table["bearings"]]
+    given["bearings"] = [
+        (b["support"], b["table"]) if b["table"] is not None
+        else (b["support"], b["stiffness"], b["damping"])
+        for b in table["bearings"]
+    ]  # fmt: skip
     if table.get("skews"):
         raise Unproved("rotor.skews: no weights in planes undo the couple of a disc that is askew")
     if kind == "flexible":
@@ -166,23 +174,27 @@ def rotor_balls(
     rotor = rotor.with_added_mass(masses)
     for plane, ring in rings:
         rotor = rotor.with_ring(cast(Any, ring), plane)
-    parts = RotorParts.of(rotor)
+    by_speed = None
+    if rotor.varies:
+        rotor, growing = on_line(rotor, speed)
+        by_speed = RotorParts(**_in_balls(RotorParts.of(growing)))
     return RotorBalls(
-        stiffness=balls(parts.stiffness), half_stiffness=balls(parts.half_stiffness),
-        damping=balls(parts.damping), half_damping=balls(parts.half_damping),
-        internal=balls(parts.internal), gyroscopic=balls(parts.gyroscopic), turning=parts.turning,
-        centrifugal=balls(parts.centrifugal), mass=rotor.mass, planes=rotor.planes,
-        places=tuple(places),
+        **_in_balls(RotorParts.of(rotor)), by_speed=by_speed,
+        mass=rotor.mass, planes=rotor.planes, places=tuple(places),
         unbalances=tuple((place, balls([size * angle.cos(), size * angle.sin()]))
                          for place, size, angle in loads),
         rigid=kind == "two_support",
     )  # fmt: skip
 
 
-def _refuse_unproved(table: Mapping[str, Any]) -> None:
-    """Raise Unproved for what the formulas in balls do not have."""
-    if any(bearing["stiffness"] is None for bearing in table["bearings"]):
-        raise Unproved("bearings over the speed (table, journal) are not proved: use floquet")
+def _in_balls(parts: RotorParts) -> dict[str, Any]:
+    """The fields of a rotor's parts, every number a ball."""
+    names = (
+        "stiffness", "half_stiffness", "damping", "half_damping", "internal", "gyroscopic",
+        "centrifugal",
+    )  # fmt: skip
+    turning = parts.turning and tuple(map(balls, parts.turning))
+    return {name: balls(getattr(parts, name)) for name in names} | {"turning": turning}
 
 
 def _with_bodies(

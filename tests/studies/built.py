@@ -5,19 +5,20 @@
 Random machines of the truth study with balls on them.  A run of the default settings is compared
 with SciPy's fastest integration of the equations in one piece; runs are cut so that the fastest
 rate turns by `LONGEST` at most.  A run that seems to err beyond its estimate is judged by a finer
-integration with another method: at `RTOL` the first one can err more.  For N of them the growth
-about balance is compared with derivatives of that integration over one period, and the sign with
-what is proved.
+integration with another method: at `RTOL` the first one can err more.  Of the first N that can
+balance, the growth about balance is compared with derivatives of that integration over one period,
+and the sign with what is proved.
 """
 
 from __future__ import annotations
 
+import itertools
 import math
 import sys
 import time as clock
 import warnings
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -45,6 +46,7 @@ FINER = {"method": "DOP853", "rtol": 1e-12}
 FACTOR = 3.0  # by which an error may exceed its estimate
 RIGHT = 0.01
 STEP = 1e-6  # of a state's scale: by which derivatives are taken
+TRIED = 30  # machines for each one that is to be judged: few of them can balance
 AGREES = 1e-3  # of the rate of turning: growth by derivatives
 
 
@@ -140,13 +142,15 @@ def growth_by_derivatives(scene: Scene, speed: float) -> float:
 
 
 def growth_word(family: str, number: int) -> str:
-    """Whether Floquet's growth is that of the derivatives."""
+    """Whether Floquet's growth is that of the derivatives; empty where weights cannot balance."""
     try:
         scene = scene_of(family, number)
         speed = scene.profile().end
         found = find_growth(scene.assembly(), speed)
-    except (CannotBalance, ValueError, ArithmeticError) as error:
-        return f"no balance: {type(error).__name__}"
+    except CannotBalance:
+        return ""
+    except (ValueError, ArithmeticError) as error:
+        return f"no growth: {family} {number}: {str(error)[:80]}"
     if equations(scene.assembly(), SpeedProfile.constant(speed)).fastest_mode > 60.0 * speed:
         return "too fast"
     expected = growth_by_derivatives(scene, speed)
@@ -155,25 +159,33 @@ def growth_word(family: str, number: int) -> str:
 
 
 def proof_word(family: str, number: int) -> str:
-    """Whether what is proved about the speed is the sign of Floquet's growth."""
+    """Whether what is proved about the speed is the sign of Floquet's growth; as `growth_word`."""
     try:
         scene = scene_of(family, number)
         speed = scene.profile().end
         growth = find_growth(scene.assembly(), speed)
-    except (CannotBalance, ValueError, ArithmeticError) as error:
-        return f"no balance: {type(error).__name__}"
+    except CannotBalance:
+        return ""
+    except (ValueError, ArithmeticError) as error:
+        return f"no growth: {family} {number}: {str(error)[:80]}"
     from autobalancer import Scene as Called
 
-    found = Called.from_document(scene.document).speeds(
-        0.9999 * speed, 1.0001 * speed, "proved", narrowest=1e-4 * speed
-    )
+    least, most = scene.assembly().rotor.table_speeds
+    low, high = max(0.9999 * speed, least), min(1.0001 * speed, most)
+    found = Called.from_document(scene.document).speeds(low, high, "proved", narrowest=1e-4 * speed)
     if found.proof is None:
-        return "refused by name"
+        return f"refused by name: {found.refused['proved'][:60]}"
     for band in found.proof.bands:
         if band.low <= speed <= band.high and band.state != "undecided":
             alike = growth.is_neutral or band.state == growth.state
             return "alike" if alike else f"DIFFERS: {family} {number}: {band.state}"
-    return "undecided"
+    return f"undecided at a growth of {growth.rate / speed:.0e} of the speed"
+
+
+def first_words(judge: Callable[[str, int], str], family: str, count: int) -> Counter[str]:
+    """What a judge says of the first `count` machines that can balance."""
+    said = filter(None, (judge(family, k) for k in range(TRIED * count)))
+    return Counter(itertools.islice(said, count))
 
 
 def main(arguments: Sequence[str]) -> None:
@@ -202,7 +214,7 @@ def main(arguments: Sequence[str]) -> None:
         print(f"{family}: {dict(words)}; largest error {worst:.2g}; {seconds:.0f} s", flush=True)
         for name, judge in (("--floquet", growth_word), ("--proved", proof_word)):
             if extra[name]:
-                said = Counter(judge(family, k) for k in range(extra[name]))
+                said = first_words(judge, family, extra[name])
                 print(f"  {name[2:]}: {dict(said)}", flush=True)
 
 
