@@ -68,7 +68,8 @@ class LinearRotor:
         cubics, stops: what else holds it and is not linear.
         beside: cubic springs, stops and sliders with a free stroke that small motions about rest do
             not feel, left out of it.
-        inner: how many of the stations, the last ones, are inner displacements of rubber.
+        inner: how many of the stations, the last ones before waves, are inner displacements of
+            rubber.
         locked: axis and station from 0 of what does not move, of bodies with one free axis.
         waves: rings of liquid that have become stations, see `with_ring`: number of the station,
             from 0, and the ring.

@@ -28,11 +28,23 @@ def free_motion(scene: Scene) -> Array:
     return np.concatenate([turned.real, (1j * speed * turned).real])
 
 
+def motion_of_points(scene: Scene) -> Array:
+    """x, y, vx and vy (4, n) of the rotor's points at time 0, without the sag [m, m/s].
+
+    Rubber begins relaxed: its inner displacements, the last points, stand where it is and do not
+    move.
+    """
+    initial, rotor = scene.run.initial, scene.assembly().rotor
+    own = np.array([initial.x, initial.y, initial.vx, initial.vy])[:, None]
+    found = np.repeat(own, rotor.stations, axis=1)
+    found[2:, rotor.stations - rotor.inner :] = 0.0
+    return found + free_motion(scene)[:, : rotor.stations]
+
+
 def motion_at_start(scene: Scene) -> Start:
     """Motion of the rotor at time 0, for the models."""
     initial = scene.run.initial
-    if not scene.rotor.is_free:
+    if not (scene.rotor.is_free or initial.vx or initial.vy):
         return initial.motion()
-    own = np.array([initial.x, initial.y, initial.vx, initial.vy])[:, None]
-    x, y, vx, vy = (own + free_motion(scene)).tolist()
+    x, y, vx, vy = motion_of_points(scene).tolist()
     return Start(x, y, vx, vy, initial.angle)

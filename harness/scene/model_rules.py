@@ -35,11 +35,6 @@ def model_problems(scene: Scene, rotor: LinearRotor) -> Iterator[str]:
             "operation.gravity: does not support rubber (support_loss_factor, loss_factor): its "
             "inner displacement has no weight; leave one of the two out"
         )
-    if rotor.inner and any(balancer.kind == "ring" for balancer in scene.balancer):
-        yield (
-            "balancer: a ring of liquid is not supported beside rubber (support_loss_factor, "
-            "loss_factor): give stiffness and damping"
-        )
     held = {"xy"[axis] for axis, _ in rotor.locked}
     for axis, pull in zip(
         "xy", (scene.operation.field.real, scene.operation.field.imag), strict=True
@@ -121,8 +116,9 @@ def _under_a_motor(scene: Scene, rotor: LinearRotor) -> Iterator[str]:
     for i, balancer in enumerate(scene.balancer, start=1):
         if balancer.kind == "ring":
             yield (
-                f"operation.motor: a motor does not drive a ring of liquid (balancer[{i}]): how "
-                "the liquid follows the rotor is not modelled; give operation.run_up"
+                f"operation.motor: does not support a ring of liquid (balancer[{i}]): the liquid "
+                "lags behind a rotor that changes its speed, by a law that is not known here; give "
+                "operation.run_up"
             )
     u = rotor.unbalance
     least = float((u.conj() @ np.linalg.solve(rotor.mass, u)).real)

@@ -196,7 +196,7 @@ class Tables:
 
     def damp(self) -> None:
         """Damping that `damping_ratio` stands for."""
-        if self.rotor["damping_ratio"] is not None:
+        if self.rotor.get("damping_ratio") is not None:
             table = self.scene.rotor.model_copy(update=self.rotor)
             rows = self.rotor["damping_ratio"] * table.critical_damping()
             self.rotor[table.damping_key] = rows[0] if len(rows) == 1 else rows

@@ -191,10 +191,11 @@ def at_frequency(rotor: LinearRotor, speed: float) -> LinearRotor:
     Raises:
         ValueError: a table of a bearing does not hold the speed.
     """
-    n = rotor.stations - rotor.inner
+    own = rotor.stations - len(rotor.waves)  # waves stand behind rubber
+    kept = np.delete(np.arange(rotor.stations), np.s_[own - rotor.inner : own])
     supports = []
     for one in rotor.at(speed).supports:
-        rows, k, c = one.rows[:, :n], one.stiffness, np.zeros_like(one.damping)
+        rows, k, c = one.rows[:, kept], one.stiffness, np.zeros_like(one.damping)
         if one.rows.shape[0] > one.across > 0:
             d, u = slice(0, one.across), one.across
             rows, k = rows[d], k[:, :, d, d].copy()
@@ -205,12 +206,13 @@ def at_frequency(rotor: LinearRotor, speed: float) -> LinearRotor:
                 k[axis, axis, at, at] += own[at, u] * (1.0 / (1.0 + turned)).real
             c = np.zeros_like(k)
         supports.append(replace(one, rows=rows, stiffness=k, damping=c, table=None))
-    square = slice(0, n), slice(0, n)
+    square = np.ix_(kept, kept)
     return replace(
         rotor, mass=rotor.mass[square], elastic=rotor.elastic[square], supports=tuple(supports),
-        internal_damping=np.zeros((n, n)), gyroscopic=rotor.gyroscopic[square],
-        planes=rotor.planes[:, :n], unbalance=rotor.unbalance[:n],
-        deflection=rotor.deflection[:, :n], inner=0,
+        internal_damping=np.zeros((len(kept), len(kept))), gyroscopic=rotor.gyroscopic[square],
+        planes=rotor.planes[:, kept], unbalance=rotor.unbalance[kept],
+        deflection=rotor.deflection[:, kept], inner=0,
+        waves=tuple((at - rotor.inner, ring) for at, ring in rotor.waves),
     )  # fmt: skip
 
 

@@ -20,6 +20,7 @@ from ..constants import SAME_PLACE
 from ..linear.linearised import RotorParts
 from ..rotor import LinearRotor
 from ..rubber import Zener, foot_numbers, with_rubber, zener
+from ..supports import Support
 from .lines import on_line
 from .slopes import Exact, Number, Sloped, ball, largest
 
@@ -149,7 +150,7 @@ def rotor_balls(
         places = [arb(0)]
         loads = [(places[0], table["unbalance"], table["unbalance_angle"])]
     else:
-        places = table.get("stations", table.get("planes"))
+        places = table["stations"] if kind == "flexible" else table["planes"]
         loads = [(u["position"], u["amount"], u["angle"]) for u in table["unbalances"]]
     given["bearings"] = [
         (b["support"], b["table"]) if b["table"] is not None
@@ -161,7 +162,9 @@ def rotor_balls(
     if kind == "flexible":
         given |= {"elastic": _elastic, "solve": _solve, "larger": largest}
     try:
-        rotor: LinearRotor = getattr(LinearRotor, kind)(**given)
+        rotor: LinearRotor = (
+            _of_matrices(table) if kind == "matrices" else getattr(LinearRotor, kind)(**given)
+        )
         if table["bodies"]:
             rotor = _with_bodies(rotor, table, places)
     except ValueError as error:
@@ -195,6 +198,33 @@ def _in_balls(parts: RotorParts) -> dict[str, Any]:
     )  # fmt: skip
     turning = parts.turning and tuple(map(balls, parts.turning))
     return {name: balls(getattr(parts, name)) for name in names} | {"turning": turning}
+
+
+def _of_matrices(table: Mapping[str, Any]) -> LinearRotor:
+    """A rotor by the matrices of its table."""
+    mass = balls(table["mass_matrix"])
+    n = len(mass)
+    nothing = balls(np.zeros((n, n)))
+
+    def square(key: str) -> Exact:
+        return nothing if table[key] is None else balls(table[key])
+
+    rows = np.eye(n) if table["plane_rows"] is None else table["plane_rows"]
+    springs, dampers = (_axes(square(key), n) for key in ("stiffness_matrix", "damping_matrix"))
+    return LinearRotor(
+        mass=mass, elastic=nothing, supports=(Support(np.eye(n), springs, dampers, across=0),),
+        internal_damping=square("internal_damping_matrix"), gyroscopic=square("gyroscopic_matrix"),
+        planes=balls(rows), unbalance=np.zeros(n, complex), deflection=nothing[:1],
+    )  # fmt: skip
+
+
+def _axes(square: Exact, n: int) -> Exact:
+    """(2, 2, n, n) by axes of a matrix (2n, 2n), or of one (n, n) along both."""
+    if len(square) == n:
+        found = balls(np.zeros((2, 2, n, n)))
+        found[0, 0] = found[1, 1] = square
+        return found
+    return square.reshape(2, n, 2, n).transpose(0, 2, 1, 3)
 
 
 def _with_bodies(

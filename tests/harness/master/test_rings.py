@@ -122,7 +122,7 @@ def test_thickness_of_the_layer_may_be_said_in_three_ways():
         ({"ring.wall_radius": -1.0}, "wall_radius"),
         (
             {"operation": {"motor": {"stall_torque": 5.0, "no_load_speed": 100.0, "inertia": 1.0}}},
-            "a motor does not drive a ring of liquid",
+            "does not support a ring of liquid",
         ),
     ],
 )  # fmt: skip
