@@ -11,6 +11,13 @@ factor is largest; from nu0/2 to 2 nu0 it differs by at most a fifth.
 A rotor is made of displacements with inertia.  So u becomes one more of them, and its equation is
 differentiated once: (tau D + 1) (tau u' + u - d) = 0, D = d/dt.  A motion that begins relaxed,
 with u = d and u' = 0, stays one of the element; the rate -1/tau that is added is that of no motion.
+
+A shaft of rubber turns: in its frame tau U' = D - U, in fixed axes tau (u' - i w u) = d - u.  At a
+constant speed w the same differentiation, (tau D + 1), gives
+
+    tau^2 u'' + (2 tau - i w tau^2) u' + (1 - i w tau) u = tau d' + d:
+
+a mass tau^2, a damping tau that stands and one that turns, and a gyroscopic term tau^2.
 """
 
 from __future__ import annotations
@@ -24,7 +31,7 @@ import numpy as np
 
 from .arrays import Numbers, zeros
 from .rotor import LinearRotor
-from .supports import Support
+from .supports import SHAFT, Support
 
 
 @dataclass(frozen=True)
@@ -94,6 +101,43 @@ def with_rubber(rotor: LinearRotor, elements: Mapping[int, Sequence[Zener]]) -> 
         inner = np.eye(wide.stations)[place]
         supports[number] = _element(supports[number], inner, pair, inertia)
     return replace(wide, supports=tuple(supports), inner=rotor.inner + len(elements))
+
+
+def with_turning_rubber(rotor: LinearRotor, count: int, element: Zener) -> LinearRotor:
+    """A rotor whose shaft is of rubber, at a constant speed; displacements u stand behind all
+    others, one for each of the shaft.
+
+    It drives whirl that is slower than the rotor.
+
+    Args:
+        count: how many of the displacements, the first ones, are of the shaft.
+        element: of a dynamic stiffness of 1 N/m, by which the shaft's is multiplied.
+    """
+    wide = rotor.widened(count)
+    shaft, inner = np.arange(count), rotor.stations + np.arange(count)
+    branch = element.branch * rotor.elastic[np.ix_(shaft, shaft)]
+    # the equation of u has no size: any will do
+    slow = max(float(one) for one in branch.diagonal())
+    fast = slow * element.time
+    for matrix, value in (
+        (wide.mass, fast * element.time),
+        (wide.gyroscopic, fast * element.time),
+        (wide.internal_damping, fast),
+    ):
+        matrix[inner, inner] = value
+    stiffness, damping = (zeros((2, 2, 2 * count, 2 * count), branch) for _ in range(2))
+    d, u = np.arange(count), count + np.arange(count)
+    for axis in (0, 1):
+        stiffness[axis, axis][:count, :count] = branch
+        stiffness[axis, axis][:count, count:] = -branch
+        stiffness[axis, axis][u, d], stiffness[axis, axis][u, u] = -slow, slow
+        damping[axis, axis][u, d], damping[axis, axis][u, u] = -fast, fast
+    rows = np.eye(wide.stations)[np.concatenate([shaft, inner])]
+    turning = Support(rows, stiffness, damping, name=SHAFT, across=0)
+    return replace(
+        wide, elastic=element.static * wide.elastic, supports=(*wide.supports, turning),
+        inner=rotor.inner + count,
+    )  # fmt: skip
 
 
 def _element(support: Support, inner: Numbers, pair: Sequence[Zener], inertia: Any) -> Support:

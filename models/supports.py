@@ -10,6 +10,7 @@ import numpy as np
 
 from .arrays import Numbers, numbers
 
+SHAFT = "shaft"  # name of what is no support: rubber of the shaft, which turns with it
 OUTSIDE = 1e-9  # of the highest speed of a table: rounding of the speed at its ends
 
 

@@ -14,7 +14,7 @@ from typing import Any, Literal, NamedTuple
 from ...fmus.catalogue import sized_unit
 from ..scene import Scene
 from ..scene.balancer import Balancer
-from ..scene.begin import motion_of_points
+from ..scene.begin import begins_apart, motion_of_points
 from ..scene.pushed import pushes
 from ..scene.rotor import Rotor
 from ..scene.run import Motor
@@ -199,7 +199,7 @@ def _initial(scene: Scene, speed: float) -> dict[str, float]:
         for name, value in scene.run.initial
         for prefix in prefixes
     }
-    if scene.rotor.is_free or scene.run.initial.vx or scene.run.initial.vy:
+    if begins_apart(scene):
         parts = zip(("x", "y", "vx", "vy"), motion_of_points(scene).tolist(), strict=True)
         for name, values in parts:
             for prefix, value in zip(prefixes, values, strict=True):

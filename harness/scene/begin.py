@@ -8,6 +8,7 @@ import numpy as np
 
 from ...models.arrays import Array
 from ...models.assembly import Start
+from ...models.supports import SHAFT
 
 if TYPE_CHECKING:
     from .scene import Scene
@@ -28,23 +29,33 @@ def free_motion(scene: Scene) -> Array:
     return np.concatenate([turned.real, (1j * speed * turned).real])
 
 
+def begins_apart(scene: Scene) -> bool:
+    """Whether some points of the rotor begin otherwise than `run.initial` says of every station."""
+    initial = scene.run.initial
+    moves = initial.x or initial.y or initial.vx or initial.vy
+    return scene.rotor.is_free or bool(moves and scene.assembly().rotor.inner)
+
+
 def motion_of_points(scene: Scene) -> Array:
     """x, y, vx and vy (4, n) of the rotor's points at time 0, without the sag [m, m/s].
 
     Rubber begins relaxed: its inner displacements, the last points, stand where it is and do not
-    move.
+    move; those of the shaft turn with it.
     """
     initial, rotor = scene.run.initial, scene.assembly().rotor
     own = np.array([initial.x, initial.y, initial.vx, initial.vy])[:, None]
     found = np.repeat(own, rotor.stations, axis=1)
     found[2:, rotor.stations - rotor.inner :] = 0.0
+    if turning := sum(len(one.rows) // 2 for one in rotor.supports if one.name == SHAFT):
+        speed = scene.operation.start_speed
+        found[2:, -turning:] = -speed * found[1, -turning:], speed * found[0, -turning:]
     return found + free_motion(scene)[:, : rotor.stations]
 
 
 def motion_at_start(scene: Scene) -> Start:
     """Motion of the rotor at time 0, for the models."""
     initial = scene.run.initial
-    if not (scene.rotor.is_free or initial.vx or initial.vy):
+    if not begins_apart(scene):
         return initial.motion()
     x, y, vx, vy = motion_of_points(scene).tolist()
     return Start(x, y, vx, vy, initial.angle)

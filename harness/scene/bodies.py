@@ -43,10 +43,11 @@ class FootTable(Table):
 
 def refuse_half_of_rubber(factor: object, frequency: object, key: str) -> None:
     """Raise for a loss factor without its frequency, or the other way round."""
+    needed = f"{key.removesuffix('loss_factor').replace('support_', '')}loss_frequency"
     if factor is None and frequency is not None:
-        raise refusal("loss_frequency", f"belongs to {key}: give both, or none")
+        raise refusal(needed, f"belongs to {key}: give both, or none")
     if frequency is None and factor is not None:
-        words = 'requires loss_frequency, at which it was measured, such as "50 Hz"'
+        words = f'requires {needed}, at which it was measured, such as "50 Hz"'
         raise refusal(key, words)
 
 

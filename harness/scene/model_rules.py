@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ...models.supports import SHAFT
+
 if TYPE_CHECKING:
     from ...models.rotor import LinearRotor
     from .scene import Scene
@@ -32,8 +34,14 @@ def model_problems(scene: Scene, rotor: LinearRotor) -> Iterator[str]:
     yield from _outside_tables(scene, rotor)
     if scene.operation.gravity and rotor.inner:
         yield (
-            "operation.gravity: does not support rubber (support_loss_factor, loss_factor): its "
+            "operation.gravity: does not support rubber (a loss factor of supports or shaft): its "
             "inner displacement has no weight; leave one of the two out"
+        )
+    changes = scene.operation.motor is not None or scene.profile().changes
+    if changes and any(support.name == SHAFT for support in rotor.supports):
+        yield (
+            "operation: rotor.shaft_loss_factor is for a constant speed alone: give speed, or "
+            "internal_damping instead"
         )
     held = {"xy"[axis] for axis, _ in rotor.locked}
     for axis, pull in zip(

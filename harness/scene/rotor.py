@@ -11,6 +11,7 @@ import numpy as np
 from pydantic import Field, field_validator, model_validator
 
 from ...models.rotor import LinearRotor
+from .bodies import refuse_half_of_rubber
 from .feeds import Feeds, Start, fed
 from .given import Acting
 from .nested import Nested
@@ -227,6 +228,11 @@ class Flexible(RotorTable):
     """Square matrix over the stations without supports; this or `bending_stiffness`."""
     internal_damping: Annotated[NotNegative, SI("N s/m"), Feeds()] = 0.0
     """Of the shaft, turns with it."""
+    shaft_loss_factor: Annotated[Positive | None, SI("")] = None
+    """Of a shaft of rubber, such as a soft coupling; turns with it, at a constant speed. Its
+    stiffness is the dynamic one at `shaft_loss_frequency`."""
+    shaft_loss_frequency: Annotated[Positive | None, SI("rad/s")] = None
+    """Frequency in the turning shaft at which it was measured, such as "50 Hz"."""
     unbalances: Annotated[Unbalances, Feeds("unbalance[{n}].")] = ()
     """Static moments along the shaft: at its stations, with `bending_stiffness` also between."""
 
@@ -245,6 +251,13 @@ class Flexible(RotorTable):
             raise refusal("supports", f"must be two different stations, 1 to {count}")
         if (self.compliance is None) == (self.bending_stiffness is None):
             raise refusal("compliance", "give either bending_stiffness (N m^2) or compliance (m/N)")
+        refuse_half_of_rubber(
+            self.shaft_loss_factor, self.shaft_loss_frequency, "shaft_loss_factor"
+        )
+        if self.shaft_loss_factor and self.internal_damping:
+            raise refusal("shaft_loss_factor", "give either internal_damping or a loss factor")
+        if self.shaft_loss_factor and count == 2:
+            raise refusal("shaft_loss_factor", "a shaft with discs at its supports cannot bend")
         self._tilts_as_a_body(count)
         size = count - 2
         if self.compliance is not None and [len(r) for r in self.compliance] != [size] * size:
@@ -276,24 +289,34 @@ class Flexible(RotorTable):
     def takes_matrices(self) -> bool:
         """Whether discs tilt, the shaft shears or bearings have cross terms."""
         tilts = any(self.transverse_inertias) or self.shear_stiffness is not None
-        return tilts or super().takes_matrices
+        return tilts or self.shaft_loss_factor is not None or super().takes_matrices
+
+    @property
+    def _of_shaft(self) -> tuple[float, ...]:
+        """Places of the shaft's displacements: stations, and points of the axes of discs that
+        tilt."""
+        if not self.transverse_inertias:
+            return self.stations
+        from ...models.tilting import arms  # few rotors have such discs
+
+        pairs = zip(self.stations, arms(self.masses, self.transverse_inertias), strict=True)
+        return self.stations + tuple(z + arm for z, arm in pairs if arm)
 
     @property
     def points(self) -> tuple[float, ...]:
         """The stations, and a point of the axis of every disc that tilts."""
-        beyond = super().points[len(self.stations) :]
-        if not self.transverse_inertias:
-            return self.stations + beyond
-        from ...models.tilting import arms  # few rotors have such discs
-
-        pairs = zip(self.stations, arms(self.masses, self.transverse_inertias), strict=True)
-        return (*self.stations, *(z + arm for z, arm in pairs if arm), *beyond)
+        shaft = self._of_shaft
+        inside = shaft if self.shaft_loss_factor else ()
+        return shaft + super().points[len(self.stations) :] + inside
 
     @property
     def beyond(self) -> tuple[str, ...]:
         """What the points of the discs' axes are called."""
         tilting = [k for k, one in enumerate(self.transverse_inertias, start=1) if one]
-        return (*(f"axis of station {k}" for k in tilting), *super().beyond)
+        axes = [f"axis of station {k}" for k in tilting]
+        shaft = [*(f"station {k}" for k in range(1, len(self.stations) + 1)), *axes]
+        inside = [f"rubber of {each}" for each in shaft] if self.shaft_loss_factor else []
+        return (*axes, *super().beyond, *inside)
 
     def acting(self) -> Acting:
         """The unbalances, then the couples of discs that are askew, as forces at their arms."""
@@ -351,7 +374,13 @@ class Flexible(RotorTable):
 
     def build(self) -> LinearRotor:
         """The rotor's matrices."""
-        return self._with_supports(LinearRotor.flexible(**self._shaft_arguments()))
+        rotor = self._with_supports(LinearRotor.flexible(**self._shaft_arguments()))
+        if self.shaft_loss_factor and self.shaft_loss_frequency:
+            from ...models.rubber import with_turning_rubber, zener  # few shafts are of it
+
+            one = zener(1.0, self.shaft_loss_factor, self.shaft_loss_frequency)
+            rotor = with_turning_rubber(rotor, len(self._of_shaft), one)
+        return rotor
 
 
 Rotor = Nested[Planar | TwoSupport | Flexible | Matrices]

@@ -90,6 +90,7 @@ class Slider(Table):
 _NO_ARGUMENTS = (  # of a constructor of `LinearRotor`
     *("kind", "fmu", "friction", "damping_ratio", "bodies", "on", "zone_limits"),
     *("support_loss_factor", "loss_frequency", "cubic_stiffness", "cubic", "stops"),
+    *("shaft_loss_factor", "shaft_loss_frequency"),
 )
 Bearings = tuple[Nested[Bearing], ...]
 Friction = Annotated[tuple[Nested[Slider], ...], Feeds("slider[{n}].")]

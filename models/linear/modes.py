@@ -7,7 +7,7 @@ sense in which the shaft's centre runs round its orbit tells forward whirl from 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 
@@ -17,6 +17,7 @@ from scipy.linalg import eigh, eigvals, eigvalsh
 from scipy.optimize import brentq
 
 from ..rotor import LinearRotor, as_real
+from ..supports import SHAFT
 from .growth import Growth, State, eigenpairs_with_errors
 
 _PLANAR = 1e-6  # |whirl| below it is a straight line: rounding of equal x and y frequencies
@@ -205,7 +206,8 @@ def at_frequency(rotor: LinearRotor, speed: float) -> LinearRotor:
                 turned = 1j * speed * relaxed
                 k[axis, axis, at, at] += own[at, u] * (1.0 / (1.0 + turned)).real
             c = np.zeros_like(k)
-        supports.append(replace(one, rows=rows, stiffness=k, damping=c, table=None))
+        if one.name != SHAFT:  # which does not bend as it whirls at the rotor's speed
+            supports.append(replace(one, rows=rows, stiffness=k, damping=c, table=None))
     square = np.ix_(kept, kept)
     return replace(
         rotor, mass=rotor.mass[square], elastic=rotor.elastic[square], supports=tuple(supports),
@@ -269,21 +271,34 @@ def _eigenpairs(rotor: LinearRotor, speed: float) -> tuple[NDArray, NDArray]:
     found = np.where(damped, values[0], values[0] - values[0].real)
     shapes = np.zeros((len(found), dof), vectors.dtype)
     shapes[:, kept] = vectors[0, : len(kept)].T
-    own = _without_added(rotor, found)
+    own = _without_added(rotor, found, speed)
     return found[own], shapes[own]
 
 
-def _without_added(rotor: LinearRotor, values: NDArray) -> NDArray[np.intp]:
-    """Which eigenvalues are motions: not the rates -1/tau that the form of rubber adds, see
-    `models/rubber.py`."""
+def _without_added(rotor: LinearRotor, values: NDArray, speed: float) -> NDArray[np.intp]:
+    """Which eigenvalues are motions: not the rates -1/tau that the form of rubber adds, and not
+    those of what in a shaft of rubber follows it where it does not bend, see `models/rubber.py`."""
     kept = np.arange(len(values))
+    for rate in _added_rates(rotor, speed):
+        kept = np.delete(kept, np.abs(values[kept] - rate).argmin())
+    return kept
+
+
+def _added_rates(rotor: LinearRotor, speed: float) -> Iterator[complex]:
+    axes = range(1 if rotor.isotropic else 2)
     for support in rotor.supports:
-        for axis in range(1 if rotor.isotropic else 2):
-            if support.rows.shape[0] > support.across > 0:
+        if support.name == SHAFT:
+            u = len(support.rows) // 2
+            branch = support.stiffness[0, 0, :u, :u]
+            rate = support.stiffness[0, 0, u, u] / support.damping[0, 0, u, u]
+            rigid = u - int(np.linalg.matrix_rank(branch, tol=_RIGID * np.abs(branch).max()))
+            yield from (-rate for _ in axes for _ in range(u))
+            yield from (-rate + 1j * speed * (1 - 2 * a) for a in axes for _ in range(rigid))
+        elif support.rows.shape[0] > support.across > 0:
+            for axis in axes:
                 u = support.across
                 own, fast = (b[axis, axis, u, u] for b in (support.stiffness, support.damping))
-                kept = np.delete(kept, np.abs(values[kept] + 2.0 * own / fast).argmin())
-    return kept
+                yield -2.0 * own / fast
 
 
 def _normalised(shapes: NDArray) -> NDArray:

@@ -19,7 +19,7 @@ from ..bodies import Body, Foot, with_bodies
 from ..constants import SAME_PLACE
 from ..linear.linearised import RotorParts
 from ..rotor import LinearRotor
-from ..rubber import Zener, foot_numbers, with_rubber, zener
+from ..rubber import Zener, foot_numbers, with_rubber, with_turning_rubber, zener
 from ..supports import Support
 from .lines import on_line
 from .slopes import Exact, Number, Sloped, ball, largest
@@ -27,7 +27,7 @@ from .slopes import Exact, Number, Sloped, ball, largest
 _NO_ARGUMENTS = (  # of a constructor of `LinearRotor`, or used apart from it
     "kind", "fmu", "friction", "damping_ratio", "unbalance", "unbalance_angle", "unbalances",
     "skews", "bodies", "on", "zone_limits", "support_loss_factor", "loss_frequency",
-    "cubic_stiffness", "cubic", "stops",
+    "cubic_stiffness", "cubic", "stops", "shaft_loss_factor", "shaft_loss_frequency",
 )  # fmt: skip
 
 
@@ -171,6 +171,10 @@ def rotor_balls(
         raise Unproved(str(error)) from error
     if rubber := _rubber(table):
         rotor = with_rubber(rotor, rubber)
+    if table.get("shaft_loss_factor"):
+        one = zener(arb(1), table["shaft_loss_factor"], table["shaft_loss_frequency"])
+        count = len(places) + sum(bool(each) for each in table["transverse_inertias"])
+        rotor = with_turning_rubber(rotor, count, one)
     masses = balls([0] * rotor.plane_count)
     for plane, mass in added:
         masses[plane] += mass

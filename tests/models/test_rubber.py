@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
+from scipy.optimize import brentq
 
 from autobalancer.models.bodies import Body, Foot, with_bodies
 from autobalancer.models.forces import forces
 from autobalancer.models.harmonic_balance import unbalance_response
 from autobalancer.models.linear.modes import critical_speeds, modes
 from autobalancer.models.rotor import LinearRotor
-from autobalancer.models.rubber import Zener, with_rubber, zener
+from autobalancer.models.rubber import Zener, with_rubber, with_turning_rubber, zener
 
 
 @pytest.mark.parametrize(
@@ -115,3 +117,20 @@ def test_a_motion_that_begins_relaxed_stays_one_of_the_element():
     theirs = solve_ivp(element, (0.0, 0.2), [1e-3, 0.2, 1e-3], **options).y
     assert ours[0] == pytest.approx(theirs[0], abs=1e-12)
     assert ours[1] == pytest.approx(theirs[2], abs=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("relaxation", "limits"), [(1e-3, (310.0899, 4462.9394)), (1e-2, (121.3872, 544.4714))]
+)
+def test_rubber_that_turns_drives_whirl_within_a_band(relaxation, limits):
+    """m 10, c 40, k 1e5 outside, k_i 2e4 inside: from the balance c nu = k_i q/(1 + q^2)."""
+    disc = replace(LinearRotor.planar(10.0, 1e5, 40.0), elastic=np.array([[2e4]]))
+    turning = with_turning_rubber(disc, 1, Zener(0.0, 1.0, relaxation))
+
+    def growth(speed: float) -> float:
+        return float(np.linalg.eigvals(turning.first_order(speed)).real.max())
+
+    low, high = limits
+    found = [brentq(growth, 0.95 * limit, 1.05 * limit, xtol=1e-9) for limit in limits]
+    assert found == pytest.approx(limits, abs=1e-4)
+    assert growth(0.5 * (low + high)) > 0.0 > max(growth(0.9 * low), growth(1.1 * high))
