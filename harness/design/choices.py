@@ -171,6 +171,7 @@ def design(
     """
     refuse_few(starts)  # before the work
     scene.refuse_unrest("a design")
+    scene.refuse_free("a design")
     scene.refuse_lobes("a design is that")
     scene = with_balls(scene, race, width)
     balls = weights_of(scene)

@@ -40,6 +40,7 @@ def design(
     if starts < 1:
         raise UserError(f"n = {starts}: must be at least 1 start")
     scene.refuse_friction("a design compares with the vibration without balancers, which is that")
+    scene.refuse_free("a design")
     scene.refuse_restraints("a design compares with the vibration without balancers, that")
     steady, drive = _driven(scene, start, run_up)
     given = read_space(unbalance, race, width, material, reserve)

@@ -26,6 +26,7 @@ INTERNAL = {
     "Scene.restrained_assembly",
     "Scene.refuse_changes",
     "Scene.refuse_unrest",
+    "Scene.refuse_free",
     "Scene.refuse_guests",
     "Scene.refuse_lobes",
     "Scene.rotor_at",

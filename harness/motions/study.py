@@ -136,6 +136,7 @@ def _refuse(scene: Scene, speeds: Sequence[float], starts: Sequence[str], n: int
         raise UserError("speeds: must be positive, at least one")
     if scene.operation.unbalance_changes:
         scene.refuse_changes("a steady motion")
+    scene.refuse_free("motions")
     captured(scene)  # refuses what has no weights, and dry friction
     if scene.operation.motor and "run-up" in starts and len(set(speeds)) > 1:
         raise SceneError(

@@ -105,6 +105,7 @@ def sweep(scene: Scene, low: float, high: float, *, seed: int = 1) -> Sweep:
     Raises:
         UserError: the range is empty, tables of bearings do not hold it, or a run fails.
     """
+    scene.refuse_free("a sweep")
     if not 0.0 < low < high:
         raise UserError(f"--sweep {low:g} to {high:g} rad/s: must be positive and rising")
     for end in (low, high):

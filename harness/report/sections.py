@@ -8,8 +8,8 @@ from dataclasses import replace
 from typing import Any
 
 from ...models.linear.modes import speeds_of_interest
-from ..capture.captured import captured_or_none
-from ..errors import UserError
+from ..capture.captured import captured, captured_or_none
+from ..errors import SceneError, UserError
 from ..output.outcome import Outcome
 from ..output.report import Part
 from ..output.table import GOOD, Sheet
@@ -70,12 +70,23 @@ def switching_on(scene: Scene, started: SwitchedOn) -> Parts:
         parts.append(f"No run from standstill: {started.reason}")
     found = captured_or_none(scene)
     if found is None:
-        return [*parts, "No balls, rollers or pendulums: nothing can be left behind."]
+        return [*parts, _why_not_judged(scene)]
     parts.append(in_words(found.sentence()))
     parts += _shares(started)
     if found.found.natural:
         parts.append(picture_of(found, "Brake and drag over the weights' speed."))
     return [*parts, *(Note(line) for line in found.limits())]
+
+
+def _why_not_judged(scene: Scene) -> str:
+    """Why the closed form does not tell whether weights are left behind."""
+    if not scene.assembly().weights:
+        return "No balls, rollers or pendulums: nothing can be left behind."
+    try:
+        captured(scene)
+    except (SceneError, ValueError) as error:
+        return f"Whether weights are left behind is not known in closed form: {error}"
+    return ""
 
 
 def _shares(started: SwitchedOn) -> Parts:

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from ...models.arrays import Array
 from ...models.linear.modes import (
+    FREE_RATE,
     Campbell,
     Modes,
     campbell,
@@ -177,7 +178,9 @@ class RotorAnalysis(Outcome):
     def table(self) -> Sheet:
         """Natural frequency, damping and whirl of every mode."""
         found = self.modes
-        columns = (found.natural_frequencies, found.damping_ratios, found.directions)
+        rates = found.natural_frequencies
+        frequencies = np.where(rates > FREE_RATE * rates.max(), rates, 0.0)  # of rigid motions: 0
+        columns = (frequencies, found.damping_ratios, found.directions)
         rows = [
             (number, float(frequency), float(frequency) / math.tau, float(damping), whirl)
             for number, (frequency, damping, whirl) in enumerate(zip(*columns, strict=True), 1)

@@ -105,6 +105,7 @@ def scatter(
 
     Arguments are those of `Scene.scatter`, which says what is raised.
     """
+    scene.refuse_free("scatter")
     typical = refuse_wrong(scene, variations)
     composition(typical)
     values = drawn(variations, count, seed)

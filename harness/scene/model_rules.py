@@ -53,7 +53,7 @@ def model_problems(scene: Scene, rotor: LinearRotor) -> Iterator[str]:
                 "leave it out, or turn it by gravity_angle"
             )
     if scene.coupling.units == "python":
-        for key in _native_alone(scene):
+        for key in needs_native_units(scene):
             yield (
                 f'{key}: not with coupling.units = "python": only native units have it; leave one '
                 "of the two out"
@@ -96,7 +96,7 @@ def _outside_tables(scene: Scene, rotor: LinearRotor) -> Iterator[str]:
         )
 
 
-def _native_alone(scene: Scene) -> Iterator[str]:
+def needs_native_units(scene: Scene) -> Iterator[str]:
     """Keys of what native units compute and Python units do not."""
     for key in ("motor", "unbalance_changes"):
         if getattr(scene.operation, key):

@@ -40,7 +40,7 @@ def understood(scene: Scene) -> str:
     """One line: speed, rotor, balancers."""
     profile, rotor = scene.profile(), scene.rotor
     parts = [f"{scene.name}: {rounded(rotor.mass, 3)} kg at {in_both(profile.end, 'rad/s')}"]
-    frequencies = sorted({f"{w / math.tau:.3g}" for w in natural_frequencies(scene)}, key=float)
+    frequencies = sorted({rounded(w / math.tau, 3) for w in natural_frequencies(scene)}, key=float)
     parts.append(f"natural frequencies {', '.join(frequencies)} Hz")
     if unbalance := _unbalance(scene):
         e = unbalance / rotor.mass

@@ -333,6 +333,14 @@ class Scene(Described):
                 "revolution: use run, or map --method cosim-run, or remove gravity"
             )
 
+    def refuse_free(self, what: str) -> None:
+        """Raise SceneError where nothing holds the machine, for what judges it by its extent."""
+        if self.rotor.is_free:
+            raise SceneError(
+                f"{self.path or self.name}: rotor.on: nothing holds {self.rotor.on!r}, and its "
+                f"drift would count as vibration: {what} requires feet; use run or rotor instead"
+            )
+
     def without_balancers(self) -> Self:
         """The bare rotor, with nothing to check.
 

@@ -130,11 +130,23 @@ class Tables:
         loads = scene.rotor.static_loads() if scene.rotor.bearings else []
         for held, bearing in zip(self.rotor["bearings"], scene.rotor.bearings, strict=True):
             held |= {"table": bearing.over_speed(loads[bearing.support - 1]), "journal": None}
+        self._share_places(document["rotor"])
         given = document.get("balancer", [])
         self.balancers = {
             table.label: _balls(table.model_dump(), each)
             for table, each in zip(scene.balancer, given, strict=True)
         }
+
+    def _share_places(self, given: dict[str, Any]) -> None:
+        """Let an unbalance stand where a plane does if the scene writes both places alike: it is
+        proved to be there, although the conversion of units rounds."""
+        planes = given.get("planes") or ()
+        for held, written in zip(
+            self.rotor.get("unbalances", ()), given.get("unbalances") or (), strict=False
+        ):
+            for place, plane in zip(self.rotor.get("planes", ()), planes, strict=False):
+                if isinstance(written, dict) and written.get("position") == plane:
+                    held["position"] = place
 
     def numbers(self, path: str) -> dict[int, Number]:
         """The different numbers that a path names.
@@ -263,6 +275,10 @@ def refuse_unproved(scene: Scene) -> None:
                 f"{balancer.label}.weight_radius: contacts of weights are not proved; leave it "
                 "out for points that pass"
             )
+    if scene.rotor.is_free:
+        raise Unproved(
+            f"rotor.on: nothing holds {scene.rotor.on!r}: a machine that drifts returns to no place"
+        )
     if scene.rotor.slides_at_rest:
         raise Unproved("rotor.friction: dry friction in the supports is not proved")
     if scene.rotor.cubic_stiffness and scene.operation.gravity:

@@ -80,6 +80,7 @@ def run_map(
             the same, the scene cannot be run in C, or the store is another map's.
     """
     refuse_axes(x, y)
+    scene.refuse_free("a map of runs")
     for axis in (x, y):
         refuse_unvaried(scene, axis.path)
     for ends in itertools.product((0, -1), repeat=2):  # what is wrong is so before the work

@@ -22,7 +22,7 @@ from .growth import Growth, State, eigenpairs_with_errors
 
 _PLANAR = 1e-6  # |whirl| below it is a straight line: rounding of equal x and y frequencies
 _REAL = 1e-9  # |Im|/|lambda| below it is an overdamped motion, not an oscillation
-_FREE_RATE = 1e-6  # of the highest natural frequency: a motion that nothing holds
+FREE_RATE = 1e-6  # of the highest natural frequency: a motion that nothing holds
 _RIGID = 1e-12  # of the largest stiffness, or squared frequency: a motion without stiffness
 _ABOVE = 1.3  # a range ends this much above the highest speed of interest
 _LOWEST = 0.01  # of a range's end: a rotor that stands still has neither whirl nor response
@@ -114,7 +114,7 @@ def lowest_natural(rotor: LinearRotor) -> float:
     """Lowest natural frequency at rest [rad/s], rigid motions of a free machine apart; of bearings
     over the speed at the lowest speed of their tables."""
     found = modes(rotor.at_bottom, 0.0).natural_frequencies
-    return float(found[found > _FREE_RATE * found.max()].min())
+    return float(found[found > FREE_RATE * found.max()].min())
 
 
 def campbell(rotor: LinearRotor, speeds: Sequence[float]) -> Campbell:

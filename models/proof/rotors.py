@@ -172,7 +172,7 @@ def rotor_balls(
     if rubber := _rubber(table):
         rotor = with_rubber(rotor, rubber)
     if table.get("shaft_loss_factor"):
-        one = zener(arb(1), table["shaft_loss_factor"], table["shaft_loss_frequency"])
+        one = zener(cast(Any, arb(1)), table["shaft_loss_factor"], table["shaft_loss_frequency"])
         count = len(places) + sum(bool(each) for each in table["transverse_inertias"])
         rotor = with_turning_rubber(rotor, count, one)
     masses = balls([0] * rotor.plane_count)
@@ -215,11 +215,13 @@ def _of_matrices(table: Mapping[str, Any]) -> LinearRotor:
 
     rows = np.eye(n) if table["plane_rows"] is None else table["plane_rows"]
     springs, dampers = (_axes(square(key), n) for key in ("stiffness_matrix", "damping_matrix"))
-    return LinearRotor(
-        mass=mass, elastic=nothing, supports=(Support(np.eye(n), springs, dampers, across=0),),
-        internal_damping=square("internal_damping_matrix"), gyroscopic=square("gyroscopic_matrix"),
-        planes=balls(rows), unbalance=np.zeros(n, complex), deflection=nothing[:1],
-    )  # fmt: skip
+    given: dict[str, Any] = {
+        "mass": mass, "elastic": nothing, "deflection": nothing[:1], "planes": balls(rows),
+        "internal_damping": square("internal_damping_matrix"),
+        "gyroscopic": square("gyroscopic_matrix"), "unbalance": np.zeros(n, complex),
+    }  # fmt: skip
+    held = Support(np.eye(n), springs, dampers, across=0)
+    return LinearRotor(supports=(held,), **given)
 
 
 def _axes(square: Exact, n: int) -> Exact:

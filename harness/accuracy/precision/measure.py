@@ -24,6 +24,7 @@ from ...output.table import Sheet
 from ...output.workers import ItemProgress
 from ...scene import Scene
 from ...scene.balancer import Liquid
+from ...scene.model_rules import needs_native_units
 from .methods import (
     Method,
     Runner,
@@ -162,6 +163,8 @@ def all_methods(scene: Scene) -> list[Method]:
     methods = coupling_methods(exchanges)
     if scene.operation.motor:
         methods = [m for m in methods if m.one_file]
+    if any(needs_native_units(scene)):
+        methods = [m for m in methods if m.units != "python"]
     return methods + monolith_methods()
 
 
