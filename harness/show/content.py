@@ -91,6 +91,7 @@ def content(scene: Scene) -> dict[str, Any]:
         "balancers": list(_balancers(scene)),
         "points": len(scene.rotor.points),
         "stops": list(_stops(scene)),
+        "carrier": _carrier(scene),
         "heavy": _heavy(made),
         "changes": _changes(scene),
     }
@@ -210,6 +211,23 @@ def _heavy(made: Composition) -> float | None:
     """Direction of the unbalance in the rotor [rad]; None where there are several, or none."""
     unbalances = _unbalances(made)
     return cmath.phase(unbalances[0]) if len(unbalances) == 1 else None
+
+
+def _carrier(scene: Scene) -> dict[str, Any] | None:
+    """The body that carries a rotor of several stations: its two points among those of the rotor,
+    from 0, and places along the shaft of these, of its feet and of its middle [m]."""
+    rotor = scene.rotor
+    body = next((one for one in rotor.bodies if one.name == rotor.on), None)
+    if body is None or len(rotor.supports) < 2:
+        return None
+    names = [*("" for _ in rotor.stations), *rotor.beyond]
+    return {
+        "name": body.name,
+        "points": [names.index(f"{body.name} at support {s}") for s in (1, 2)],
+        "z": rotor.support_positions,
+        "feet": [foot.position for foot in body.feet],
+        "middle": body.center,
+    }
 
 
 def _stops(scene: Scene) -> Iterator[dict[str, Any]]:

@@ -257,10 +257,15 @@ class Drawing {
     for (const number of data.supports) {
       const z = data.stations[number - 1];
       const [x, y] = at(z, machine.now.pairs[number - 1]);
+      if (data.carrier) {
+        spring(c, ...this.carrierAt(z, at, height), x, y, 4);
+        continue;
+      }
       const [gx] = at(z, rest);
       spring(c, gx, cy + 0.5 * height, x, y, 6);
       line(c, gx - 12, cy + 0.5 * height, gx + 12, cy + 0.5 * height);
     }
+    if (data.carrier) this.carrier(at, cy + 0.5 * height, height);
     data.stops.forEach(({ kind, gap, z }, k) => {
       const { x, y, force } = machine.now.stops[k];
       if (!(m * gap * scale < FARTHEST * height)) return;
@@ -299,6 +304,34 @@ class Drawing {
     c.fillStyle = colours.ink;
     machine.stations.forEach((_, k) => dot(c, ...at(data.stations[k], machine.now.pairs[k]), 4));
     c.lineWidth = 1;
+  }
+
+  /* Where the body that carries the rotor is drawn, below a place of the shaft. */
+  carrierAt(z, at, height) {
+    const { carrier } = this.machine.data, [first, last] = this.machine.now.carrier;
+    const part = (z - carrier.z[0]) / (carrier.z[1] - carrier.z[0]);
+    const [x, y] = at(z, { x: first.x + part * (last.x - first.x),
+      y: first.y + part * (last.y - first.y) });
+    return [x, y + 0.28 * height];
+  }
+
+  /* That body as a bar, on its own feet. */
+  carrier(at, ground, height) {
+    const { context: c, colours, machine } = this, { carrier } = machine.data;
+    const places = [...carrier.z, ...carrier.feet, carrier.middle];
+    const ends = [Math.min(...places), Math.max(...places)];
+    for (const z of carrier.feet) {
+      const [gx] = at(z, { x: 0, y: 0 });
+      spring(c, gx, ground, ...this.carrierAt(z, at, height), 4);
+      line(c, gx - 12, ground, gx + 12, ground);
+    }
+    c.lineWidth = 7;
+    line(c, ...this.carrierAt(ends[0], at, height), ...this.carrierAt(ends[1], at, height));
+    c.lineWidth = 1;
+    const [x, y] = this.carrierAt(ends[1], at, height);
+    c.textAlign = "left";
+    c.fillStyle = colours.faint;
+    c.fillText(carrier.name, x + 8, y + 4);
   }
 }
 

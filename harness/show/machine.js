@@ -209,6 +209,8 @@ class Machine {
     this.readAll = units.reader([...facts, ...this.places.flatMap((p) => [`${p}.x`, `${p}.y`]),
       ...this.waves.flatMap((w) => [`${w}.wave_xi`, `${w}.wave_eta`]), ...weights,
       ...this.clearances]);
+    this.readCarrier = this.data.carrier ? units.reader(this.data.carrier.points.flatMap((k) =>
+      [`rotor.station[${k + 1}].x`, `rotor.station[${k + 1}].y`])) : () => [];
     this.readStops = this.data.stops.length ? units.reader(this.stopNames()) : () => [];
     const before = new Map(this.weights?.map(({ name }, k) => [name, this.history.angles[k]]));
     this.weights = weights.map((name) => ({
@@ -235,7 +237,13 @@ class Machine {
     const angles = rest.slice(last, rest.length - this.clearances.length);
     const clearance = Math.min(...rest.slice(rest.length - this.clearances.length));
     this.now = { angle, speed, error, steps, pairs, waves, angles, clearance,
-      stops: this.stopsNow() };
+      stops: this.stopsNow(), carrier: this.carrierNow() };
+  }
+
+  /* Displacements of the body that carries the rotor, below both supports. */
+  carrierNow() {
+    const [x1, y1, x2, y2] = this.readCarrier();
+    return [{ x: x1, y: y1 }, { x: x2, y: y2 }];
   }
 
   /* x and y of all points, which move across stops, then what each stop says. */

@@ -30,6 +30,7 @@ from .release import release_speeds
 
 SHARE_OF_CAPACITY = 0.6  # of unbalance: beyond it weights are let go earlier than the formula says
 _NO_DAMPING = 1e-9  # damping ratio: rounding
+_UNDONE = 1e-9  # of the unbalance: what rounding leaves of it
 _REACHES = 1e-6  # of the largest motion of the planes: a mode that the weights can feed
 STRONG_DAMPING = 0.2  # damping ratio from which on release scatters by 5 % about the formula
 
@@ -91,7 +92,7 @@ class Capture:
         natural: natural frequencies at which weights can be left behind, ascending.
         unbalance_amplitude: (n,) of the stations, the unbalance's own at this speed [m]; the
             largest distance while weights are left behind is the sum of both.
-        unbalance_share: unbalance over capacity.
+        unbalance_share: unbalance over capacity, of the plane that has most to undo.
         drag_ratio: drag over the present one from which on no weights can be left behind at this
             speed.
         slip: how far bunched weights can lag below a natural frequency above this speed [rad/s].
@@ -201,9 +202,22 @@ def _unbalance(assembly: Assembly, speed: float) -> tuple[Array, float]:
         alone = largest_displacement(unbalance_response(rotor, [speed]))[0]
     except NoResponse:
         alone = np.full(rotor.stations, math.inf)
-    devices = [weights_of(mounted) for mounted in assembly.weights]
-    capacity = sum(one.moment for device in devices for one in device.each)
-    return alone, float(np.abs(assembly.rotor.unbalance).sum() / capacity)
+    return alone, _share(assembly)
+
+
+def _share(assembly: Assembly) -> float:
+    """Unbalance over the capacity of the plane that must undo most of it; over that of all weights
+    where they cannot undo it."""
+    capacities: dict[int, float] = {}
+    for mounted in assembly.weights:
+        held = sum(one.moment for one in weights_of(mounted).each)
+        capacities[mounted.plane] = capacities.get(mounted.plane, 0.0) + held
+    unbalance = assembly.rotor.unbalance
+    full = (assembly.rotor.planes[list(capacities)].T * list(capacities.values())).astype(complex)
+    shares = np.linalg.lstsq(full, unbalance, rcond=None)[0]
+    if np.abs(full @ shares - unbalance).max() <= _UNDONE * np.abs(unbalance).max():
+        return float(np.abs(shares).max())
+    return float(abs(unbalance.sum()) / sum(capacities.values()))
 
 
 def _natural(branches: Branches, receptance: Receptance, lag: Lag) -> Sequence[NaturalFrequency]:

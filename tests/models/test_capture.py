@@ -363,3 +363,16 @@ def test_no_weights_and_dry_friction_are_refused():
         capture(bare, 1.0)
     with pytest.raises(ValueError, match="must be positive"):
         capture(planar(), 0.0)
+
+
+def test_the_share_of_the_capacity_is_that_of_the_plane_with_most_to_undo():
+    """A rotor that overhangs its supports: parts of its unbalance oppose each other there."""
+    rotor = LinearRotor.two_support(
+        mass=9.0, inertia=0.25, span=0.12, com=0.25, stiffness=[[1e4, 1e4]] * 2,
+        damping=[[50.0, 50.0]] * 2, planes=[0.13, 0.39], unbalances=[(0.33, 0.04, 0.0)],
+    )  # fmt: skip
+    weights = Weights(count=3, mass=0.06, track_radius=0.23, drag=2.0)
+    mounted = tuple(Mounted(name, weights, k, (0.0, 2.0, 4.0)) for k, name in enumerate("ab"))
+    found = capture(Assembly(rotor, mounted), 125.0)
+    needed = 0.04 * (0.33 - 0.13) / (0.39 - 0.13)
+    assert found.unbalance_share == pytest.approx(needed / (3 * 0.06 * 0.23), rel=1e-9)
