@@ -50,7 +50,8 @@ class Variation:
             scene: whose path it is; needed where numbers have units.
 
         Raises:
-            UserError: it is not written like that; what is allowed is said.
+            UserError: it is not written like that, or the path is none of the scene; what is
+                allowed is said.
         """
         match = _TEXT.fullmatch(text.strip())
         if match is None:
@@ -59,6 +60,8 @@ class Variation:
         make = _MAKERS.get(match["name"])
         if make is None:
             raise UserError(f"{text}: {match['name']!r}: must be one of {', '.join(_MAKERS)}")
+        if scene:
+            refuse_unvaried(scene, in_full(path))
         numbers = _numbers(text, match["arguments"], make, scene.unit_of(path) if scene else "")
         try:
             distribution = make(**numbers)

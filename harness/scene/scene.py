@@ -258,6 +258,10 @@ class Scene(Described):
         >>> drum.balancer[0].count
         4
         """
+        return self._of(self._changed(changes), self._path, self._label)
+
+    def _changed(self, changes: Mapping[str, Any]) -> dict[str, Any]:
+        """The document with values replaced, not yet validated; raises for unknown paths."""
         refuse_deep(dict(changes), self._label)
         document = copy.deepcopy(self._document)
         if self.unit:
@@ -268,17 +272,20 @@ class Scene(Described):
             tables["balancing"] = Balancing
         tables |= {balancer.label: type(balancer) for balancer in self.balancer}
         try:
-            document = replaced(document, changes, tables, labels)
+            return replaced(document, changes, tables, labels)
         except SceneError as error:
             raise SceneError(f"{self._label}: {error}") from None
-        return self._of(document, self._path, self._label)
 
     def unit_of(self, path: str) -> str:
-        """SI unit of the value at a path as in `replace`; empty where there is none.
+        """SI unit of the value at a path as in `replace`; empty where it has none.
+
+        Raises:
+            SceneError: the path is unknown (says what is possible).
 
         >>> ab.load("two_balls").unit_of("weights.drag")
         'N s/m'
         """
+        self._changed({path: 0.0})
         first, *rest = in_full(path).split(".")
         labels = [balancer.label for balancer in self.balancer]
         location: list[str | int] = (

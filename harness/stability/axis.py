@@ -53,9 +53,10 @@ class Axis:
         if not path or len(parts) not in (3, 4) or parts[3:] not in ([], ["log"]):
             raise UserError(f"{text}: {example}")
         try:
-            count, unit = int(parts[2]), scene.unit_of(path) if scene else ""
+            count = int(parts[2])
         except ValueError as error:
             raise UserError(f"{text}: {example}") from error
+        unit = scene.unit_of(path) if scene else ""
         low, high = (si_number(part, unit, f"{text}: {example}:") for part in parts[:2])
         log = len(parts) == 4
         if not -LARGEST <= low < high <= LARGEST:

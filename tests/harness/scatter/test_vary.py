@@ -80,6 +80,19 @@ def test_a_wrong_variation_is_refused_with_what_is_allowed(text, said):
 
 
 @pytest.mark.parametrize(
+    ("path", "said"),
+    [
+        ("wights.drag", "cannot be varied; must be speed or begin with one of: rotor., weights."),
+        ("weights.drg", r"unknown \(did you mean \"drag\"\?\); weights has: kind, name, .*, drag,"),
+        ("rotor.stifness[x]", r"unknown \(did you mean \"stiffness\"\?\); rotor has: kind,"),
+    ],
+)
+def test_an_unknown_path_is_named_before_the_units_of_its_numbers(path, said):
+    with pytest.raises(UserError, match=said):
+        Variation.parse(f"{path}=normal(0.2 N s/m,10%)", load_scene("two_balls"))
+
+
+@pytest.mark.parametrize(
     ("texts", "said"),
     [
         ([], "nothing varies"),

@@ -44,6 +44,12 @@ def test_a_wrong_axis_is_said(text, said):
         Axis.parse(text)
 
 
+def test_an_unknown_path_of_an_axis_is_named_before_its_units():
+    known = r"unknown .*begins with one of: rotor, operation, coupling, run, weights"
+    with pytest.raises(UserError, match=known):
+        Axis.parse("wights.drag=0.1 N s/m:1 N s/m:3", load_scene("two_balls"))
+
+
 def test_labels_carry_units():
     scene = load_scene("filimonikhina")
     texts = {
