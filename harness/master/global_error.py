@@ -253,8 +253,11 @@ class Controlled:
         scale: Mapping[str, float],
         progress: Progress | None,
     ) -> dict[str, Signal]:
-        """Signals at some times of a run in its own steps, as fine as the result's if need be."""
-        self._run(1, progress, cosim)  # raises where these steps are too long for this motion
+        """Signals at some times of a run in its own steps, as fine as the result's if need be.
+
+        Raises:
+            SimulationError: half of its own steps are too long for this motion.
+        """
         parts = 2
         while True:
             found = self._at(self._run(parts, progress, cosim), times)
