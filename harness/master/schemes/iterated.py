@@ -51,7 +51,8 @@ class Iterated(Scheme):
             jacobian = np.where(np.outer(values, values), jacobian, 0.0)
         self.newton = QuasiNewton(jacobian, step)
         self.tolerance = max(CONVERGED_FORCES, GAIN_ROUNDING * self.newton.gain)
-        self.largest: Any = rounding / (self.tolerance if corrections is None else LOOSE_RESIDUAL)
+        asked = self.tolerance if corrections is None else LOOSE_RESIDUAL
+        self.largest = self._least(rounding / asked)
 
     def step(self, system: System, time: float, step: float, jump: bool = False) -> float:
         """One step; over a jump of the drive with as many passes as it takes."""
@@ -88,6 +89,10 @@ class Iterated(Scheme):
         motion = system.rotor_pass(forces, time, step)
         accelerations = system.accelerations.to(motion, step, self.order)
         return motion, system.balancer_pass(accelerations, time, step)
+
+    def _least(self, force: float) -> Any:
+        """What residuals are compared with at least, of forces [N]."""
+        return force
 
     def _grown(self, answers: Vector) -> Any:
         """The largest force so far, these among them."""

@@ -24,16 +24,8 @@ FLOOR = (
 class IteratedWithShaft(Iterated):
     """Implicit scheme with rollback for a rotor before a motor; arguments as of `Iterated`."""
 
-    def __init__(
-        self,
-        jacobian: np.ndarray,
-        step: float,
-        order: int = 3,
-        corrections: int | None = None,
-        rounding: float = 0.0,
-    ) -> None:
-        super().__init__(jacobian, step, order, corrections, rounding)
-        self.largest = np.array([self.largest, 0.0])
+    def _least(self, force: float) -> NDArray[np.float64]:
+        return np.array([force, 0.0])
 
     def _grown(self, answers: Vector) -> NDArray[np.float64]:
         return np.asarray(np.maximum(self.largest, _sizes(answers)))
