@@ -112,4 +112,4 @@ def quantity(name: str, unit: str) -> str:
     if ".weight[" in name and name.endswith(".angle"):
         return ANGLE
     last = name.rpartition(".")[2].removesuffix("_xi").removesuffix("_eta").replace("_", " ")
-    return "unbalance of the weights" if last == "moment" else last
+    return "unbalance of the balancers" if last == "moment" else last

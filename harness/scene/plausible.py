@@ -26,6 +26,7 @@ LIGHTEST, DENSEST = 500.0, 20_000.0  # kg/m^3 of a ball: wood to tungsten
 STIFF = 1e-6  # of the highest frequency: lower ones are those of a free body
 MODES_OF_INTEREST = 1.5  # times the speed: slower ones are passed or near
 MOST_CHANGE_BY_SIZE = 0.05  # of a natural frequency, by the inertia that a disc must have
+MOST_SHOWN = 10.0  # times it: a change beyond is told as more than that
 _warnings_given: set[str] = set()  # warnings that this process has given
 HELD = 3.0  # times gravity: centrifugal acceleration that surely keeps a liquid at its wall
 RING_RADIUS, RING_GAP = 0.15, 0.005  # m: chambers with a float are smaller or their gap is
@@ -195,9 +196,10 @@ def _discs_without_size(scene: Scene) -> Iterator[str]:
     change = float(np.max(np.abs(discs[: len(points)] / points - 1.0)[low], initial=0.0))
     if change > MOST_CHANGE_BY_SIZE:
         station = int(np.argmax(across))
+        by = f"{change:.0%}" if change < MOST_SHOWN else f"more than {MOST_SHOWN:.0%}"
         yield (
             f"rotor.masses[{station + 1}] = {rotor.masses[station]:g} kg: a point, but a thin disc "
-            f"as wide as its balancer would move a natural frequency by {change:.0%}: give "
+            f"as wide as its balancer would move a natural frequency by {by}: give "
             f"transverse_inertias, here about {across[station]:.3g} kg m^2, and polar_inertias, "
             f"about {2.0 * across[station]:.3g} kg m^2"
         )

@@ -150,7 +150,7 @@ def test_picture_states_units_and_0_peak(result, tmp_path):
     # glyphs are drawn, but every text stands in a comment beside them
     for words in (
         "displacement [m]",
-        "unbalance of the weights [kg m]",
+        "unbalance of the balancers [kg m]",
         "time [s]",
         "rotor.x, 0-peak 1 m",
     ):
