@@ -17,11 +17,11 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from scipy.integrate import solve_ivp
 
 import autobalancer as ab
 from autobalancer.harness import cosimulate
 from autobalancer.models.weights import KAPPA
+from tests.studies.planar import draw_drive, draw_rotor, draw_supports, solve_between_corners
 
 REVOLUTIONS = 15
 RTOL = 3e-14  # weights that gravity drags round are so sensitive: 1e-10 grows to 1e-2
@@ -53,9 +53,7 @@ class Drawn:
 
 def machine(rng: np.random.Generator) -> ab.Scene:
     """A random machine; weights are points on their race."""
-    mass, natural = rng.uniform(4.0, 40.0), rng.uniform(10.0, 60.0)
-    stiffness = mass * natural**2 * np.array([1.0, rng.choice([1.0, rng.uniform(0.6, 1.6)])])
-    damping = 2.0 * rng.uniform(0.0, 0.1) * mass * natural * np.array([1.0, rng.uniform(0.5, 2.0)])
+    mass, natural, stiffness, damping = draw_supports(rng)
     balancers = []
     for k in range(rng.integers(1, 3)):
         count, radius = int(rng.integers(1, 5)), rng.uniform(0.05, 0.3)
@@ -79,23 +77,12 @@ def machine(rng: np.random.Generator) -> ab.Scene:
             table |= {"track_offset_xi": rng.normal(0.0, 1e-3),
                       "track_offset_eta": rng.normal(0.0, 1e-3)}  # fmt: skip
         balancers.append(table)
-    speed = natural * rng.uniform(0.3, 4.0)
-    turn = 2.0 * np.pi / speed
-    operation: dict[str, Any] = {"speed": speed}
-    run: dict[str, Any] = {"revolutions": REVOLUTIONS}
-    if rng.random() < 0.4:
-        begin = rng.choice([0.0, rng.uniform(0.1, 0.9)]) * speed
-        rise = {"from": begin, "to": speed, "seconds": rng.uniform(2.0, 8.0) * turn}
-        operation, run = {"run_up": rise}, {"duration": REVOLUTIONS * turn}
+    operation, run = draw_drive(rng, natural, REVOLUTIONS)
     if rng.random() < 0.2:
         operation["gravity"] = 9.81
     names = [f"{b['name']}.weight[{k + 1}].angle" for b in balancers for k in range(b["count"])]
     return ab.Scene(
-        rotor={"kind": "planar", "mass": mass, "stiffness": stiffness.tolist(),
-               "damping": damping.tolist(),
-               "internal_damping": rng.choice([0.0, 0.2]) * float(damping[0]),
-               "unbalance": rng.uniform(1e-4, 2e-3) * mass,
-               "unbalance_angle": rng.uniform(0.0, 6.0)},
+        rotor=draw_rotor(rng, mass, stiffness, damping),
         balancer=balancers, operation=operation,
         run={**run, "record": ["rotor.x", "rotor.y", *names]},
     )  # fmt: skip
@@ -170,15 +157,7 @@ def integrated(scene: ab.Scene, times: np.ndarray) -> dict[str, np.ndarray]:
     start[2:4] = w * start[1], -w * start[0]
     start[4 : 4 + count] = [a for b in scene.balancer for a in b.angles]
     start[4 + count :] = [a for b in scene.balancer for a in b.speeds]
-    solved = np.empty((len(start), len(times)))
-    solved[:, 0] = start
-    begin, state = 0.0, start
-    for end in sorted({t for t in profile.times if 0.0 < t < times[-1]} | {times[-1]}):
-        inside = (times > begin) & (times <= end)
-        at = np.unique(np.append(times[inside], end))
-        piece = solve_ivp(rhs, (begin, end), state, "DOP853", at, rtol=RTOL, atol=1e-16)
-        solved[:, inside] = piece.y[:, : int(inside.sum())]
-        begin, state = end, piece.y[:, -1]
+    solved = solve_between_corners(rhs, start, times, profile.times, RTOL, 1e-16)
     z = (solved[0] + 1j * solved[1]) * np.exp(1j * np.array([profile.angle(t) for t in times]))
     names = [n for n in scene.run.record if n.endswith("angle")]
     return {"rotor.x": z.real, "rotor.y": z.imag, **dict(zip(names, solved[4:], strict=False))}

@@ -13,10 +13,10 @@ import sys
 from typing import Any
 
 import numpy as np
-from scipy.integrate import solve_ivp
 
 import autobalancer as ab
 from autobalancer.harness import cosimulate
+from tests.studies.planar import draw_drive, draw_rotor, draw_supports, solve_between_corners
 
 KAPPA = 1.4
 REVOLUTIONS = 12
@@ -25,9 +25,7 @@ TOLERANCE = 1e-6  # of the runs
 
 def machine(rng: np.random.Generator) -> ab.Scene:
     """A random machine whose waves stay finite over the run."""
-    mass, natural = rng.uniform(4.0, 40.0), rng.uniform(10.0, 60.0)
-    stiffness = mass * natural**2 * np.array([1.0, rng.choice([1.0, rng.uniform(0.6, 1.6)])])
-    damping = 2.0 * rng.uniform(0.0, 0.1) * mass * natural * np.array([1.0, rng.uniform(0.5, 2.0)])
+    mass, natural, stiffness, damping = draw_supports(rng)
     rings = []
     for k in range(rng.integers(1, 3)):
         wall = rng.uniform(0.08, 0.3)
@@ -43,23 +41,11 @@ def machine(rng: np.random.Generator) -> ab.Scene:
     if rng.random() < 0.4:
         balls = [{"kind": "balls", "count": int(rng.integers(1, 4)), "mass": 0.01 * mass,
                   "track_radius": 0.2, "drag": rng.uniform(0.1, 3.0)}]  # fmt: skip
-    speed = natural * rng.uniform(0.3, 4.0)
-    turn = 2.0 * np.pi / speed
-    operation: dict[str, Any] = {"speed": speed}
-    run: dict[str, Any] = {"revolutions": REVOLUTIONS}
-    if rng.random() < 0.4:
-        begin = rng.choice([0.0, rng.uniform(0.1, 0.9)]) * speed
-        rise = {"from": begin, "to": speed, "seconds": rng.uniform(2.0, 8.0) * turn}
-        operation = {"run_up": rise}
-        run = {"duration": REVOLUTIONS * turn}
+    operation, run = draw_drive(rng, natural, REVOLUTIONS)
     if rng.random() < 0.2 and "run_up" not in operation:
         operation["gravity"] = 9.81
     return ab.Scene(
-        rotor={"kind": "planar", "mass": mass, "stiffness": stiffness.tolist(),
-               "damping": damping.tolist(),
-               "internal_damping": rng.choice([0.0, 0.2]) * float(damping[0]),
-               "unbalance": rng.uniform(1e-4, 2e-3) * mass,
-               "unbalance_angle": rng.uniform(0.0, 6.0)},
+        rotor=draw_rotor(rng, mass, stiffness, damping),
         balancer=[*rings, *balls], operation=operation,
         run={**run, "record": ["rotor.x", "rotor.y", *(
             f"{r['name']}.{s}" for r in rings for s in ("wave_xi", "wave_eta", "F_xi"))]},
@@ -128,16 +114,7 @@ def integrated(scene: ab.Scene, times: np.ndarray) -> dict[str, np.ndarray]:
         start[4 : 4 + r], start[4 + r : 4 + 2 * r] = rest.real, rest.imag
     start[4 + 4 * r : 4 + 4 * r + n] = ball.angles if ball else ()
     start[4 + 4 * r + n :] = profile.start
-    solved = np.empty((len(start), len(times)))
-    solved[:, 0] = start
-    corners = sorted({t for t in profile.times if 0.0 < t < times[-1]} | {times[-1]})
-    begin, state = 0.0, start
-    for end in corners:  # the torque jumps there
-        inside = (times > begin) & (times <= end)
-        at = np.unique(np.append(times[inside], end))
-        piece = solve_ivp(rhs, (begin, end), state, "DOP853", at, rtol=1e-10, atol=1e-13)
-        solved[:, inside] = piece.y[:, : int(inside.sum())]
-        begin, state = end, piece.y[:, -1]
+    solved = solve_between_corners(rhs, start, times, profile.times, 1e-10, 1e-13)
     back = np.exp(-1j * np.array([profile.angle(t) for t in times]))
     found = {"rotor.x": solved[0], "rotor.y": solved[1]}
     for k in range(r):
