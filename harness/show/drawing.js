@@ -328,10 +328,10 @@ class Drawing {
     c.lineWidth = 7;
     line(c, ...this.carrierAt(ends[0], at, height), ...this.carrierAt(ends[1], at, height));
     c.lineWidth = 1;
-    const [x, y] = this.carrierAt(ends[1], at, height);
-    c.textAlign = "left";
+    const [x, y] = this.carrierAt((ends[0] + ends[1]) / 2, at, height);
+    c.textAlign = "center";
     c.fillStyle = colours.faint;
-    c.fillText(carrier.name, x + 8, y + 4);
+    c.fillText(carrier.name, x, y + 16);
   }
 }
 
