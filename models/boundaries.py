@@ -10,12 +10,13 @@ from numpy.typing import NDArray
 from .assembly import Assembly
 from .linear.balanced import WeightTable
 from .linear.linearised import linearise
-from .linear.on_race import has_lobes, systems_at
+from .linear.on_race import NoRest, has_lobes
 from .linear.regions import Crossing, Measure, Regions, Samples, Side, find_regions
 from .ring import Ring
-from .stability import growth_and_errors
+from .stability import growth_and_errors, growth_at_rest
 
 GRID = 1000  # intervals of the scan, unless the caller says how narrow a band may be missed
+GRID_OF_LOBES = 200  # the same on races with lobes, where every speed has a rest of its own
 _SPLIT = 12  # parts of the spacing in which an extremum is looked for, a round
 _PLATEAU = 1e-9  # of the growth: what rounding makes of one that does not depend on the speed
 _PROBE_ROUNDS = 6  # an extremum is located to (2/_SPLIT)^rounds of the scan's spacing
@@ -25,19 +26,27 @@ _TOLERANCE = 1e-9  # of the speed
 def measure_of(assembly: Assembly) -> Measure:
     """Growth rates of an assembly and their errors [1/s] at speeds of any shape [rad/s].
 
+    At a speed at which weights on a race with lobes have no rest it is 0 with an infinite error.
+
     Raises:
         CannotBalance: the weights cannot undo the unbalance.
+        NoRest: they have none at any of the speeds that are asked for first.
     """
     one = None if assembly.rotor.varies or has_lobes(assembly) else linearise(assembly)
+    rested: list[bool] = []
 
     def measure(speeds: NDArray) -> tuple[NDArray, NDArray]:
         flat = speeds.ravel()
-        systems, which = [one] if one else [], np.zeros(flat.size, int)
-        if one is None:
-            systems, which = systems_at(assembly, flat)
-        found = growth_and_errors(systems, which, flat)
-        growth, error = (each.reshape(speeds.shape) for each in found)
-        return growth, error
+        if one is not None:
+            growth, error = growth_and_errors([one], np.zeros(flat.size, int), flat)
+        else:
+            growth, error = growth_at_rest(assembly, flat)
+            unknown = np.isnan(growth)
+            if unknown.all() and not rested:
+                raise NoRest("weights rest on their races at none of the speeds: run the scene")
+            rested.append(True)
+            growth, error = np.where(unknown, 0.0, growth), np.where(unknown, math.inf, error)
+        return growth.reshape(speeds.shape), error.reshape(speeds.shape)
 
     return measure
 
@@ -102,7 +111,8 @@ def balancing_regions(
 
     Args:
         low, high: range of speeds [rad/s], 0 < low < high.
-        narrowest: width of a band that must not be missed [rad/s]; (high - low)/1000 by default.
+        narrowest: width of a band that must not be missed [rad/s]; by default (high - low)/1000,
+            on races with lobes (high - low)/200.
         tolerance: relative error of the speeds.
 
     Raises:
@@ -111,7 +121,8 @@ def balancing_regions(
     """
     if not 0.0 < low < high < math.inf:
         raise ValueError(f"range = {low:g} to {high:g} rad/s: must be positive and ascending")
-    width = (high - low) / GRID if narrowest is None else narrowest
+    grid = GRID_OF_LOBES if has_lobes(assembly) else GRID
+    width = (high - low) / grid if narrowest is None else narrowest
     if not width > 0.0:
         raise ValueError(f"narrowest = {width:g} rad/s: must be positive")
     scan = np.linspace(low, high, max(3, math.ceil((high - low) / width) + 1))

@@ -23,7 +23,7 @@ from .linear.floquet import (
 )
 from .linear.growth import Growth, eigenvalues_with_errors, largest
 from .linear.linearised import Linearised, linearise
-from .linear.on_race import has_lobes, systems_at
+from .linear.on_race import has_lobes, systems_at, systems_at_rest
 
 # growth per revolution below which errors are looked at; collocation errs by 4e-7 at most, and
 # eigenvalues of matrices with drag rates far above the speed by more
@@ -134,13 +134,26 @@ def growth_rates(assembly: Assembly, speeds: ArrayLike) -> NDArray[np.float64]:
     return active_growth(*systems_at(assembly, w), w)
 
 
+def growth_at_rest(
+    assembly: Assembly, speeds: NDArray[np.float64]
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Largest growth rates and their errors (b,) [1/s]; NaN where weights have no rest on lobes.
+
+    Raises:
+        CannotBalance: the weights cannot undo the unbalance.
+    """
+    systems, which = systems_at_rest(assembly, speeds)
+    growth, error, rests = np.full(len(speeds), math.nan), np.zeros(len(speeds)), which >= 0
+    if rests.any():
+        growth[rests], error[rests] = growth_and_errors(systems, which[rests], speeds[rests])
+    return growth, error
+
+
 def growth_map(assemblies: Sequence[Assembly], speeds: ArrayLike) -> NDArray[np.float64]:
     """Largest growth rate [1/s] of every assembly at every speed, (len(assemblies), len(speeds)).
 
-    NaN where the weights of an assembly cannot undo its unbalance: it has no main motion.
-
-    Raises:
-        NoRest: on races with lobes no rest was found.
+    NaN where the weights of an assembly cannot undo its unbalance, or have no rest on races with
+    lobes: it has no main motion.
     """
     return growth_map_with_errors(assemblies, speeds)[0]
 
@@ -156,7 +169,7 @@ def growth_map_with_errors(
     for i, assembly in enumerate(assemblies):
         try:
             if assembly.rotor.varies or has_lobes(assembly):
-                rates[i], errors[i] = growth_and_errors(*systems_at(assembly, w), w)
+                rates[i], errors[i] = growth_at_rest(assembly, w)
                 continue
             system = linearise(assembly)
         except CannotBalance:

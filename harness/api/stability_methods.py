@@ -46,8 +46,8 @@ class StabilityMethods(OfScene):
                 tables of bearings.
             methods: criterion (closed form), floquet (linear stability of the equations), cosim
                 (the coupled units), proved (bands); several with commas, or a list.
-            narrowest: width of a band that must not be missed [rad/s]; default: range/1000, of
-                cosim without floquet range/60.
+            narrowest: width of a band that must not be missed [rad/s]; default: range/1000, on
+                races with lobes range/200, of cosim without floquet range/60.
             within: tolerances for proved, such as "rotor.stiffness=5%".
 
         Raises:

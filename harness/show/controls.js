@@ -109,8 +109,8 @@ function showSettings(found, { settings, data }) {
 }
 
 const KINDS = {
-  weights: { good: "balances", unstable: "does not balance" },
-  ring: { good: "stable", unstable: "unstable: waves grow" },
+  weights: { good: "balances", unstable: "does not balance", unknown: "not known" },
+  ring: { good: "stable", unstable: "unstable: waves grow", unknown: "not known" },
   liquid: { good: "bends less than without liquid", poor: "bends more", unstable: "unstable" },
 };
 

@@ -6,13 +6,16 @@ from dataclasses import dataclass
 from typing import Literal
 
 from ...models.linear.modes import speeds_of_interest
+from ...models.linear.on_race import has_lobes
 from ...models.papers.window import OPEN_END, LiquidWindow
 from ..scene import Scene
 from ..stability.boundaries import speeds
 
+OF_LOBES = 50  # intervals of the range in which weights on races with lobes are looked at
 FOLLOWED = 1.15  # times the upper limit of a window: what is beyond it is seen
 
-Kind = Literal["good", "poor", "unstable"]
+Kind = Literal["good", "poor", "unstable", "unknown"]
+_KINDS: dict[str, Kind] = {"stable": "good", "unstable": "unstable"}
 
 
 @dataclass(frozen=True)
@@ -22,7 +25,7 @@ class Window:
     Attributes:
         ends: (n,) upper ends of what `kinds` tells, ascending; empty where there is no answer.
         kinds: (n,) good: they balance, or the liquid lessens the bending; poor: stable, and does
-            not; unstable.
+            not; unstable; unknown: the method cannot tell, or weights have no rest there.
         words: what was asked, or why there is no answer.
     """
 
@@ -43,12 +46,13 @@ def window(scene: Scene) -> Window:
             return _liquid(LiquidWindow.of(scene.assembly()), low, high)
         except ValueError as error:
             return Window(low, high, (), (), str(error))
-    boundaries = speeds(scene, (low, high), ["floquet"], whirl=False)
+    narrowest = (high - low) / OF_LOBES if has_lobes(scene.assembly()) else None
+    boundaries = speeds(scene, (low, high), ["floquet"], narrowest=narrowest, whirl=False)
     if "floquet" not in boundaries.methods:
         return Window(low, high, (), (), boundaries.refused["floquet"])
     crossings = boundaries.methods["floquet"]
     sides = [boundaries.lowest["floquet"], *(c.above for c in crossings)]
-    kinds: tuple[Kind, ...] = tuple("good" if s == "stable" else "unstable" for s in sides)
+    kinds = tuple(_KINDS.get(side, "unknown") for side in sides)
     return Window(low, high, (*(c.speed for c in crossings), high), kinds, "exact stability")
 
 

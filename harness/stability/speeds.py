@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, ClassVar
@@ -57,6 +58,12 @@ class Speeds(Outcome):
         """
         for method, regions in self.undecided.items():
             for each in regions:
+                if math.isinf(each.growth_below):
+                    yield (
+                        f"{method}: {each.word} from {each.low:.6g} to {each.high:.6g} rad/s: no "
+                        "rest of the weights on their races was found there"
+                    )
+                    continue
                 neutral = each.word == "neutral"
                 why = "nothing damps the machine" if neutral else "the method's own error"
                 yield (
@@ -87,7 +94,12 @@ class Speeds(Outcome):
             "below_first": dict(self.lowest),
             "undecided": {
                 name: [
-                    {"from": u.low, "to": u.high, "growth_below": u.growth_below, "state": u.word}
+                    {
+                        "from": u.low,
+                        "to": u.high,
+                        "state": u.word,
+                        "growth_below": u.growth_below if math.isfinite(u.growth_below) else None,
+                    }
                     for u in regions
                 ]
                 for name, regions in self.undecided.items()

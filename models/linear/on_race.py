@@ -47,6 +47,7 @@ _RANK = 1e-9  # turns that change moments by a smaller share of the most do not
 _LONGEST_TURN = 0.3  # rad of an iteration
 _MOST_EVALUATIONS = 3_000  # of where weights creep
 _SOLVED = 1e-11  # of the radius: what is left of the equations
+_ANEW = 0.03  # of a speed at which weights crept to no rest: so much later they do once more
 _CREEP_TIMES, _LEAST_SLOPE = 60.0, 1e-7  # time constants, of the largest lobe over the radius
 
 
@@ -262,7 +263,7 @@ def rounded(assembly: Assembly) -> Assembly:
 
 
 def main_motion(
-    assembly: Assembly, speed: float, near: Array | None = None
+    assembly: Assembly, speed: float, near: Array | None = None, creeps: bool = True
 ) -> tuple[OnRace, Array]:
     """The machine and the angles (K,) [rad] at which its weights rest where they nearly balance.
 
@@ -271,6 +272,7 @@ def main_motion(
 
     Args:
         near: a rest at a speed nearby (K,) [rad], which is followed.
+        creeps: whether three and more weights creep to a rest, which takes most of the time.
 
     Raises:
         CannotBalance, ArithmeticError: see `balanced.balanced_angles` of round races in the centre.
@@ -287,7 +289,7 @@ def main_motion(
     at_rest = balanced_angles(centred(rounded(assembly), speed))
     planes = [m.plane for m in assembly.weights for _ in m.angles]
     several = max(planes.count(plane) for plane in set(planes)) > 2
-    if several:
+    if several and creeps:
         try:
             return found, found.rest_near(at_rest, "balanced")
         except NoRest:
@@ -302,11 +304,34 @@ def systems_at(assembly: Assembly, speeds: NDArray) -> tuple[list[Linearised], N
         CannotBalance, ValueError: as there.
         NoRest: see `main_motion`.
     """
+    systems, which = systems_at_rest(assembly, speeds)
+    if (which < 0).any():
+        least = float(speeds[which < 0].min())
+        raise NoRest(f"no rest of weights on their race was found at {least:g} rad/s")
+    return systems, which
+
+
+def systems_at_rest(
+    assembly: Assembly, speeds: NDArray
+) -> tuple[list[Linearised], NDArray[np.int_]]:
+    """As `systems_at`; a speed at which no rest was found has the number -1.
+
+    Raises:
+        CannotBalance, ValueError: as there.
+    """
     if not has_lobes(assembly):
         return linearise_at(assembly, speeds)
     each, which = np.unique(speeds, return_inverse=True)
-    systems, angles = [], None
+    systems: list[Linearised] = []
+    numbers, angles, without = [], None, 0.0
     for speed in each.tolist():
-        machine, angles = main_motion(assembly.at_speed(speed), speed, angles)
+        creeps = speed > (1.0 + _ANEW) * without
+        try:
+            machine, angles = main_motion(assembly.at_speed(speed), speed, angles, creeps)
+        except NoRest:
+            numbers.append(-1)
+            without = speed if creeps else without
+            continue
+        numbers.append(len(systems))
         systems.append(machine.linearised(angles))
-    return systems, which.reshape(-1)
+    return systems, np.array(numbers, int)[which.reshape(-1)]
