@@ -14,7 +14,7 @@
 #include "machine/rings.h"
 #include "units/ring_unit.h"
 
-enum { MOST_PATIENCE = 64 }; /* steps by series before collocation is tried again */
+enum { MOST_PATIENCE = 256 }; /* steps by series before collocation is tried again */
 enum { SPEED_OF_MOTOR = 2 }; /* of the outputs that its unit computes: behind it all are of its state alone */
 
 enum { MOST_CROWDED = 1000 }; /* steps in a row between events that follow each other too closely */

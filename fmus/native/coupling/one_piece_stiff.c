@@ -3,7 +3,7 @@
 #include "coupling/composite.h"
 
 enum { FIRST_PATIENCE = 2, MOST_TRIES = 4 };
-#define WORTH 5.0 /* steps by series that take as long as one by collocation, about */
+#define WORTH 9.0 /* steps by series that take as long as one by collocation, about */
 
 /* Take the longest step that keeps the tolerance, from this length on. */
 static int take(const Unit *unit, double tried, double by_series)
@@ -38,7 +38,7 @@ int one_piece_try_collocation(Unit *unit, double *length)
     if (!is_finite(*length) || !(least < LONGEST_STEP)) {
         return 0;
     }
-    if (!take(unit, larger(one_piece->next_length, 2.0 * least), *length)) {
+    if (!take(unit, larger(one_piece->next_length, least), *length)) {
         one_piece->next_length = 0.0;
         one_piece->patience = smaller(larger(FIRST_PATIENCE, 2.0 * one_piece->patience), MOST_PATIENCE);
         one_piece->wait = one_piece->patience;
