@@ -4,7 +4,7 @@
 #include "base/matrix.h"
 #include "constants.h"
 
-enum { LEAST_CARRIED_ORDER = 5, MOST_CARRIED_ORDER = 24, LOOK_ORDER = 3, MOST_TRIALS = 6, MOST_AT_ONCE = 40 };
+enum { LEAST_CARRIED_ORDER = 5, MOST_CARRIED_ORDER = 24, LOOK_ORDER = 3, MOST_TRIALS = 6, MOST_AT_ONCE = 40, MOST_WITH_EVENTS = 100000 };
 #define CARRIED_TERM 1e-13    /* rad: the last terms of a step by series */
 #define CARRIED_ERROR 1e-11   /* rad: of a step by collocation */
 #define STIFF_TURN 16.0       /* of the drag's rate by a step: from here on collocation is worth it */
@@ -309,7 +309,7 @@ int carried_advance(CarriedWeights *c, const CentreMotion *plane, double step, b
         const double left = whole - time;
         int order;
         double length = expand_carried(c, angle, left, &order);
-        if (!(length > 0.0) || ++steps > MAX_SUBSTEPS) {
+        if (!(length > 0.0) || ++steps > (m->phase ? MOST_WITH_EVENTS : MAX_SUBSTEPS)) {
             return refuse_many(c, plane, moved->speeds, step, MAX_SUBSTEPS, failure);
         }
         if (m->phase) {
