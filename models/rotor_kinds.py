@@ -7,13 +7,14 @@ Filimonikhin 2011 (1) for the shaft, with the shaft's compliance inverted to a s
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from .arrays import numbers
 from .constants import SAME_PLACE
+from .rotor_tilting import Skew, tilting
 from .shaft import (
     Matrix,
     Moment,
@@ -24,10 +25,7 @@ from .shaft import (
     symmetric_compliance,
 )
 from .supports import Bearing, supported
-
-if TYPE_CHECKING:
-    from .rotor_tilting import Skew
-    from .tilting import Solve
+from .tilting import Solve
 
 Unbalance = tuple[float, float, float]
 
@@ -142,8 +140,6 @@ def flexible(
         if bending_stiffness is None:
             raise ValueError("compliance: has no slopes: give bending_stiffness instead")
         nothing = [0.0] * len(z)
-        from .rotor_tilting import tilting  # few rotors have such discs
-
         found = tilting(
             z, m, ends,
             transverse=transverse_inertias or nothing, polar=polar_inertias or nothing,

@@ -185,7 +185,7 @@ def test_a_map_has_the_share_of_run_ups_that_balances():
 )
 def test_a_map_of_motions_refuses_what_has_no_weights_before_it_runs(name, says):
     with pytest.raises(SceneError, match=says):
-        load(name).map("rotor.mass=1:2:2", "speed=100:200:2", "motions")
+        load(name).map("run.revolutions=10:20:2", "speed=100:200:2", "motions")
 
 
 def test_a_map_whose_points_all_fail_is_an_error_with_the_first_reason(monkeypatch):
