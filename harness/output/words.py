@@ -8,7 +8,7 @@ from collections.abc import Iterable
 
 # also what turns the direction of writing, and bytes of a file's name that are no UTF-8
 _CONTROL = r"[\x00-\x08\x0b-\x1f\x7f-\x9f\u200e\u200f\u202a-\u202e\u2066-\u2069\ud800-\udfff]"
-_TAG = r"<(?=[A-Za-z/!?])"  # what CommonMark takes for HTML
+_TAG = r"<(?=[A-Za-z/!?])"  # CommonMark reads this as the start of an HTML tag
 _NUMBER = r"-?\d+(?:\.\d+)?(?:e[+-]?\d+)?"
 
 

@@ -196,7 +196,7 @@ class Receptance:
 
 
 def inverse_of_two(matrices: Complex) -> Complex:
-    """Inverses (4, b) of matrices (b, 2, 2), by their determinants."""
+    """Inverses of matrices (b, 2, 2) as rows (4, b): the adjugate divided by the determinant."""
     a, b, c, d = (np.ascontiguousarray(each) for each in matrices.reshape(-1, 4).T)
     return np.stack([d, -b, -c, a]) / (a * d - b * c)
 

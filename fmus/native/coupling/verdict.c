@@ -44,7 +44,7 @@ static double amplitude(const Composite *c)
     return most;
 }
 
-/* At the end of a revolution, store its vibration and begin the next one. */
+/* Where a revolution ends, store its vibration and begin the next revolution. */
 static void end_revolution(Composite *c, const double *place, double turned)
 {
     Vibration *vibration = &c->course->vibration;

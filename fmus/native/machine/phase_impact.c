@@ -233,7 +233,7 @@ int phase_collide(Machine *m, double angle, double *memory, Failure *failure)
         if (impact_solve(&impact, failure)) {
             return 1;
         }
-        if (m->carried) { /* whoever carries it is told of the impulse */
+        if (m->carried) { /* the host of the weights adds up these impulses itself */
             set_rates(m, &impact);
         } else if (push_carrier(m, &impact, right)) {
             return fail(failure, "the rotor's mass matrix is singular");
