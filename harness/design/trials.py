@@ -14,8 +14,8 @@ from ..capture.captured import captured_or_none
 from ..errors import SimulationError, UserError
 from ..motions.batch import displacements
 from ..motions.outcome import wilson
+from ..motions.settle import alone
 from ..motions.starts import Job, job
-from ..motions.study import alone
 from ..scene import Scene
 from .candidates import Candidate
 

@@ -78,7 +78,7 @@ def _windows(signals: Array, job: Job, rotor: int, motor: bool) -> tuple[tuple[A
     count, points = len(signals), signals.shape[1] - 1
     step = job.seconds / points
     turn = math.tau / job.speed
-    size = max(_FEWEST * turn, _WINDOW * job.settled) / step
+    size = max(_FEWEST * turn, job.window or _WINDOW * job.settled) / step
     size = min(int(size), points // WINDOWS)
     late = signals[:, -(WINDOWS * size) - 1 :]
     heavy = bool(job.scene.operation.gravity)

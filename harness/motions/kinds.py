@@ -12,13 +12,13 @@ left behind: some weights turn at a steady speed below the rotor's, the same for
 synchronous, not balanced: all weights rest in the rotor, and it vibrates on.
 two frequencies: the weights turn with the rotor and swing steadily, or slip by less than 2 % of
     its speed.
-irregular: none of these, and still so in a run five times as long.
+irregular: none of these, and still so in a run twenty times as long.
 undecided: vibration or lag still drift there.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from enum import IntEnum
 
 import numpy as np
@@ -90,6 +90,11 @@ class Found:
     frequency: Array
     vibration: Array
     decided: NDArray[np.bool_]
+
+    def replace(self, rows: NDArray[np.intp], other: Found) -> None:
+        """Take over what another look has found of some runs."""
+        for one in fields(self):
+            getattr(self, one.name)[rows] = getattr(other, one.name)
 
 
 def classify(seen: Seen, alone: float, speed: float) -> Found:

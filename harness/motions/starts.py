@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -37,6 +37,8 @@ class Job:
         speed: at the end [rad/s].
         columns, values: what differs from run to run, (n,) columns and (n, c).
         seconds: of a run; settled: of it at the end, at the speed.
+        window: of these, seconds of one of the windows in which it is looked at; 0: a share of
+            them.
     """
 
     scene: Scene
@@ -45,13 +47,14 @@ class Job:
     values: Array
     seconds: float
     settled: float
+    window: float = 0.0
 
-    def longer(self, factor: float, rows: NDArray[np.intp]) -> Job:
+    def longer(self, factor: float, rows: NDArray[np.intp], window: float = 0.0) -> Job:
         """The same runs of some rows, `factor` times as long at their speed."""
         more = (factor - 1.0) * self.settled
-        return Job(
-            self.scene, self.speed, self.columns, self.values[rows],
-            self.seconds + more, self.settled + more,
+        return replace(
+            self, values=self.values[rows], seconds=self.seconds + more,
+            settled=self.settled + more, window=window,
         )  # fmt: skip
 
 

@@ -10,24 +10,20 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import tomli_w
 
-from ...models.harmonic_balance import NoResponse, largest_displacement, unbalance_response
-from ...models.stability import growth_rates
 from ..capture.captured import captured
 from ..errors import SceneError, UserError, refuse_seed
 from ..output.store import open_store
 from ..output.workers import Progress, Workers, in_order
 from ..scene import Scene
-from .batch import run
-from .kinds import Kind, classify, motion_of
+from .kinds import Kind, motion_of
 from .outcome import Motions, Point, Share
-from .starts import STARTS, Job, drive_to, job, perturbed, refuse_unknown
+from .settle import alone, settle
+from .starts import STARTS, drive_to, job, perturbed, refuse_unknown
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 CHUNK = 25  # starts worked on together
-EXTENDED, MOST_EXTENDED = 5.0, 16.0  # times as long a run that has not decided is run once more
-TIME_CONSTANTS = 8.0  # of the balanced motion, which that run lasts at least
 _Rows = tuple["NDArray[Any]", ...]  # kind, weights, frequency, vibration, largest, failure
 
 
@@ -69,41 +65,11 @@ def find_motions(
     return Motions(scene.heading, tuple(points), n, tuple(notes), scene)
 
 
-def alone(scene: Scene, speed: float) -> float:
-    """Vibration without balancers [m]; NaN where it is not known."""
-    try:
-        found = unbalance_response(scene.assembly().rotor, [speed])
-    except NoResponse:
-        return math.nan
-    return float(largest_displacement(found).max())
-
-
 def _runs(work: tuple[Scene, float, str, int, int, int]) -> _Rows:
-    """Motions of some starts; what has not decided is run once more, longer."""
-    scene, speed, *_ = work
+    """Motions of some starts."""
     made, _ = job(*work)
-    bare = alone(scene, speed)
-    seen, failure, largest = run(made)
-    found = classify(seen, bare, speed)
-    open_ = np.flatnonzero(~found.decided)
-    if len(open_):
-        again, reasons, peaks = run(made.longer(_extension(scene, made), open_))
-        later = classify(again, bare, speed)
-        for name in ("kind", "weights", "frequency", "vibration"):
-            getattr(found, name)[open_] = getattr(later, name)
-        failure[open_], largest[open_] = reasons, peaks
+    found, failure, largest = settle(work[0], made)
     return found.kind, found.weights, found.frequency, found.vibration, largest, failure
-
-
-def _extension(scene: Scene, made: Job) -> float:
-    """How many times as long the second run is."""
-    assembly = scene.assembly()
-    try:
-        growth = float(growth_rates(assembly, made.speed)[0])
-    except (ValueError, ArithmeticError):
-        return EXTENDED
-    needed = TIME_CONSTANTS / -growth / made.settled if growth < 0.0 else 0.0
-    return float(np.clip(needed, EXTENDED, MOST_EXTENDED))
 
 
 def _point(

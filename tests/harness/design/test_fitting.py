@@ -67,8 +67,8 @@ def test_lightest_of_the_candidates_that_always_balance_is_taken(found):
 def test_share_of_starts_is_that_of_single_runs(found, fan):
     """Each start again as a run of its own, judged by its last tenth."""
     from autobalancer.harness.design.trials import corner_scenes
+    from autobalancer.harness.motions.settle import alone
     from autobalancer.harness.motions.starts import job
-    from autobalancer.harness.motions.study import alone
 
     trial = found.trials[-1]
     corner = trial.corners[0]
