@@ -83,6 +83,11 @@ def plot_sweep(data: Sweep, path: Path | None = None) -> Path | Drawing:
                 "", (x[tip], y[tip]), (x[at], y[at]),
                 arrowprops={"arrowstyle": "-|>", "color": COLOURS[k], "lw": 1.5},
             )  # fmt: skip
+        ends = [getattr(one, branch.name).vibration * size for one in data.held]
+        if ends:
+            label = f"{branch.name}, held until it has settled"
+            speeds = [one.speed * factor for one in data.held]
+            axes.plot(speeds, ends, "ov"[k], color=COLOURS[k], mfc="none", label=label)
     x = data.branches[0].speed
     axes.plot(np.sort(x) * factor, data.alone * size, "--", color="0.4", label="without balancers")
     axes.set(xlabel=f"speed [{unit}]", ylabel=f"vibration [{length}]", yscale="log")

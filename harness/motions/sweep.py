@@ -1,9 +1,11 @@
-"""Vibration while the speed rises slowly, and while it falls, and where they differ."""
+"""Vibration while the speed rises slowly, and while it falls, and where they settle otherwise."""
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from itertools import groupby
+from operator import attrgetter
 from typing import Any, ClassVar
 
 import numpy as np
@@ -17,11 +19,15 @@ from ..output.outcome import Outcome
 from ..output.table import Sheet
 from ..scene import Scene
 from .batch import displacements
+from .held import Held, differ, held_at, hold
+from .settle import alone
 from .starts import Job, job, perturbed
 
 _PERIODS = 300.0  # of the lowest natural frequency that a sweep takes each way
 _POINTS = 240  # windows of a sweep
-_DIFFERENT = 1.5  # ratio of vibrations at one speed that is a hysteresis
+
+
+_differs = attrgetter("differs")
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,6 +52,7 @@ class Sweep(Outcome):
         branches: rising and falling.
         alone: (k,) vibration without balancers at the rising speeds [m].
         seconds: that each takes.
+        held: speeds at which both ways differ, held until they have settled, by rising speed.
     """
 
     drawn_by: ClassVar[str] = "..motions.plot:plot_sweep"
@@ -54,6 +61,7 @@ class Sweep(Outcome):
     branches: tuple[Branch, Branch]
     alone: Array
     seconds: float
+    held: tuple[Held, ...]
 
     def table(self) -> Sheet:
         """A row for every window of both."""
@@ -65,32 +73,45 @@ class Sweep(Outcome):
         return Sheet(("way", "speed [rad/s]", "vibration [m]"), rows, "lrr", self.title)
 
     @property
+    def ranges(self) -> tuple[tuple[float, float], ...]:
+        """Lowest and highest speed of neighbours held at which both ways settle to different
+        vibrations [rad/s]."""
+        parts = (list(part) for differs, part in groupby(self.held, _differs) if differs)
+        return tuple((part[0].speed, part[-1].speed) for part in parts)
+
+    @property
     def hysteresis(self) -> tuple[float, float] | None:
-        """Speeds between which both ways differ [rad/s]; None: nowhere."""
-        up, down = self.branches
-        back = np.interp(up.speed, down.speed[::-1], down.vibration[::-1])
-        ratio = np.maximum(up.vibration, back) / np.maximum(np.minimum(up.vibration, back), 1e-300)
-        at = np.flatnonzero(
-            (ratio > _DIFFERENT) & (np.maximum(up.vibration, back) > 0.05 * self.alone)
-        )
-        return (float(up.speed[at[0]]), float(up.speed[at[-1]])) if len(at) else None
+        """Ends of all these ranges; None: both ways settle to the same everywhere."""
+        return (self.ranges[0][0], self.ranges[-1][1]) if self.ranges else None
 
     def sentence(self) -> str:
-        """Where the ways differ."""
-        found = self.hysteresis
+        """Where the ways settle to different vibrations."""
         each = f"each way takes {self.seconds:.4g} s"
-        if found is None:
+        if not self.held:
             return f"Rising and falling speed give the same vibration ({each})."
-        return (
-            f"Rising and falling speed differ between {found[0]:.4g} and {found[1]:.4g} rad/s "
-            f"({each})."
-        )
+        settled = [one for one in self.held if one.is_settled]
+        if self.ranges:
+            ends = " and ".join(
+                f"from {a:.4g} to {b:.4g}" if a < b else f"at {a:.4g}" for a, b in self.ranges
+            )
+            said = "Rising and falling speed settle to different vibrations "
+            said += f"{ends} rad/s ({len(self.held)} speeds were held, {each})."
+        else:
+            said = f"Rising and falling speed differ from {self.held[0].speed:.4g} to "
+            said += f"{self.held[-1].speed:.4g} rad/s, but only while the speed moves ({each}): at "
+            said += f"{len(settled)} speeds that were held both settle to the same vibration."
+        if len(settled) < len(self.held):
+            at = ", ".join(f"{one.speed:.4g}" for one in self.held if not one.is_settled)
+            said += f" Cannot tell at {at} rad/s: the motion had not settled when it was held."
+        return said
 
     def as_json(self) -> dict[str, Any]:
         """Everything."""
         return {
             "seconds": self.seconds,
             "hysteresis": None if self.hysteresis is None else list(self.hysteresis),
+            "ranges": [list(ends) for ends in self.ranges],
+            "held": [one.as_json() for one in self.held],
             "without_balancers": self.alone.tolist(),
             "branches": [
                 {"name": b.name, "speed": b.speed.tolist(), "vibration": b.vibration.tolist()}
@@ -114,29 +135,58 @@ def sweep(scene: Scene, low: float, high: float, *, seed: int = 1) -> Sweep:
     lowest = lowest_natural(scene.assembly().resting_rotor)
     seconds = _PERIODS * math.tau / lowest
     ways = (("rising", low, high), ("falling", high, low))
-    branches = tuple(_way(scene, *way, seconds, seed) for way in ways)
-    speeds = branches[0].speed
+    jobs = [_sweeping(scene, first, last, seconds, seed) for _, first, last in ways]
+    up, down = (_way(*way, made) for way, made in zip(ways, jobs, strict=True))
+    bare = _alone(scene, up.speed)
+
+    def both(row: int) -> Held:
+        speed = float(up.speed[row])
+        rising, falling = (
+            held_at(made, speed, _reached(made, first, last, speed))
+            for (_, first, last), made in zip(ways, jobs, strict=True)
+        )
+        return Held(speed, rising, falling, alone(scene, speed))
+
+    back = np.interp(up.speed, down.speed[::-1], down.vibration[::-1])
+    held = hold(np.flatnonzero(differ(up.vibration, back, bare)), both)
+    return Sweep(scene.heading, (up, down), bare, seconds, held)
+
+
+def _alone(scene: Scene, speeds: Array) -> Array:
+    """Vibration without balancers (k,) [m]; NaN where it is not known."""
     try:
-        alone = largest_displacement(unbalance_response(scene.assembly().rotor, speeds)).max(axis=1)
+        found = unbalance_response(scene.assembly().rotor, speeds)
     except NoResponse:
-        alone = np.full(len(speeds), np.nan)
-    return Sweep(scene.heading, (branches[0], branches[1]), alone, seconds)
+        return np.full(len(speeds), np.nan)
+    return largest_displacement(found).max(axis=1)
 
 
-def _way(scene: Scene, name: str, first: float, last: float, seconds: float, seed: int) -> Branch:
+def _sweeping(scene: Scene, first: float, last: float, seconds: float, seed: int) -> Job:
     """A hold at the first speed, then the change; weights begin turning with the rotor."""
     made, _ = job(scene, first, "turning", seed, 0, 1)
-    hold = made.settled
-    corners = [[0.0, first], [hold, first], [hold + seconds, last]]
+    begins = made.settled
+    corners = [[0.0, first], [begins, first], [begins + seconds, last]]
     changes: dict[str, Any] = {"operation.speed": None, "operation.profile": corners}
     driven = made.scene.replace(changes)
-    whole = Job(driven, max(first, last), made.columns, made.values, hold + seconds, seconds)
-    moved, reasons = displacements(whole)
+    return replace(
+        made, scene=driven, speed=max(first, last), seconds=begins + seconds, settled=seconds
+    )
+
+
+def _reached(made: Job, first: float, last: float, speed: float) -> float:
+    """When it reaches a speed [s]."""
+    return made.seconds - made.settled * (last - speed) / (last - first)
+
+
+def _way(name: str, first: float, last: float, made: Job) -> Branch:
+    """Its run."""
+    moved, reasons = displacements(made)
     if reasons[0]:
         raise UserError(f"the {name} sweep has failed: {reasons[0]}")
-    time = np.linspace(0.0, hold + seconds, moved.shape[1])
-    late = time >= hold
-    size, at = np.sqrt(moved[0][late]), time[late] - hold
+    seconds, begins = made.settled, made.seconds - made.settled
+    time = np.linspace(0.0, made.seconds, moved.shape[1])
+    late = time >= begins
+    size, at = np.sqrt(moved[0][late]), time[late] - begins
     per = len(size) // _POINTS
     windows = size[: per * _POINTS].reshape(_POINTS, per).max(axis=1)
     middles = at[: per * _POINTS].reshape(_POINTS, per).mean(axis=1)
