@@ -6,9 +6,10 @@ the names.
 
 The integration judges a machine where it agrees with itself: with two steps, and from starts whose
 weights stand further by as much as a run of the package may err, it ends in one motion.  An end is
-a motion that its last half and its last quarter have; until then it is run on.  The others are
-counted as not judged; of them it is counted how often the package's name is one of those found.  A
-run that the package calls undecided is counted by itself.  All others count as named alike or not.
+a motion that its last half and its last quarter have, and whose vibration does not drift; until
+then it is run on.  The others are counted as not judged; of them it is counted how often the
+package's name is one of those found.  A run that the package calls undecided is counted by itself.
+All others count as named alike or not.
 """
 
 from __future__ import annotations
@@ -37,6 +38,7 @@ TURNS, WINDOWS = 4000.0, 40  # of a run, half of which decides
 MOST_TURNS = 16_000.0  # up to which it is run on, in windows as long
 SEED = 2711
 SLIPS = 0.02  # of the rotor's speed: weights that slip by less are not left behind
+OPEN = (Kind.IRREGULAR, Kind.SYNCHRONOUS, Kind.TWO_FREQUENCIES)  # while their vibration drifts
 PART = 20  # machines after which it says how many agree so far
 ERROR = 1e-4  # rad: the tolerance of a run of the package, of a turn at least
 WITNESSES = ((0.0, 1), (0.0, 2), (ERROR, 1), (-ERROR, 1))  # move of the first weight; finer steps
@@ -89,9 +91,17 @@ def by_integration(one: Case, moved: float = 0.0, finer: int = 1) -> tuple[Kind,
         half, quarter = (
             _named(found[-(windows // part) :], one.speed, bare, end / windows) for part in (2, 4)
         )
-        if half == quarter or turns >= MOST_TURNS:
+        ended = half == quarter and not (half[0] in OPEN and _drifts(found[-(windows // 4) :, 1]))
+        if ended or turns >= MOST_TURNS:
             return half
         turns *= 2.0
+
+
+def _drifts(values: np.ndarray) -> bool:
+    """Whether values rise, or fall, from window to window, by more than 1 %."""
+    steps = np.diff(values)
+    one_way = (steps > 0.0).all() or (steps < 0.0).all()
+    return bool(one_way and np.ptp(values) > 0.01 * values.mean())
 
 
 def _named(late: np.ndarray, speed: float, bare: float, seconds: float) -> tuple[Kind, int]:
