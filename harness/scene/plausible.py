@@ -192,8 +192,9 @@ def _discs_without_size(scene: Scene) -> Iterator[str]:
         np.sort(np.abs(table.build().free_rates(speed)))
         for table in (rotor, rotor.model_copy(update=sized))
     )
-    low = points < MODES_OF_INTEREST * speed
-    change = float(np.max(np.abs(discs[: len(points)] / points - 1.0)[low], initial=0.0))
+    rigid = STIFF * points.max()  # motions of a free machine: what rounding leaves of 0
+    low = (rigid < points) & (points < MODES_OF_INTEREST * speed)
+    change = float(np.max(np.abs(discs[: len(points)][low] / points[low] - 1.0), initial=0.0))
     if change > MOST_CHANGE_BY_SIZE:
         station = int(np.argmax(across))
         by = f"{change:.0%}" if change < MOST_SHOWN else f"more than {MOST_SHOWN:.0%}"

@@ -133,6 +133,32 @@ def test_a_point_as_wide_as_its_balancer_is_warned_of():
     assert not any("inertias" in line for line in implausible(sized))
 
 
+def test_rigid_motions_of_a_free_machine_are_no_natural_frequencies_that_a_disc_moves():
+    """Their rates are 0: a ratio of what rounding leaves of them says nothing."""
+    sized = OVERHUNG | {"on": "housing"}
+    point = {k: v for k, v in sized.items() if not k.endswith("inertias")}
+    body = {"name": "housing", "mass": 5.0, "transverse_inertia": 0.2, "center": 0.2}
+    wide = [BALLS | {"at": 3, "track_radius": 0.2}]  # a thin disc as wide has 0.12 kg m^2
+    scenes = [ab.Scene(rotor=r, balancer=wide, speed=377.0, body=[body]) for r in (point, sized)]
+    points, discs = (np.sort(np.abs(one.rotor.build().free_rates(377.0))) for one in scenes)
+    elastic = (points > 1.0) & (points < 1.5 * 377.0)
+    change = np.abs(discs[: len(points)][elastic] / points[elastic] - 1.0).max()
+    assert _warned_change(scenes[0]) == f"{change:.0%}"
+
+
+def test_a_change_beyond_the_cap_is_told_as_more_than_it(monkeypatch):
+    monkeypatch.setattr("autobalancer.harness.scene.plausible.MOST_SHOWN", 0.3)
+    point = {k: v for k, v in OVERHUNG.items() if not k.endswith("inertias")}
+    wide, narrow = ([BALLS | {"at": 3, "track_radius": r}] for r in (0.19, 0.1))
+    scenes = (ab.Scene(rotor=point, balancer=one, speed=377.0) for one in (wide, narrow))
+    assert [_warned_change(scene) for scene in scenes] == ["more than 30%", "11%"]
+
+
+def _warned_change(scene):
+    (line,) = (line for line in implausible(scene) if "transverse_inertias, here" in line)
+    return line.partition("natural frequency by ")[2].partition(":")[0]
+
+
 def test_stability_is_proved_of_discs_that_tilt_and_of_bearings():
     for rotor, span in ((OVERHUNG, (370.0, 380.0)), (PLANAR | {"bearings": [BEARING]}, (120, 160))):
         scene = machine(rotor)
