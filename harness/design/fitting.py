@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
-from ..motions.starts import drive_to
+from ..motions.starts import drive_to, run_up_begins
 from ..output.outcome import Outcome
 from ..output.table import Sheet
 from ..output.workers import Progress, Workers, in_order
@@ -181,11 +181,11 @@ def _assumed(scene: Scene, start: str, unbalances: Sequence[float]) -> list[str]
     elif start == "rest":
         said.append("Starts: the rotor at its speed, weights at rest.")
     else:
-        _, reached, word = drive_to(scene, scene.profile().end, "run-up")
+        driven, reached, word = drive_to(scene, scene.profile().end, "run-up")
         word = (
             f"{word}. Give --run-up 4s for your own" if word else f"full speed at {reached:.4g} s"
         )
-        said.append(f"Starts: rotor and weights at rest; {word}.")
+        said.append(f"Starts: {run_up_begins(driven)}; {word}.")
     if len(unbalances) > 1:
         low, high = (f"{1e6 * u:.4g}" for u in unbalances)
         said.append(f"Unbalance: tried at {low} and at {high} g mm.")

@@ -16,6 +16,7 @@ from ..master.names import weight
 from ..scene import Scene
 from ..scene.balancer import WeightBalancer
 from ..scene.quantities import each_of
+from ..units import in_both
 
 STARTS = {
     "rest": "the rotor at its speed, weights at rest in the room",
@@ -103,6 +104,26 @@ def drive_to(scene: Scene, speed: float, start: str) -> tuple[Scene, float, str]
         said += "lowest natural frequency), the scene has none of its own"
     driven = scene.replace({"operation.profile": corners, **_no_drive(), **_no_length(scene)})
     return driven, corners[-1][0], said
+
+
+def first_speed(driven: Scene) -> float:
+    """Of a run-up [rad/s]; above 0 where the scene's own rises from it, or a table begins there."""
+    return 0.0 if driven.operation.motor else driven.profile().speed(0.0)
+
+
+def run_up_begins(driven: Scene) -> str:
+    """How rotor and weights begin a run-up."""
+    first = first_speed(driven)
+    if not first:
+        return "rotor and weights at rest"
+    return f"the rotor at {in_both(first, 'rad/s')}, weights turning with it"
+
+
+def said_of(scene: Scene, speed: float, start: str) -> str:
+    """What a start is, for a scene that it drives to a speed."""
+    if start != "run-up":
+        return STARTS[start]
+    return f"{run_up_begins(drive_to(scene, speed, start)[0])}, the speed rises"
 
 
 def length(scene: Scene, speed: float) -> float:

@@ -18,7 +18,7 @@ from ..scene import Scene
 from .kinds import Kind, motion_of
 from .outcome import Motions, Point, Share
 from .settle import alone, settle
-from .starts import STARTS, drive_to, job, perturbed, refuse_unknown
+from .starts import drive_to, job, perturbed, refuse_unknown, said_of
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -44,7 +44,7 @@ def find_motions(
     scene, said = perturbed(scene)
     closed = [captured(scene, speed).found for speed in speeds]
     notes = [said] if said else []
-    notes += [f"{start}: {STARTS[start]}." for start in starts]
+    notes += [f"{start}: {said_of(scene, max(speeds), start)}." for start in starts]
     if "run-up" in starts and (word := drive_to(scene, max(speeds), "run-up")[2]):
         notes.append(f"{word[0].upper()}{word[1:]}.")
     jobs = [

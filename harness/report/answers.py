@@ -11,11 +11,12 @@ import numpy as np
 from ...models.arrays import Array
 from ..capture.captured import captured_or_none
 from ..master.names import stations
+from ..motions.starts import first_speed
 from ..result.result import Result
 from ..result.sag import from_sag
 from ..result.verdict.words import millimetres, percent
 from ..scene import Scene
-from ..units import in_words
+from ..units import in_both, in_words
 from .parts import Lead
 from .runs import SwitchedOn
 
@@ -37,11 +38,13 @@ def verdicts(scene: Scene, own: Result, started: SwitchedOn) -> list[Answer]:
     answers = [fitted(started)] if scene.balancer else [Answer(none, None)]
     summary = own.summary()
     answers.append(Answer(f"The scene as it is: {summary}", summary.balanced))
+    first = first_speed(started.scene)
+    begins = f"at {in_both(first, 'rad/s')}" if first else "from rest"
     if started.run is not None:
-        from_rest = started.run.summary()
-        answers.append(Answer(f"Switched on from rest: {from_rest}", from_rest.balanced))
+        after = started.run.summary()
+        answers.append(Answer(f"Switched on {begins}: {after}", after.balanced))
     elif started.reason:
-        answers.append(Answer(f"Switched on from rest: cannot tell: {started.reason}", None))
+        answers.append(Answer(f"Switched on {begins}: cannot tell: {started.reason}", None))
     found = captured_or_none(scene)
     if found is not None:
         answers.append(Answer(in_words(found.sentence()), found.found.all_pass))

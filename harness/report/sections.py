@@ -10,6 +10,7 @@ from typing import Any
 from ...models.linear.modes import speeds_of_interest
 from ..capture.captured import captured, captured_or_none
 from ..errors import SceneError, UserError
+from ..motions.starts import run_up_begins
 from ..output.outcome import Outcome
 from ..output.report import Part
 from ..output.table import GOOD, Sheet
@@ -65,9 +66,9 @@ def switching_on(scene: Scene, started: SwitchedOn) -> Parts:
     """The run from standstill, and whether weights are left behind on the way."""
     parts: Parts = [Heading("Will it balance when it is switched on?")]
     if started.run is not None and started.bare is not None:
-        parts.append(Image(compared(started), "Vibration from standstill, with and without."))
+        parts.append(Image(compared(started), "Vibration in the run-up, with and without."))
     if started.reason:
-        parts.append(f"No run from standstill: {started.reason}")
+        parts.append(f"No run-up: {started.reason}")
     found = captured_or_none(scene)
     if found is None:
         return [*parts, _why_not_judged(scene)]
@@ -167,7 +168,7 @@ def assumptions(scene: Scene, own: Result, started: SwitchedOn) -> Parts:
     where = "at the angles of the scene"
     if started.motions is not None:
         where = f"at random angles: of {started.motions.n} starts the one with the median peak"
-    parts.append(f"Weights are at rest when the rotor starts, {where}.")
+    parts.append(f"The run-up begins with {run_up_begins(started.scene)}, {where}.")
     if not scene.operation.gravity:
         parts.append("The axis is vertical: gravity is left out.")
     for one in scene.balancer:

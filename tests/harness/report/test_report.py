@@ -16,6 +16,7 @@ from autobalancer.harness.motions.outcome import Motions, Point, Share
 from autobalancer.harness.report import answers
 from autobalancer.harness.report.drawing import machine_drawing
 from autobalancer.harness.report.runs import SwitchedOn, switched_on
+from autobalancer.harness.report.sections import assumptions
 from autobalancer.models.harmonic_balance import largest_displacement, unbalance_response
 
 SVG = "{http://www.w3.org/2000/svg}"
@@ -160,3 +161,30 @@ def test_a_run_up_that_never_settles_is_not_called_better_or_worse(monkeypatch):
     answer = answers.fitted(switched_on(with_ring(0.005), 2.0))
     assert answer.good is None
     assert answer.text.startswith("Whether balancers are better here is not known: ")
+
+
+@pytest.mark.parametrize(
+    ("low", "switched", "begins"),
+    [
+        (
+            1.0,
+            "Switched on at 1 rad/s",
+            "the rotor at 1 rad/s = 9.549 rpm, weights turning with it",
+        ),
+        (0.0, "Switched on from rest: ", "rotor and weights at rest"),
+    ],
+)
+def test_a_run_up_from_the_lowest_speed_of_a_table_is_not_called_one_from_rest(
+    low, switched, begins
+):
+    rows = [[low, 1.0, 0, 0, 1.0, 0.1, 0, 0, 0.1], [6.0, 1.5, 0, 0, 1.5, 0.1, 0, 0, 0.1]]
+    rotor = {"kind": "planar", "mass": 1.0, "unbalance": 0.01, "bearings": [{"table": rows}]}
+    balls = {"name": "balls", "kind": "balls", "count": 2, "mass": 0.03, "track_radius": 1.0}
+    scene = ab.Scene(rotor=rotor, balancer=[{**balls, "drag": 0.05}], operation={"speed": 3.0})
+    started = switched_on(scene)
+    own = scene.run()
+    assert started.run.scene.profile().speed(0.0) == low
+    assert any(one.text.startswith(switched) for one in answers.verdicts(scene, own, started))
+    said = assumptions(scene, own, started)
+    assert any(str(part).startswith(f"The run-up begins with {begins}") for part in said)
+    assert f"run-up: {begins}, the speed rises." in scene.motions(starts="run-up", n=1).notes
