@@ -92,20 +92,38 @@ def half_turn(
 
 
 def _eliminated(own: NDArray, others: NDArray, coefficients: NDArray) -> NDArray[np.float64]:
-    """Stages (b, `STAGES`, p, p + `STAGES` s) of p' = own p + others s by p and the stages of s."""
+    """Stages (b, `STAGES`, p, p + `STAGES` s) of p' = own p + others s by p and the stages of s.
+
+    In the eigenvectors of the coefficients stages are apart: a few small systems in place of a
+    large one, which BLAS would share among threads.  These vectors lose two digits, which a
+    residual gives back.
+    """
     batch, p, s = others.shape
-    size = STAGES * p
-    left = np.eye(size) - _kron_each(coefficients, own)
-    begin = np.broadcast_to(np.tile(np.eye(p), (STAGES, 1)), (batch, size, p))
-    right = np.concatenate([begin, _kron_each(coefficients, others)], axis=2)
-    return np.linalg.solve(left, right).reshape(batch, STAGES, p, p + STAGES * s)
+    width = p + STAGES * s
+    values, vectors = np.linalg.eig(coefficients)
+    above = values.imag > 0.0  # the others are their conjugates
+    values, inwards = values[above], np.linalg.inv(vectors)[above]
+    outwards = 2.0 * vectors[:, above]
+    inverse = np.linalg.inv(np.eye(p) - values[:, None, None, None] * own)
 
+    def together(apart: NDArray) -> NDArray:
+        """Stages (`STAGES`, b, p, width) of their parts by eigenvectors."""
+        flat = apart.reshape(len(values), -1)
+        found = outwards.real @ flat.real - outwards.imag @ flat.imag
+        return found.reshape(STAGES, batch, p, width)
 
-def _kron_each(one: NDArray, each: NDArray) -> NDArray[np.float64]:
-    """np.kron(one, each[k]) of every k."""
-    batch, m, n = each.shape
-    product = one[:, None, :, None] * each[:, None, :, None, :]
-    return product.reshape(batch, len(one) * m, len(one) * n)
+    apart = np.empty((len(values), batch, p, width), complex)
+    apart[..., :p] = inwards.sum(axis=1)[:, None, None, None] * inverse
+    driven = (values[:, None] * inwards)[:, None, None, :, None] * (inverse @ others)[..., None, :]
+    apart[..., p:] = driven.reshape(*apart.shape[:3], STAGES * s)
+    stages = together(apart)
+    slopes = own @ stages
+    for j in range(STAGES):
+        slopes[j, :, :, p + j * s : p + (j + 1) * s] += others
+    left = (coefficients @ slopes.reshape(STAGES, -1)).reshape(stages.shape) - stages
+    left[..., :p] += np.eye(p)
+    sides = (inwards @ left.reshape(STAGES, -1)).reshape(apart.shape)
+    return np.ascontiguousarray((stages + together(inverse @ sides)).swapaxes(0, 1))
 
 
 def _harmonics_of(steady: NDArray, speeds: NDArray) -> NDArray:
