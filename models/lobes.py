@@ -55,10 +55,12 @@ class Race:
 
     def __init__(self, assembly: Assembly, speed: float, lobes: Sequence[Lobes]) -> None:
         rotor = assembly.rotor
-        if rotor.stations != 1 or not rotor.isotropic or rotor.gravity:
-            raise ValueError("a race with lobes: only on a planar rotor, alike in x and y")
         if len(assembly.balancers) != 1 or not assembly.weights:
             raise ValueError("a race with lobes: only with exactly one balancer, of weights")
+        if rotor.stations != 1 or not rotor.isotropic or rotor.gravity:
+            raise ValueError(
+                "a race with lobes: only on a planar rotor without bodies, alike in x and y"
+            )
         device = assembly.weights[0].device
         assert isinstance(device, Weights)
         device.refuse_unequal("a race with lobes")

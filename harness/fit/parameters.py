@@ -162,7 +162,7 @@ def value_at(scene: Scene, path: str) -> float:
     Raises:
         UserError: there is none.
     """
-    first, *parts = in_full(path).split(".")
+    first, *parts = in_full(path, scene.body_names).split(".")
     holders = {"rotor": scene.rotor, "run": scene.run, **{b.label: b for b in scene.balancer}}
     found: Any = holders.get(first)
     try:

@@ -22,6 +22,7 @@ from .facts import RunFacts
 from .foreign.instance import ForeignUnit
 from .foreign.versions import foreign_unit
 from .network.network import Network, is_number
+from .network.undriven import refuse_undriven
 from .network.wiring import Wire, wired
 from .network.words import notes
 from .network_run import NetworkRun
@@ -85,6 +86,7 @@ class UnitRun(NetworkRun):
 
         Raises:
             SimulationError: a unit refuses its start values, or no consistent start exists.
+            UnitError: a rotor speeds up, and nothing drives it.
         """
         self.time = self.worst_residual = 0.0
         self.steps = self.unconverged = 0
@@ -93,9 +95,10 @@ class UnitRun(NetworkRun):
         step = self._schedule[0][0] / self._parts
         self._refuse_odd(step)
         self.system.free_states()
-        for unit in self.scene.unit:
-            own = {**unit.start, **(changes or {}).get(unit.name, {})}
-            self.units[unit.name].restart(own)
+        starts = {u.name: {**u.start, **(changes or {}).get(u.name, {})} for u in self.scene.unit}
+        refuse_undriven(self.scene.label, self.units, self.wiring, starts)
+        for name, own in starts.items():
+            self.units[name].restart(own)
         self.prepare(step)
 
     def _first_schedule(self, attempt: int) -> tuple[float, int]:

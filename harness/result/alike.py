@@ -9,6 +9,7 @@ from ..errors import UserError
 from ..master.one_file import drive
 from ..master.plan import Plan, plan
 from ..scene import Scene
+from ..scene.replace import in_full
 
 _DRIVE = ("speed", "acceleration")  # of the composite, which tells its units
 
@@ -41,12 +42,13 @@ def refuse_unvaried(scene: Scene, path: str) -> None:
     Raises:
         UserError: it is one.
     """
-    holders = ["rotor", *(balancer.label for balancer in scene.balancer)]
+    balancers = [balancer.label for balancer in scene.balancer]
+    holders = ["rotor", *balancers, *scene.body_names]
     allowed = (*(f"{holder}." for holder in holders), "run.initial.")
     allowed += ("operation.gravity", "operation.unbalance_changes")
     if scene.operation.motor:
         allowed += ("operation.motor.",)
-    if path != "operation.speed" and not path.startswith(allowed):
+    if path != "operation.speed" and not in_full(path, scene.body_names).startswith(allowed):
         raise UserError(
             f"{path}: cannot be varied; must be speed or begin with one of: {', '.join(allowed)}"
         )

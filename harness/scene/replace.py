@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import copy
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from pydantic import BaseModel
@@ -34,10 +34,20 @@ Document = dict[str, Any]
 TableType = type[BaseModel]
 
 
-def in_full(path: str) -> str:
-    """A path with `speed`, short for operation.speed, in full, and [x] and [y] as [1] and [2]."""
+def in_full(path: str, bodies: Sequence[str] = ()) -> str:
+    """A path with `speed`, short for operation.speed, in full, and [x] and [y] as [1] and [2].
+
+    Args:
+        bodies: names of the scene's bodies, which a path may begin with, as with `body[n]`; both
+            stand for rotor.bodies[n].
+    """
     if path == "speed":
         return SPEED
+    first, dot, rest = path.partition(".")
+    if first in bodies:
+        path = f"rotor.bodies[{bodies.index(first) + 1}]{dot}{rest}"
+    elif first.startswith("body["):
+        path = f"rotor.bodies{path.removeprefix('body')}"
     return re.sub(_AXES, lambda found: f"{found[1]}[{'xy'.index(found[2]) + 1}]", path)
 
 
@@ -46,12 +56,14 @@ def replaced(
     changes: Mapping[str, Any],
     tables: Mapping[str, TableType],
     balancers: Mapping[str, int],
+    bodies: Sequence[str] = (),
 ) -> Document:
     """A copy of a document with values replaced.
 
     Args:
         tables: what a path may begin with, and the table class behind it.
         balancers: for a balancer's name, its place in the document's list.
+        bodies: names that a path may begin with, as in `in_full`.
 
     Raises:
         SceneError: a path is unknown; the message says what is possible.
@@ -59,7 +71,7 @@ def replaced(
     document = copy.deepcopy(document)
     if {"speed", SPEED} <= changes.keys():
         raise SceneError(f"'speed': short for {SPEED}, which is given too: give one of them")
-    changes = {in_full(path): value for path, value in changes.items()}
+    changes = {in_full(path, bodies): value for path, value in changes.items()}
     given = {path for path, value in changes.items() if value is not None}
     for path, value in changes.items():
         first, *rest = path.split(".")
@@ -70,9 +82,9 @@ def replaced(
                 f"{name}.{path}" for name, table in tables.items() if path in fields_of(table)
             ]
             near = f" (did you mean {' or '.join(within)}?)" if within else ""
-            near = near or did_you_mean(first, list(tables))
-            known = ", ".join(tables)
-            raise SceneError(f"{path!r}: unknown{near}; begins with one of: {known}")
+            known = [*tables, *bodies]
+            near = near or did_you_mean(first, known)
+            raise SceneError(f"{path!r}: unknown{near}; begins with one of: {', '.join(known)}")
         if first in balancers:
             holder = document["balancer"][balancers[first]]
         else:

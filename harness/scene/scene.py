@@ -272,9 +272,18 @@ class Scene(Described):
             tables["balancing"] = Balancing
         tables |= {balancer.label: type(balancer) for balancer in self.balancer}
         try:
-            return replaced(document, changes, tables, labels)
+            return replaced(document, changes, tables, labels, self.body_names)
         except SceneError as error:
             raise SceneError(f"{self._label}: {error}") from None
+
+    @property
+    def body_names(self) -> tuple[str, ...]:
+        """Names of the bodies, which paths may begin with.
+
+        >>> ab.load("washing_machine_tub").body_names
+        ('tub',)
+        """
+        return tuple(body.name for body in self.rotor.bodies)
 
     def unit_of(self, path: str) -> str:
         """SI unit of the value at a path as in `replace`; empty where it has none.
@@ -286,7 +295,7 @@ class Scene(Described):
         'N s/m'
         """
         self._changed({path: 0.0})
-        first, *rest = in_full(path).split(".")
+        first, *rest = in_full(path, self.body_names).split(".")
         labels = [balancer.label for balancer in self.balancer]
         location: list[str | int] = (
             ["balancer", labels.index(first)] if first in labels else [first]

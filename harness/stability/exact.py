@@ -87,8 +87,9 @@ def tolerances(text: str, scene: Scene) -> tuple[Change, ...]:
         if not 0.0 <= size < 1e60:
             raise UserError(f"within {item!r}: {size:g} must be 0 or more")
         kind = "relative" if percent != amount else "added"
-        count = len(Tables(scene).numbers(in_full(path)))
-        changes += [Change(in_full(path), -size, size, kind, k) for k in range(count) if size]
+        path = in_full(path, scene.body_names)
+        count = len(Tables(scene).numbers(path))
+        changes += [Change(path, -size, size, kind, k) for k in range(count) if size]
     return tuple(changes)
 
 
@@ -155,6 +156,7 @@ class Tables:
             UserError: it names no number of the rotor or of a balancer, or one that shapes a table
                 over the speed.
         """
+        path = in_full(path, self.scene.body_names)
         self._refuse_shaping(path)
         known: dict[int, Number] = {}
         with suppress(KeyError, IndexError, TypeError):
@@ -184,7 +186,7 @@ class Tables:
 
     def _place(self, path: str) -> tuple[Any, Any]:
         """What holds a path's value, and its key or index."""
-        first, *rest = path.split(".")
+        first, *rest = in_full(path, self.scene.body_names).split(".")
         keys: list[Any] = []
         for part in rest:
             keys += [re.sub(r"\[.*", "", part), *(int(n) - 1 for n in re.findall(r"\d+", part))]

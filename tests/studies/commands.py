@@ -26,7 +26,7 @@ import autobalancer as ab
 # scene: what is varied and fitted with its value, and what is drawn over
 VALUES = {
     "overhung_fan": ("rotor.support_stiffness[1][1]", "2 MN/m", "balls.drag"),
-    "washing_machine_tub": ("tub.foot[1].stiffness[1]", "4 kN/m", "back.drag"),
+    "washing_machine_tub": ("tub.feet[1].stiffness[x]", "4 kN/m", "back.drag"),
     "angle_grinder": ("housing.mass", "2 kg", "balls.drag"),
     "small_turbine": ("rotor.bending_stiffness", "967 N m^2", "balls.drag"),
     "rubber_drive": ("frame.feet[1].loss_factor", "0.15", "fan_end.drag"),

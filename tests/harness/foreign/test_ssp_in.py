@@ -6,9 +6,11 @@ import zipfile
 
 import numpy as np
 import pytest
+from fmpy import platform_tuple
 from scipy.interpolate import CubicSpline
 
 import autobalancer as ab
+from autobalancer.harness.export.ssp.build import build_ssp
 
 NAMES = (
     'xmlns:ssd="http://ssp-standard.org/SSP1/SystemStructureDescription" '
@@ -207,3 +209,28 @@ def test_an_input_of_the_whole_system_keeps_its_start(chain):
 
     system = ab.load_system(chain(edit=edit))
     assert "spring.v1" not in [c.to for c in system.connection]
+
+
+@pytest.fixture(scope="module")
+def run_up(tmp_path_factory):
+    """A scene whose speed changes, and its package of separate units."""
+    scene = ab.load("washing_machine_stops")
+    file = tmp_path_factory.mktemp("ssp") / "stops.ssp"
+    return scene, build_ssp(scene, file, platforms=[platform_tuple])
+
+
+def test_a_package_whose_speed_nothing_changes_is_refused_with_the_ways_out(run_up):
+    with pytest.raises(ab.UserError, match=r"rotor, ring: nothing feeds.*--one-file --ssp.*hold"):
+        ab.load_system(str(run_up[1])).run()
+
+
+def test_a_package_with_a_stop_moves_as_its_scene_at_a_speed_that_is_held(run_up):
+    scene, file = run_up
+    held = {f"{unit}.{key}": v for unit in ("rotor", "ring") for key, v in
+            (("speed", 20.0), ("acceleration", 0.0))}  # fmt: skip
+    found = ab.load_system(str(file)).replace({**held, "run.duration": 2.0}).run()
+    changes = {"operation.run_up": None, "operation.speed": 20.0, "run.duration": 2.0}
+    ours = scene.replace(changes).run()
+    assert ours["rotor.stop[1].touches"][-1] >= 1
+    name = "rotor.stop[1].largest_force"
+    assert found[name][-1] == pytest.approx(ours[name][-1], rel=1e-3)

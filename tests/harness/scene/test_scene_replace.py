@@ -162,3 +162,16 @@ def test_an_entry_of_one_number_for_both_axes_is_put_where_it_belongs(axis):
         {"rotor.stiffness": 5.0, f"rotor.stiffness[{axis}]": 7.0}
     )
     assert scene.rotor.stiffness == ((7.0, 5.0) if axis == 1 else (5.0, 7.0))
+
+
+@pytest.mark.parametrize("path", ["tub.feet[2].stiffness[y]", "body[1].feet[2].stiffness[2]"])
+def test_values_of_a_body_have_its_name_or_its_number(path):
+    scene = load_scene("washing_machine_tub")
+    changed = scene.replace({path: "6 kN/m"})
+    assert changed.rotor.bodies[0].feet[1].stiffness == (4e3, 6e3)
+    assert scene.unit_of(path) == "N/m"
+
+
+def test_an_unknown_beginning_names_bodies_too():
+    with pytest.raises(SceneError, match=r"did you mean \"tub\".*front, tub"):
+        load_scene("washing_machine_tub").replace({"tubb.mass": 3.0})
