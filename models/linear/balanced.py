@@ -39,12 +39,24 @@ class CannotBalance(ValueError):
     Attributes:
         needed: moment the weights of a plane would have to supply [kg m].
         capacity: largest moment they can supply [kg m].
+        least: smallest moment they can supply [kg m]; above 0 for one weight, or one that is
+            heavier than all others together.
+        plane: index of that plane; None: no plane is to blame.
     """
 
-    def __init__(self, message: str, needed: float, capacity: float) -> None:
+    def __init__(
+        self,
+        message: str,
+        needed: float,
+        capacity: float,
+        least: float = 0.0,
+        plane: int | None = None,
+    ) -> None:
         super().__init__(message)
         self.needed = needed
         self.capacity = capacity
+        self.least = least
+        self.plane = plane
 
 
 @dataclass(frozen=True, eq=False)
@@ -144,6 +156,8 @@ def check_reach(assembly: Assembly, table: WeightTable) -> dict[int, complex]:
                 f"its {count} weights can make {span}",
                 size,
                 most,
+                least,
+                plane,
             )
         moments[plane] = complex(moment)
     return moments

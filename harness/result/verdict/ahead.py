@@ -23,14 +23,18 @@ SHORT = 3.0  # revolutions of such a run
 # passes its resonances keeps its speed to some 1e-5
 OF_MOTOR = 12.0
 FEWEST_LONGER = 1.5  # times the run: a shorter look ahead tells nothing
+LEAST_OF_REST = 0.01  # time constants: within fewer, weights that turn with the rotor hardly move
 TOLERANCE = 1e-3  # of a look ahead: what becomes of a run needs no more
 
 
-def look_ahead(run: Ran, stretch: Stretch, known: Known | None) -> Ran | None:
-    """A longer run that keeps a stretch's speed; None where it would cost too much.
+def look_ahead(
+    run: Ran, stretch: Stretch, known: Known | None, *, all_turn: bool = False
+) -> Ran | None:
+    """A longer run that keeps a stretch's speed; None where it would cost too much, or tell nothing.
 
     Args:
         known: facts at the speed that is kept; None: a motor still changes it.
+        all_turn: whether all weights turn with the rotor.
     """
     if run.separate:
         return None
@@ -53,6 +57,10 @@ def look_ahead(run: Ran, stretch: Stretch, known: Known | None) -> Ran | None:
     longer = min(wanted, MOST_PASSES / passes)
     if longer < FEWEST_LONGER * turned:
         return None
+    if known is not None and all_turn and math.isfinite(known.time_constant):
+        further = (longer - turned) * math.tau / known.speed
+        if longer < wanted and further < LEAST_OF_REST * known.time_constant:
+            return None
     changes: dict[str, float] = {"run.revolutions": longer}
     if scene.coupling.tolerance is not None:
         changes["coupling.tolerance"] = max(scene.coupling.tolerance, TOLERANCE)

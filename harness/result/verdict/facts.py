@@ -9,7 +9,7 @@ import numpy as np
 from ....models.arrays import Array, Complex
 from ...units import brief, in_both, readable_unbalance
 from .case import MARGIN, OFFSETS_TELL, SAFE, Case, Ruling
-from .known import Known
+from .known import SURELY_BEYOND, Known
 from .outcome import Outcome
 from .words import millimetres, percent
 
@@ -24,6 +24,14 @@ def from_facts(known: Known) -> Ruling | None:
             f"capacity exceeded: {readable_unbalance(known.reach.needed)} to balance"
             f"{aside * bool(known.off_centre)}, the weights hold at most "
             f"{readable_unbalance(known.reach.capacity)}",
+        )
+    if known.left_by_too_much > SURELY_BEYOND * known.limit:
+        assert known.reach is not None
+        return Ruling(
+            Outcome.TOO_HEAVY,
+            f"{readable_unbalance(known.reach.needed)} to balance, the weights hold at least "
+            f"{readable_unbalance(known.reach.least)} wherever they stand: at "
+            f"least {percent(known.left_by_too_much / known.alone)} of the vibration is left",
         )
     if known.is_out_of_reach:
         assert known.reach is not None

@@ -72,7 +72,7 @@ def _looked_ahead(run: Run, verdict: Verdict, last: Stretch) -> Verdict:
     known = None
     if last.steady:
         known = Known(run.scene, last.end, abs(last.speed))
-    found = look_ahead(run.ran, last, known)
+    found = look_ahead(run.ran, last, known, all_turn=verdict.left_behind is None)
     if found is None:
         return verdict
     ahead = Run(found, run.called)

@@ -22,7 +22,7 @@ from ...scene import Scene
 
 BALANCED = 0.05  # of the vibration without balancers: a rotor that vibrates less is balanced
 _NEAR = 0.1  # rad: weights rest there
-_SURELY_BEYOND = 1.5  # of the limit: least squares do not find the least of the largest
+SURELY_BEYOND = 1.5  # of the limit: least squares do not find the least of the largest
 
 
 def vibration_alone(scene: Scene, speed: float, end: float) -> float:
@@ -224,6 +224,16 @@ class Known:
         return self.reach is not None and self.reach.needed > self.reach.capacity
 
     @cached_property
+    def left_by_too_much(self) -> float:
+        """Vibration by the least moment of a plane's weights beyond what is to balance [m]; 0
+        where they can make less, as two alike do opposite each other."""
+        found = self.reach
+        if found is None or found.plane is None or not found.least > found.needed:
+            return 0.0
+        pull = self.assembly.rotor.planes[found.plane] * (found.least - found.needed)
+        return _size(self.response(pull.astype(complex)))
+
+    @cached_property
     def least(self) -> float:
         """About the least steady vibration that moments in the weights' planes leave [m]."""
         used = self.assembly.rotor.planes[np.unique(self.table.plane)]
@@ -235,7 +245,7 @@ class Known:
     @property
     def is_out_of_reach(self) -> bool:
         """Whether no moments in the weights' planes bring the vibration below the limit."""
-        return self.reach is not None and self.least > _SURELY_BEYOND * self.limit
+        return self.reach is not None and self.least > SURELY_BEYOND * self.limit
 
     @cached_property
     def growth(self) -> Growth | None:

@@ -11,6 +11,7 @@ class Outcome(str, Enum):
     BALANCED = "balanced"
     LOWERED = "vibration lowered"
     OVER_CAPACITY = "over capacity"
+    TOO_HEAVY = "too heavy"
     OUT_OF_REACH = "out of reach"
     OFF_CENTRE = "track off centre"
     NOT_ROUND = "race not round"
@@ -55,6 +56,7 @@ _SILENT = {
 }
 _REMEDIES = {
     Outcome.OVER_CAPACITY: "use more or heavier weights, or a larger track",
+    Outcome.TOO_HEAVY: "use lighter weights, or one more",
     Outcome.OUT_OF_REACH: "use a balancer in a second plane",
     Outcome.OFF_CENTRE: "centre the tracks of the weights",
     Outcome.NOT_ROUND: "take a rounder race",

@@ -64,6 +64,35 @@ def test_over_capacity_at_resonance_is_not_balanced_however_large_the_rotor_alon
     assert found.capacity == pytest.approx(2 * 0.01 * 0.2)
 
 
+@pytest.mark.parametrize(
+    ("mass", "outcome"), [(0.3, Outcome.TOO_HEAVY), (0.101, Outcome.BALANCED)]
+)
+def test_one_ball_that_holds_more_than_the_unbalance_leaves_the_difference(mass, outcome):
+    """One ball at rest opposite an unbalance of 0.02 kg m: z = (m R - U) w^2 / (k - M w^2)."""
+    speed, rotor = 150.0, {"kind": "planar", "mass": 8.0, "stiffness": 20e3, "damping": 80.0}
+    scene = Scene(
+        rotor=rotor | {"unbalance": 0.02},
+        balancer=[BALLS | {"count": 1, "mass": mass, "angles": [2.0]}],
+        speed=speed,
+        run={"revolutions": 200},
+    )
+    found = verdict(scene)
+    assert found.outcome is outcome
+    pull = complex(20e3 - (8.0 + mass) * speed**2, 80.0 * speed)
+    left = abs((mass * 0.2 - 0.02) * speed**2 / pull)
+    assert found.vibration == pytest.approx(left, rel=0.02)
+
+
+def test_a_look_ahead_that_would_show_next_to_nothing_is_not_taken(monkeypatch):
+    """An unbalance of 1 mg mm leaves the balls where they are for 5e12 s."""
+    alike = {"rotor.stiffness": 20e3, "rotor.damping": 80.0, "balls.count": 2}
+    scene = drum(1e-9, turns=50).replace(alike)
+    monkeypatch.setattr("autobalancer.harness.result.verdict.ahead.run_again", None)
+    found = verdict(scene)
+    assert found.outcome is Outcome.NOT_SETTLED
+    assert "more than a million revolutions" in found.remedy
+
+
 def test_advice_suffices_when_it_is_followed():
     for turns in (5.0, 20.0, 40.0):
         found = verdict(drum(turns=turns))
