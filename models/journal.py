@@ -17,6 +17,7 @@ from .supports import SpeedTable
 CLOSE = 0.04  # of a speed: the next row of a table
 MATRICES = ("stiffness", "damping")
 LONGEST = 0.5  # of the diameter: a longer film leaks along the axis less than is assumed
+THICKEST = 0.1  # of the journal's radius: Reynolds' equation holds for a thin film
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,7 +48,7 @@ def short_bearing(
         speed: of the rotor, above 0 [rad/s].
 
     Raises:
-        ValueError: a value is not positive, or the bearing is too long.
+        ValueError: a value is not positive, the bearing is too long, or its film is not thin.
     """
     given = {
         "diameter": diameter, "length": length, "clearance": clearance, "viscosity": viscosity,
@@ -60,6 +61,11 @@ def short_bearing(
         raise ValueError(
             f"length = {length:g} m: must be at most {LONGEST:g} diameters, "
             f"{LONGEST * diameter:g} m: the formula is that of a short bearing"
+        )
+    if clearance > THICKEST * diameter / 2.0:
+        raise ValueError(
+            f"clearance = {clearance:g} m: must be at most {THICKEST:g} of the journal's radius, "
+            f"{THICKEST * diameter / 2.0:g} m: the film is thin"
         )
     sommerfeld = diameter * speed * viscosity * length**3 / (8.0 * load * clearance**2)
     e = _eccentricity(sommerfeld)

@@ -271,12 +271,12 @@ def _graded(
     service_speed: float | None,
 ) -> Grade:
     if measured.radii is None:
-        raise UserError("a grade needs the radius of every plane: columns radius_mm[...]")
+        raise UserError("--grade: needs the radius of every plane: columns radius[PLANE] [mm]")
     speed = float(measured.speeds.max()) if service_speed is None else service_speed
     if mass is None or not (0.0 < mass < math.inf and 0.0 < speed < math.inf):
         raise UserError(
-            "a grade needs the rotor's mass (--mass, kg) and its service speed (--service-speed, "
-            "rad/s, or a column speed_rpm), finite and above 0"
+            "--grade: needs the rotor's mass (--mass, kg) and its service speed (--service-speed, "
+            "rad/s, or a column speed [rpm]), finite and above 0"
         )
     try:
         precession = Balancing(grade=name).precession

@@ -79,9 +79,10 @@ def print_correction(result: Correction, file: str) -> None:
     """What to mount, what is expected to remain, and whether the grade is met."""
     measured = result.measured
     say(
-        f"{file}: {len(measured.runs)} runs, {len(measured.sensors)} readings each, "
-        f"{len(measured.planes)} planes; condition number of the influence coefficients "
-        f"{result.condition:.3g}: the masses are off by up to that many times what readings are"
+        f"{file}: runs: {len(measured.runs)}, readings in each: {len(measured.sensors)}, planes: "
+        f"{len(measured.planes)}; condition number of the influence coefficients "
+        f"{result.condition:.3g} (an error of 1 % in the readings moves the masses by up to "
+        f"{result.condition:.3g} %)"
     )
     for line in _how_read(result):
         say(line)

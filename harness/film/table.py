@@ -138,8 +138,8 @@ def find_film(
     try:
         journal = Journal(**values, speeds=(low, high))
         table = journal.table(values["load"])
-    except (ValueError, ArithmeticError) as error:
-        raise UserError(f"bearing: {error}") from None
+    except (UserError, ValueError, ArithmeticError) as error:
+        raise UserError(f"bearing: {str(error).removeprefix('Journal: ')}") from None
     flat = [table.speeds[:, None], table.stiffness.reshape(-1, 4), table.damping.reshape(-1, 4)]
     return JournalBearing(journal, np.hstack(flat))
 

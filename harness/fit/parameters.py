@@ -120,7 +120,9 @@ def _limited(parameters: list[Parameter], text: str, scene: Any) -> list[Paramet
         si_number(end, scene.unit_of(path), f"{example}:") if end else far
         for end, far in zip(ends.split(":"), (-math.inf, math.inf), strict=True)
     )
-    if not low <= one.start <= high or low == high:
+    if not low < high:
+        raise UserError(f"{example}; LOW must be below HIGH")
+    if not low <= one.start <= high:
         raise UserError(f"--limit {text}: starts at {one.start:g}, outside: --set it")
     parameters[k] = replace(one, limits=(max(low, one.limits[0]), min(high, one.limits[1])))
     return parameters

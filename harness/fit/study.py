@@ -28,6 +28,8 @@ from .systematic import significance
 if TYPE_CHECKING:
     from ..output.workers import Progress
 
+ANOTHER_MACHINE = 1.0  # rms of the residuals: amplitudes that miss by a factor of e
+
 
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)
 class Fit(Estimate[Scene]):
@@ -81,6 +83,14 @@ class Fit(Estimate[Scene]):
 
     def _of_residuals(self) -> list[str]:
         """What residuals show, or may hide."""
+        if self.rms[1] > ANOTHER_MACHINE:
+            factor, other = math.exp(self.rms[1]), ""
+            if self.start.balancer:
+                other = "; if it was measured without its balancers, use --without-balancers"
+            return [
+                f"the fitted scene misses the measurements by a factor of {factor:.2g} (rms): it "
+                f"is another machine, and its values mean nothing{other}"
+            ]
         likely = self.runout is not None and self.runout.is_likely
         if self.is_systematic:
             with_runout = f". {self._with_runout()}" if likely else ""

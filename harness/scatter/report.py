@@ -116,7 +116,7 @@ def lines(said: Mapping[str, Any]) -> list[str]:
     if said["other_motion"]:
         lines.append(
             f"In {said['other_motion']} machines the weights turn with the rotor, which vibrates "
-            "no less than without them: another motion than the balanced one, they have not settled"
+            "no less than without them: they are not in the balanced motion, or not yet"
         )
     if said["merged"]:
         lines.append(

@@ -73,7 +73,7 @@ def plot_map(data: StabilityMap, path: Path | None) -> Path | Drawing:
 
 
 def plot_run_map(data: RunMap, path: Path | None) -> Path | Picture:
-    """Residual amplitude as colour; runs that have not settled are dotted, failed ones grey."""
+    """Residual amplitude as colour; dots where it still changes, grey where a run failed."""
     factor, unit = metres(float(np.nan_to_num(data.residual).max()))
     shown, limits, name = data.residual * factor, (0.0, 1.0), "residual amplitude"
     top = float(np.nan_to_num(shown).max())
@@ -86,7 +86,7 @@ def plot_run_map(data: RunMap, path: Path | None) -> Path | Picture:
         shown = np.fmax(shown, low, where=np.isfinite(shown), out=np.full_like(shown, np.nan))
     amplitude = PlotAxis(name, unit, log=top > 0.0, limits=limits)
     j, i = np.nonzero(data.settled == 0.0)
-    dots = Line((data.x.values[i], data.y.values[j]), "not settled", "#000000", "dots")
+    dots = Line((data.x.values[i], data.y.values[j]), "amplitude still changes", "#000000", "dots")
     return coloured(data, path, shown, amplitude, [dots] if len(i) else [])
 
 

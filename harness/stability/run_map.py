@@ -44,10 +44,10 @@ class RunMap(Map):
     def lines(self) -> Iterator[str]:
         """What came of the runs, in words."""
         failed = self.failure[self.failure != ""]
-        ran, settled = self.residual.size - failed.size, int(np.nansum(self.settled))
+        ran, steady = self.residual.size - failed.size, int(np.nansum(self.settled))
         yield (
-            f"{self.residual.size} runs in C as one composite: {settled} settled, "
-            f"{ran - settled} not, {failed.size} failed"
+            f"{self.residual.size} runs in C as one composite: {steady} with an amplitude that is "
+            f"steady over the last two revolutions, {ran - steady} not, {failed.size} failed"
         )
         if ran:
             low, high = 1e3 * np.nanmin(self.residual), 1e3 * np.nanmax(self.residual)

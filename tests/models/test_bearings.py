@@ -150,9 +150,11 @@ def test_beyond_three_quarters_of_the_clearance_no_rigid_rotor_whirls():
     assert critical_mass(*coefficients(0.76))[0] == math.inf
 
 
-def test_a_long_bearing_is_refused():
+def test_a_long_bearing_and_a_thick_film_are_refused():
     with pytest.raises(ValueError, match=r"at most 0\.5 diameters"):
         short_bearing(0.1, 0.06, 1e-4, 0.1, 525.0, 100.0)
+    with pytest.raises(ValueError, match=r"at most 0\.1 of the journal's radius"):
+        short_bearing(0.1, 0.03, 6e-3, 0.1, 525.0, 100.0)
 
 
 def squared_table(count=2001, high=200.0):

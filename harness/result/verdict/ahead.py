@@ -30,7 +30,7 @@ TOLERANCE = 1e-3  # of a look ahead: what becomes of a run needs no more
 def look_ahead(
     run: Ran, stretch: Stretch, known: Known | None, *, all_turn: bool = False
 ) -> Ran | None:
-    """A longer run that keeps a stretch's speed; None where it would cost too much, or tell nothing.
+    """A longer run that keeps a stretch's speed; None where it costs too much, or tells nothing.
 
     Args:
         known: facts at the speed that is kept; None: a motor still changes it.

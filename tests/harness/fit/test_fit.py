@@ -165,11 +165,25 @@ def test_limits_and_priors_may_have_units(rotor):
         ("rotor.damping=1:x", "must be PATH=LOW:HIGH"),
         ("rotor.damping=1 kg:5", "a damping or drag is expected"),
         ("rotor.damping=5:9", "starts at 4, outside"),
+        ("rotor.damping=9:5", "LOW must be below HIGH"),
+        ("rotor.damping=nan:", "LOW must be below HIGH"),
     ],
 )
 def test_a_limit_that_is_wrong_is_refused(rotor, limit, words):
     with pytest.raises(UserError, match=words):
         parse_free(FREE, rotor, [limit])
+
+
+def test_a_fit_far_from_the_measurements_says_that_the_scene_is_another_machine(tmp_path):
+    """A balanced rotor, beside amplitudes of the rotor alone."""
+    scene = load_scene("two_balls").replace({"run.revolutions": 60})
+    path = tmp_path / "alone.csv"
+    path.write_text("speed,amplitude [m]\n2.8,0.031\n3.0,0.030\n3.2,0.029\n")
+    found = scene.fit(path, "weights.drag")
+    assert math.exp(found.rms[1]) > 3.0
+    assert any("--without-balancers" in text for text in found.warnings())
+    alone = scene.without_balancers().fit(path, "rotor.unbalance")
+    assert not any("another machine" in text for text in alone.warnings())
 
 
 def test_every_support_can_be_measured_on_its_own(tmp_path):

@@ -150,6 +150,7 @@ def test_command_prints_modes_and_writes_what_is_asked_for(invoke, tmp_path):
         (["--range", "3.0", "1.0"], "--range 3 1: must be two speeds"),
         (["--campbell", "picture.bmp"], "pictures end in .png, .svg, .pdf"),
         (["--run-up", "no/such/place.png"], "there is no directory no/such"),
+        (["--run-up", f"{__file__}/place.png"], "test_rotor_plots.py is a file, not a directory"),
     ],
 )
 def test_command_refuses_what_it_cannot_draw(invoke, options, message):

@@ -124,6 +124,12 @@ def test_what_knows_no_table_says_so():
         scene.replace({"coupling.units": "python"})
 
 
+def test_a_film_over_speeds_that_fall_is_refused_by_the_name_of_the_command():
+    size = {"diameter": 0.1, "length": 0.03, "clearance": 1e-4, "viscosity": 0.1, "load": 525.0}
+    with pytest.raises(ab.UserError, match=r"^bearing: speeds = .*must ascend"):
+        ab.find_film(**size, speeds=(400.0, 100.0))
+
+
 def test_a_film_is_saved_as_a_table_that_a_scene_reads(tmp_path):
     film = ab.find_film(
         diameter="100 mm", length="30 mm", clearance="0.1 mm", viscosity="0.1 Pa s", load="525 N",

@@ -64,9 +64,7 @@ def test_over_capacity_at_resonance_is_not_balanced_however_large_the_rotor_alon
     assert found.capacity == pytest.approx(2 * 0.01 * 0.2)
 
 
-@pytest.mark.parametrize(
-    ("mass", "outcome"), [(0.3, Outcome.TOO_HEAVY), (0.101, Outcome.BALANCED)]
-)
+@pytest.mark.parametrize(("mass", "outcome"), [(0.3, Outcome.TOO_HEAVY), (0.101, Outcome.BALANCED)])
 def test_one_ball_that_holds_more_than_the_unbalance_leaves_the_difference(mass, outcome):
     """One ball at rest opposite an unbalance of 0.02 kg m: z = (m R - U) w^2 / (k - M w^2)."""
     speed, rotor = 150.0, {"kind": "planar", "mass": 8.0, "stiffness": 20e3, "damping": 80.0}
