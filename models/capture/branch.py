@@ -21,6 +21,7 @@ from .receptance import Poles, Receptance
 _ABOVE = np.array([0.0, 0.12, 0.3, 0.6, 1.0, 1.6, 2.4, 3.4])  # half widths, beyond a pole
 _NEAR_BELOW = np.array([0.12, 0.3, 0.6, 1.0, 1.6, 2.4])
 _POINTS_BELOW = 16
+_FAR_BELOW = np.linspace(0.0, 1.0, _POINTS_BELOW)
 _SCREEN = np.array([-1.0, -0.3, 0.0, 0.3, 1.0])  # the first look
 _LOWEST = 0.03  # of a natural frequency: how far down motions are looked for
 _NARROWEST = 1e-7  # half width over frequency, of undamped rotors too
@@ -35,7 +36,7 @@ _FEW = 40  # rows that are not worth a first look
 NEARLY = 0.8  # the same, at a drag beside which it can be 1
 _NOT_HELD = 0.5  # at most, where no motion belongs to it
 _SAME_PEAK = 0.05  # half widths: peaks so near are one
-_REFINEMENTS, _AT_ONCE = 4, 9  # each time one of so many points less one is kept
+_REFINEMENTS, _PLACES = 2, np.linspace(0.0, 1.0, 65)  # each time what lies between two is kept
 
 
 @dataclass(frozen=True, eq=False)
@@ -250,7 +251,7 @@ def _grid(poles: Poles) -> Array:
     width = np.maximum(poles.decay, _NARROWEST * poles.frequency)[:, None]
     farthest = (1.0 - _LOWEST) * centre / width
     start = np.minimum(4.0, 0.5 * farthest)
-    far = start * (farthest / start) ** np.linspace(0.0, 1.0, _POINTS_BELOW)
+    far = start * (farthest / start) ** _FAR_BELOW
     near = _NEAR_BELOW * np.minimum(1.0, start / 4.0)
     below = np.hstack([near, far])[:, ::-1]
     return np.hstack([centre - width * below, centre + width * _ABOVE])
@@ -376,14 +377,14 @@ class _Crossing:
 
     def between(self, low: Array, high: Array, phases: Array) -> tuple[Array, Array]:
         """Roots (r,) between points (r,), and the phases (r, c) there."""
-        rows, places = np.arange(len(low)), np.linspace(0.0, 1.0, _AT_ONCE)
+        rows = np.arange(len(low))
         left = np.zeros((2, len(low)))
         for _ in range(_REFINEMENTS):
-            w = low[:, None] + (high - low)[:, None] * places
+            w = low[:, None] + (high - low)[:, None] * _PLACES
             lags, turned = self._lag.at(self._receptance, w, self._speed, self._numbers, phases)
             excess = w + lags - self._speed
             beyond = ~(excess[:, 1:] <= 0.0)
-            at = np.where(beyond.any(axis=1), beyond.argmax(axis=1), _AT_ONCE - 2)
+            at = np.where(beyond.any(axis=1), beyond.argmax(axis=1), len(_PLACES) - 2)
             low, high = w[rows, at], w[rows, at + 1]
             left = np.stack([excess[rows, at], excess[rows, at + 1]])
             there = turned[rows, at]

@@ -191,20 +191,23 @@ class Lag:
         Returns:
             (p, r, j) or (2p, r, j).
         """
-        om, half = np.reshape(speed, (-1, 1)), 0.5 * (frequency * frequency) ** 2
-        count = len(self.used)
+        om, squared = np.reshape(speed, (-1, 1)), frequency * frequency
+        half, count = -0.5 * squared * squared, len(self.used)
         found = np.zeros((parts * count, *frequency.shape), complex)
         free = (self._counts - numbers) * self._shares
         for rate, which in self._rates:
             masses = (free @ which).T[..., None]
             if masses.any():
-                turned = 1j * rate * np.reshape(factors, (-1, 1))
+                damped = rate * np.reshape(factors, (-1, 1))
                 # the force of the backward part acts on its conjugate
                 for part, sign in enumerate((1.0, -1.0)[:parts]):
                     relative = sign * frequency - om
                     relative += relative == 0.0
-                    force = half / (relative * (sign * turned - relative))
-                    found[part * count : (part + 1) * count] += masses * force
+                    # half/(v^2 - i sign v d), in its real and its imaginary part
+                    force = half / (relative * relative + damped * damped)
+                    there = found[part * count : (part + 1) * count]
+                    there.real += masses * force
+                    there.imag += masses * (sign * damped * force / relative)
         return found
 
     def moments(self, numbers: Array) -> Array:

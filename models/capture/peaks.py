@@ -18,6 +18,7 @@ _POINTS = 31  # between the neighbours of the highest of coarse points
 _TURN_OVER = 0.5  # half widths below a natural frequency within which phases turn over
 _THREE = np.array([[-1], [0], [1]])
 _AT_END = 12  # between the last point of a motion and the next one
+_PLACES = {points: np.linspace(0.0, 1.0, points) for points in (_POINTS, _AT_END)}
 
 
 def find_peaks(frequency: Array, lags: Array, away: Array) -> tuple[Array, Array, Indices]:
@@ -103,5 +104,5 @@ def _along(
     factors: float | Array,
 ) -> tuple[Array, Array, Array]:
     """Evenly spread speeds (r, points) of the weights, lags there, and phases (r, points, c)."""
-    w = low[:, None] + (high - low)[:, None] * np.linspace(0.0, 1.0, points)
+    w = low[:, None] + (high - low)[:, None] * _PLACES[points]
     return w, *lag.at(receptance, w, speed, numbers, phases, factors)

@@ -65,6 +65,7 @@ class Receptance:
         self.rotor = rotor
         self.coefficients = Coefficients(rotor)
         self._mass = self.coefficients.mass
+        self._inverse = np.linalg.inv(self._mass)
         self.follows_speed = self.coefficients.follow_speed
         used = (rotor.planes if planes is None else rotor.planes[planes]).astype(complex)
         self.plane_count = len(used)
@@ -137,6 +138,8 @@ class Receptance:
         count = self.plane_count
         if not others.any():
             return planes[:count, :count]
+        if len(planes) == 2:
+            return _with_two(planes, others)
         matrix = planes * -others
         matrix.reshape(-1, *matrix.shape[2:])[:: len(matrix) + 1] += 1.0
         return solve_first(matrix, planes[:, :count].copy())
@@ -182,7 +185,7 @@ class Receptance:
 
     def _first_order(self, speeds: Array) -> Complex:
         """Matrices (b, m, m) of displacements and velocities."""
-        size, inverse = len(self._mass), np.linalg.inv(self._mass)
+        size, inverse = len(self._mass), self._inverse
         damping, stiffness = self.coefficients.at(speeds)
         matrix = np.zeros((len(speeds), 2 * size, 2 * size), np.result_type(self._mass, damping))
         matrix[:, :size, size:] = np.eye(size)
@@ -193,6 +196,20 @@ class Receptance:
         """Dynamic stiffness (b, n, n) at frequencies and speeds (b,)."""
         w, (damping, stiffness) = frequency[:, None, None], self.coefficients.at(speed)
         return np.asarray(stiffness - w * w * self._mass + 1j * w * damping)
+
+
+def _with_two(g: Complex, others: Complex) -> Complex:
+    """(1 - g diag(others))^-1 g of two parts."""
+    (a, b), (c, d) = g
+    first, second = others
+    across = b * c
+    left = a * d - across
+    found = np.empty_like(g)
+    scale = 1.0 / ((1.0 - a * first) * (1.0 - d * second) - across * first * second)
+    found[0, 0], found[1, 1] = a - second * left, d - first * left
+    found[0, 1], found[1, 0] = b, c
+    found *= scale
+    return found
 
 
 def inverse_of_two(matrices: Complex) -> Complex:
