@@ -1,6 +1,7 @@
 """Moving pictures of a run: rotor and weights seen along the axis, the vibration beside them.
 
-They are seen from axes that turn with the rotor: weights stand still where they balance.
+They are seen from axes that turn with the rotor: weights stand still where they balance.  Stops, if
+there are any, are seen beside them in axes that do not turn.
 """
 
 from __future__ import annotations
@@ -28,6 +29,7 @@ from ..scene import Scene
 from ..scene.balancer import Liquid, Ring, WeightBalancer
 from ..units import brief
 from .motion import Motion
+from .movie_stops import draw_stop, stop_views
 
 if TYPE_CHECKING:
     from ..output.workers import Progress
@@ -178,12 +180,16 @@ def _stage(
     motion: Motion, times: Array, factor: float, seen: list[View]
 ) -> tuple[Figure, Callable[[int], None]]:
     """The figure, and what moves it to a frame."""
-    figure = Figure(figsize=(3.6 * len(seen) + 4.2, 4.0), layout="constrained")
+    stops = stop_views(motion, times)
+    columns = len(seen) + len(stops)
+    figure = Figure(figsize=(3.6 * columns + 4.2, 4.0), layout="constrained")
     figure.suptitle(
         f"{motion.scene.heading}\ndisplacement magnified {factor:g} times", fontsize="medium"
     )
-    grid = figure.add_gridspec(2, len(seen) + 1, width_ratios=[*([3.6] * len(seen)), 4.2])
-    moves = [_actor(figure.add_subplot(grid[:, k]), view) for k, view in enumerate(seen)]
+    grid = figure.add_gridspec(2, columns + 1, width_ratios=[*([3.6] * columns), 4.2])
+    canvases = [figure.add_subplot(grid[:, k]) for k in range(columns)]
+    moves = [_actor(*each) for each in zip(canvases, seen, strict=False)]
+    moves += [draw_stop(*each) for each in zip(canvases[len(seen) :], stops, strict=True)]
     moves.append(_curves(motion, times, *(figure.add_subplot(grid[k, -1]) for k in range(2))))
     harmless(figure)
     moves[0](0)

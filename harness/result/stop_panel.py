@@ -48,11 +48,15 @@ def stop_panel(scene: Scene, time: Array, signals: Mapping[str, Array]) -> Panel
 
 def ways_across(scene: Scene, signals: Mapping[str, Array]) -> list[Array]:
     """Of every stop how far from rest without gravity it was (T,) [m]; none where not recorded."""
+    return [np.hypot(*way) for way in motions_across(scene, signals)]
+
+
+def motions_across(scene: Scene, signals: Mapping[str, Array]) -> list[Array]:
+    """Of every stop x and y of the displacement across it (2, T) [m]; none where not recorded."""
     prefixes = stations(len(scene.rotor.points))
     names = [[f"rotor.{prefix}{axis}" for prefix in prefixes] for axis in "xy"]
     if not all(name in signals for axis in names for name in axis):
         return []
     motion = np.array([[signals[name] for name in axis] for axis in names])
     rotor = scene.restrained_assembly().rotor
-    each = (np.einsum("an,ant->at", stop.rows, motion) for stop in rotor.stops)
-    return [np.hypot(*way) for way in each]
+    return [np.einsum("an,ant->at", stop.rows, motion) for stop in rotor.stops]

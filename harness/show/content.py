@@ -92,6 +92,7 @@ def content(scene: Scene) -> dict[str, Any]:
         "points": len(scene.rotor.points),
         "stops": list(_stops(scene)),
         "carrier": _carrier(scene),
+        "tub": _tub(scene),
         "heavy": _heavy(made),
         "changes": _changes(scene),
     }
@@ -228,6 +229,17 @@ def _carrier(scene: Scene) -> dict[str, Any] | None:
         "feet": [foot.position for foot in body.feet],
         "middle": body.center,
     }
+
+
+def _tub(scene: Scene) -> dict[str, Any] | None:
+    """The body that carries a planar rotor: its name, its point among those of the rotor, from 0,
+    and whether it stands on feet."""
+    rotor = scene.rotor
+    body = next((one for one in rotor.bodies if one.name == rotor.on), None)
+    if body is None or len(rotor.supports) != 1:
+        return None
+    point = [*("" for _ in rotor.stations), *rotor.beyond].index(body.name)
+    return {"name": body.name, "point": point, "feet": bool(body.feet)}
 
 
 def _stops(scene: Scene) -> Iterator[dict[str, Any]]:

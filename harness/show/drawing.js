@@ -4,6 +4,7 @@ const SHOWN_AS = 0.22; // of the rotor's radius: what the largest displacement i
 const TRAIL = 3; // revolutions
 const GAP = 0.2; // of a chamber's radius: a narrower gap is drawn wider, up to this
 const LOBES = 0.08; // of a race's radius: smaller lobes are drawn larger, up to this
+const TUB = 0.81; // of half of the picture: radius of a body around a planar rotor
 const FARTHEST = 0.98; // of half of the picture: stops farther out are not drawn
 const WITHIN = 0.9; // of a gap: what a displacement that is less is drawn within
 
@@ -81,7 +82,9 @@ class Drawing {
       return [cx + scale * (ct * px - st * py), cy - scale * (st * px + ct * py)];
     };
     const centre = point(m * x, m * y);
-    if (!this.turning && plane.supported) this.springs(cx, cy, centre, size);
+    if (plane.supported && machine.data.tub) {
+      this.tub(cx, cy, point(m * machine.now.tub[0], m * machine.now.tub[1]), centre, size);
+    } else if (!this.turning && plane.supported) this.springs(cx, cy, centre, size);
     this.disc(plane, centre, scale, view);
     this.trail(plane, point);
     for (const b of plane.balancers) this.balancer(b, plane, centre, point(0, 0), scale, view);
@@ -107,6 +110,31 @@ class Drawing {
     line(c, cx - reach, cy - 14, cx - reach, cy + 14);
     line(c, cx - 14, cy + reach, cx + 14, cy + reach);
     c.lineWidth = 1;
+  }
+
+  /* The body around a planar rotor: springs from the frame to it, and from it to the shaft. */
+  tub(cx, cy, [bx, by], [x, y], size) {
+    const { context: c, colours, machine } = this, { name, feet } = machine.data.tub;
+    const [reach, edge] = [size, TUB * size];
+    c.strokeStyle = colours.faint;
+    if (!this.turning) {
+      c.lineWidth = 1.5;
+      spring(c, bx - edge, by, x, y, 9);
+      spring(c, bx, by + edge, x, y, 9);
+      if (feet) {
+        spring(c, cx - reach, cy, bx - edge, by, 4);
+        spring(c, cx, cy + reach, bx, by + edge, 4);
+        c.lineWidth = 3;
+        line(c, cx - reach, cy - 14, cx - reach, cy + 14);
+        line(c, cx - 14, cy + reach, cx + 14, cy + reach);
+      }
+    }
+    c.lineWidth = 4;
+    circle(c, bx, by, edge);
+    c.lineWidth = 1;
+    c.fillStyle = colours.faint;
+    c.textAlign = "center";
+    c.fillText(name, bx, by - edge - 5);
   }
 
   /* Stops around the axis at their gap, and how far the rotor has come across each; one that is

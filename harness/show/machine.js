@@ -211,6 +211,9 @@ class Machine {
       ...this.clearances]);
     this.readCarrier = this.data.carrier ? units.reader(this.data.carrier.points.flatMap((k) =>
       [`rotor.station[${k + 1}].x`, `rotor.station[${k + 1}].y`])) : () => [];
+    const { tub } = this.data;
+    this.readTub = tub ? units.reader(["x", "y"].map((axis) =>
+      `rotor.station[${tub.point + 1}].${axis}`)) : () => [0, 0];
     this.readStops = this.data.stops.length ? units.reader(this.stopNames()) : () => [];
     const before = new Map(this.weights?.map(({ name }, k) => [name, this.history.angles[k]]));
     this.weights = weights.map((name) => ({
@@ -237,7 +240,7 @@ class Machine {
     const angles = rest.slice(last, rest.length - this.clearances.length);
     const clearance = Math.min(...rest.slice(rest.length - this.clearances.length));
     this.now = { angle, speed, error, steps, pairs, waves, angles, clearance,
-      stops: this.stopsNow(), carrier: this.carrierNow() };
+      stops: this.stopsNow(), carrier: this.carrierNow(), tub: this.readTub() };
   }
 
   /* Displacements of the body that carries the rotor, below both supports. */

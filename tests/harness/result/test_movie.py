@@ -13,6 +13,7 @@ from PIL import Image, ImageSequence
 from autobalancer.harness import UserError, cosimulate, load_scene
 from autobalancer.harness.result.motion import Motion
 from autobalancer.harness.result.movie import FRAMES_PER_SECOND, REACH, views
+from autobalancer.harness.result.movie_stops import stop_views
 
 pytestmark = pytest.mark.slow
 
@@ -158,3 +159,23 @@ def test_command_makes_a_movie_of_liquid(invoke, tmp_path):
     assert done.exit_code == 0, done.output
     with Image.open(tmp_path / "a.gif") as movie:
         assert movie.n_frames >= 2
+
+
+def test_a_stop_is_seen_from_fixed_axes_with_what_touches_it():
+    scene = load_scene("washing_machine_stops")
+    slow = {"operation.run_up": {"from": 0, "to": 83.7758, "seconds": 8.0}, "run.duration": 5.0}
+    scene = scene.replace(slow)
+    forces = [f"rotor.stop[1].force_{axis}" for axis in "xy"]
+    places = [f"rotor.station[{k}].{axis}" for k in (1, 2) for axis in "xy"]
+    run = cosimulate(scene, record=[*places, *forces, "rotor.stop[1].touches"])
+    motion = Motion(scene, run.time, run)
+    (view,) = stop_views(motion, run.time)
+    tub = run["rotor.station[2].x"] + 1j * run["rotor.station[2].y"]
+    np.testing.assert_allclose(view.trail[:, -1], tub, atol=1e-12)
+    pushed = np.hypot(run["rotor.stop[1].force_x"], run["rotor.stop[1].force_y"]) > 0.0
+    assert 0.1 < pushed.mean() < 0.9
+    # the stop lets go before the gap is open again
+    assert (view.touched != pushed).mean() < 0.02
+    # a touch can be shorter than the time between two records
+    began = (np.diff(view.touched.astype(int)) == 1).sum()
+    assert began == pytest.approx(run["rotor.stop[1].touches"][-1], abs=1.0)

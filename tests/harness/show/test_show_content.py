@@ -101,3 +101,10 @@ def test_a_race_with_lobes_is_drawn_with_them():
     found = content(load_scene("oval_fan"))["balancers"]
     assert [len(one["race"]) for one in found] == [1, 2]
     assert found[1]["race"][1] == {"lobes": 3, "amplitude": 1e-6, "angle": math.radians(15.0)}
+
+
+def test_the_body_around_a_planar_rotor_is_drawn_where_it_moves():
+    shown = content(load_scene("washing_machine_stops"))
+    assert shown["tub"] == {"name": "tub", "point": 1, "feet": True}
+    assert content(load_scene("drum"))["tub"] is None
+    assert content(load_scene("rubber_drive"))["tub"] is None  # seen from the side, as a bar
