@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from ..stability.whirl import Whirls
 
 DEFAULT = ",".join(DEFAULT_METHODS)
+MOST_DIGITS = 17  # of a double
 HEADS = {"criterion": "criterion, a rule"}  # what the other methods compute, it approximates
 _COLOURS = {"stable": GOOD, "unstable": "red", "undecided": "yellow", "neutral": "yellow"}
 
@@ -139,11 +140,20 @@ def bands_table(proof: Proof, title: str) -> Sheet:
     if not engineering.get():
         columns.append("that is")
         for row, b in zip(rows, proof.bands, strict=True):
-            row.append(f"{engineers(b.low, 'rad/s')} to {engineers(b.high, 'rad/s')}")
+            row.append(" to ".join(_apart(b.low, b.high)))
     machines = f"for every machine within {proof.within}" if proof.within else "for this machine"
     colours = {"proved": _COLOURS}
     aligned = "rrl" + "l" * (len(columns) - 3)
     return Sheet(columns, rows, aligned, f"{title}: proved {machines}", colours)
+
+
+def _apart(low: float, high: float) -> tuple[str, str]:
+    """Both ends of a band in engineers' units, with enough digits to tell them apart."""
+    for digits in range(4, MOST_DIGITS + 1):
+        ends = engineers(low, "rad/s", digits), engineers(high, "rad/s", digits)
+        if ends[0] != ends[1]:
+            break
+    return ends
 
 
 def whirl_table(whirl: Whirls) -> Sheet:

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from typing import Any, cast
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ...models.arrays import Array, Complex
 from ..master.names import stations
@@ -42,7 +43,7 @@ class StopView:
     trail: Complex
 
     @property
-    def touched(self) -> Array:
+    def touched(self) -> NDArray[np.bool_]:
         """Whether it is touched in every frame (F,)."""
         return np.abs(self.trail[:, -1]) > self.gap
 

@@ -45,7 +45,10 @@ Creeps = Literal["not", "freely", "balanced"]
 _NEWTON = 60  # iterations
 _RANK = 1e-9  # turns that change moments by a smaller share of the most do not
 _LONGEST_TURN = 0.3  # rad of an iteration
-_MOST_EVALUATIONS = 3_000  # of where weights creep
+_MOST_EVALUATIONS = 3_000  # of where weights creep freely
+_MOST_CREEPS = 200  # steps of weights that creep; those that come to rest do in about 50
+_LONGEST_CREEP = 0.1  # rad of one
+_STILL = 1e-9  # rad of Newton's method, and of the largest slope: rates of weights at rest
 _SOLVED = 1e-11  # of the radius: what is left of the equations
 _ANEW = 0.03  # of a speed at which weights crept to no rest: so much later they do once more
 _CREEP_TIMES, _LEAST_SLOPE = 60.0, 1e-7  # time constants, of the largest lobe over the radius
@@ -165,7 +168,8 @@ class OnRace:
         Raises:
             NoRest: none was found.
         """
-        theta = angles.copy() if creeps == "not" else self._crept(angles, creeps)
+        creep = {"not": np.copy, "freely": self._crept, "balanced": self._crept_balanced}[creeps]
+        theta = creep(angles)
         size = np.array([weights_of(m).track_radius for m in self.assembly.weights]).max()
         for _ in range(_NEWTON):
             left = self.missing(theta)
@@ -175,41 +179,78 @@ class OnRace:
             theta = theta + turn * min(1.0, _LONGEST_TURN / max(np.abs(turn).max(), 1e-300))
         raise NoRest(f"no rest of weights on their race was found at {self.speed:g} rad/s")
 
-    def _crept(self, angles: Array, creeps: Creeps) -> Array:
-        """Where weights creep to; balanced, turns that change moments follow Newton's method."""
+    def _crept(self, angles: Array) -> Array:
+        """Where weights creep to freely, as under a heavy drag."""
         devices = [weights_of(m) for m in self.assembly.weights]
-        size = np.concatenate([np.full(d.count, d.track_radius) for d in devices])
+        size = self._sizes
         steep = [o.order**2 * o.amplitude / d.track_radius for d in devices for o in d.race]
         length = _CREEP_TIMES / max([_LEAST_SLOPE, *(s for s in steep if s > 0.0)])
-        plane, mass, *_ = self._columns
-        pulls = (mass[:, None] * self.assembly.loaded_rotor.planes[plane]).T
-
-        def creep(_t: float, theta: Array) -> Array:
-            left, moments = self.missing(theta) / size**2, pulls * self.places(theta).along
-            _, values, rows = np.linalg.svd(np.vstack([moments.real, moments.imag]))
-            rank = int((values > _RANK * values[0]).sum())
-            seen, unseen = rows[:rank], rows[rank:]
-            slopes = seen @ (self._slopes(theta) / size[:, None] ** 2) @ seen.T
-            newton = np.linalg.lstsq(slopes, seen @ left, rcond=None)[0]
-            turned: Array = unseen.T @ (unseen @ left) - seen.T @ newton
-            return turned
 
         from scipy.integrate import solve_ivp  # a run that shows nothing but words does without
 
-        def freely(_t: float, theta: Array) -> Array:
-            pulled: Array = self.missing(theta) / size**2
-            return pulled
-
         left = iter(range(_MOST_EVALUATIONS))
 
-        def rate(t: float, theta: Array) -> Array:
+        def rate(_t: float, theta: Array) -> Array:
             if next(left, None) is None:
                 raise NoRest(f"weights creep without end on their race at {self.speed:g} rad/s")
-            return creep(t, theta) if creeps == "balanced" else freely(t, theta)
+            pulled: Array = self.missing(theta) / size**2
+            return pulled
 
         solved = solve_ivp(rate, (0.0, length), angles, "LSODA", rtol=1e-6, atol=1e-9)
         found: Array = solved.y[:, -1]
         return found if np.isfinite(found).all() else angles.copy()
+
+    @cached_property
+    def _sizes(self) -> Array:
+        """Radius of the track of each weight (K,) [m]."""
+        devices = [weights_of(m) for m in self.assembly.weights]
+        return np.concatenate([np.full(d.count, d.track_radius) for d in devices])
+
+    def _crept_balanced(self, angles: Array) -> Array:
+        """Where weights creep to by turns that leave the rotor nearly at rest.
+
+        Turns that change moments follow Newton's method, x = -S^-1 (s + B y); the others creep at
+        the rate g of what is missing.  Implicit steps of Euler's method solve both: short ones as
+        long as weights go far, long ones near the rest, where they become Newton's; never so long
+        that one could pass from a rest that is left to its neighbour.
+
+        Raises:
+            NoRest: they do not come to rest.
+        """
+        plane, mass, *_ = self._columns
+        pulls = (mass[:, None] * self.assembly.loaded_rotor.planes[plane]).T
+        theta, least = angles.copy(), 1.0
+        try:
+            for _ in range(_MOST_CREEPS):
+                moments = pulls * self.places(theta).along
+                _, values, rows = np.linalg.svd(np.vstack([moments.real, moments.imag]))
+                rank = int((values > _RANK * values[0]).sum())
+                seen, unseen = rows[:rank], rows[rank:]
+                left = self.missing(theta) / self._sizes**2
+                slopes = self._slopes(theta) / self._sizes[:, None] ** 2
+                own, across = seen @ slopes @ seen.T, seen @ slopes @ unseen.T
+                newton, answer = np.hsplit(
+                    -np.linalg.solve(own, np.column_stack([seen @ left, across])), [1]
+                )
+                pull = unseen @ (left + slopes @ seen.T @ newton[:, 0])
+                slope = unseen @ slopes @ (unseen.T + seen.T @ answer)
+                growth = float(np.linalg.eigvals(slope).real.max(initial=-np.inf))
+                least_pull = _STILL * np.abs(slope).max(initial=0.0)
+                still = np.abs(newton[:, 0]).max(initial=0.0) <= _STILL
+                if still and growth < 0.0 and np.abs(pull).max(initial=0.0) <= least_pull:
+                    return theta
+                rate = max(least, 2.0 * growth)
+                while True:
+                    crept = np.linalg.solve(rate * np.eye(len(pull)) - slope, pull)
+                    if not np.abs(crept).max(initial=0.0) > _LONGEST_CREEP:
+                        break
+                    rate *= 2.0
+                turn = unseen.T @ crept + seen.T @ (newton[:, 0] + answer @ crept)
+                theta = theta + turn * min(1.0, _LONGEST_TURN / max(np.abs(turn).max(), 1e-300))
+                least = 0.5 * rate
+        except np.linalg.LinAlgError:
+            pass
+        raise NoRest(f"weights creep without end on their race at {self.speed:g} rad/s")
 
     def linearised(self, angles: Array) -> Linearised:
         """Small motions about the rest at these angles, at this speed alone."""

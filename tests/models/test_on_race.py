@@ -7,8 +7,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 
+import autobalancer as ab
 from autobalancer.models.assembly import Assembly, Mounted, SpeedProfile
+from autobalancer.models.linear.balanced import balanced_angles
+from autobalancer.models.linear.off_centre import centred
 from autobalancer.models.linear.on_race import NoRest, main_motion, rounded
 from autobalancer.models.lobes import Lobes, Race
 from autobalancer.models.monolith import simulate
@@ -81,3 +85,27 @@ def test_supports_of_unlike_stiffness_are_refused_by_name():
     assembly = replace(machine(Lobes(2, 2e-5)), rotor=rotor)
     with pytest.raises(NoRest, match="alike along x and y"):
         main_motion(assembly, SPEED)
+
+
+def test_balls_end_where_a_slow_flow_along_the_balanced_positions_leads_them():
+    """Turns that no moment feels follow the race; the others follow Newton's method."""
+    assembly = ab.load("oval_fan").assembly()
+    machine, found = main_motion(assembly.at_speed(100.0), 100.0)
+    masses = np.repeat([m.device.each[0].mass for m in assembly.weights], 3)
+    planes = np.repeat([m.plane for m in assembly.weights], 3)
+
+    def flow(_t, theta):
+        moments = np.array([
+            masses * (planes == plane) * part(machine.places(theta).along)
+            for plane in (0, 1) for part in (np.real, np.imag)
+        ])  # fmt: skip
+        _, _, rows = np.linalg.svd(moments)
+        seen, unseen = rows[:4], rows[4:]
+        left = machine.missing(theta) / 0.06**2
+        ahead = [machine.missing(theta + 1e-6 * turn) - machine.missing(theta) for turn in seen]
+        slopes = seen @ np.array(ahead).T / 1e-6 / 0.06**2
+        return unseen.T @ (unseen @ left) - seen.T @ np.linalg.solve(slopes, seen @ left)
+
+    begin = balanced_angles(centred(rounded(assembly), 100.0))
+    ended = solve_ivp(flow, (0.0, 4e5), begin, "LSODA", rtol=1e-6, atol=1e-9).y[:, -1]
+    np.testing.assert_allclose(np.exp(1j * found), np.exp(1j * ended), atol=1e-4)

@@ -17,6 +17,7 @@ from autobalancer.harness import Scene, UserError, load_scene, speeds  # noqa: E
 from autobalancer.harness.checks.filimonikhina import OUTSIDE, RANGE, TABLES, variant  # noqa: E402
 from autobalancer.harness.checks.proved import bracket_rows  # noqa: E402
 from autobalancer.harness.checks.row import Rows  # noqa: E402
+from autobalancer.harness.commands.speeds import bands_table  # noqa: E402
 from autobalancer.harness.stability.exact import Tables, tolerances  # noqa: E402
 from autobalancer.harness.stability.proved import Band, Proof, prove  # noqa: E402
 from autobalancer.models.boundaries import balancing_boundaries  # noqa: E402
@@ -280,3 +281,12 @@ def test_the_map_command_draws_cells_and_keeps_no_store(invoke, tmp_path):
     assert files[0].stat().st_size > 1000
     assert len(files[1].read_text().splitlines()) >= 16
     assert "keeps no store" in invoke(*line, "--store", files[2]).output
+
+
+def test_ends_of_a_narrow_band_can_be_told_apart_in_rpm():
+    bands = (Band(157.0796, 157.0797, "stable"), Band(157.0797, 300.0, "unstable"))
+    narrow, wide = (row[-1] for row in bands_table(Proof(bands, 1e-4, 1), "").rows)
+    low, high = (float(narrow.split()[k]) for k in (0, 3))
+    assert low < high
+    assert [low, high] == pytest.approx([1499.9997, 1500.0007], abs=6e-4)
+    assert wide == "1500 rpm to 2865 rpm"

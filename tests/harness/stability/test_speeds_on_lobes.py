@@ -38,7 +38,7 @@ def test_it_is_said_why_and_the_result_is_still_json(found):
 
 
 def test_a_map_has_a_hole_where_there_is_no_rest():
-    rates = growth_map([ab.load("oval_fan").assembly()], [41.0, 44.0])
+    rates = growth_map([ab.load("oval_fan").assembly()], [40.5, 44.0])
     assert np.isnan(rates).tolist() == [[True, False]]
 
 
