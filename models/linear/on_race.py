@@ -47,7 +47,8 @@ _RANK = 1e-9  # turns that change moments by a smaller share of the most do not
 _LONGEST_TURN = 0.3  # rad of an iteration
 _MOST_EVALUATIONS = 3_000  # of where weights creep freely
 _MOST_CREEPS = 200  # steps of weights that creep; those that come to rest do in about 50
-_LONGEST_CREEP = 0.1  # rad of one
+# rad of one; where weights creep without end, longer ones still find a rest that would hold them
+_LONGEST_CREEPS = 0.1, 0.3
 _STILL = 1e-9  # rad of Newton's method, and of the largest slope: rates of weights at rest
 _SOLVED = 1e-11  # of the radius: what is left of the equations
 _ANEW = 0.03  # of a speed at which weights crept to no rest: so much later they do once more
@@ -168,8 +169,10 @@ class OnRace:
         Raises:
             NoRest: none was found.
         """
-        creep = {"not": np.copy, "freely": self._crept, "balanced": self._crept_balanced}[creeps]
-        theta = creep(angles)
+        if creeps == "balanced":
+            theta = self._crept_balanced(angles)
+        else:
+            theta = self._crept(angles) if creeps == "freely" else angles.copy()
         size = np.array([weights_of(m).track_radius for m in self.assembly.weights]).max()
         for _ in range(_NEWTON):
             left = self.missing(theta)
@@ -219,6 +222,18 @@ class OnRace:
         """
         plane, mass, *_ = self._columns
         pulls = (mass[:, None] * self.assembly.loaded_rotor.planes[plane]).T
+        for longest in _LONGEST_CREEPS:
+            found = self._crept_in_steps(angles, pulls, longest)
+            if found is not None:
+                return found
+        raise NoRest(f"weights creep without end on their race at {self.speed:g} rad/s")
+
+    def _crept_in_steps(self, angles: Array, pulls: Array, longest: float) -> Array | None:
+        """Where steps of at most so many rad lead; None where they do not come to rest.
+
+        Args:
+            pulls: (n, K) of each weight on the moments of the stations [kg].
+        """
         theta, least = angles.copy(), 1.0
         try:
             for _ in range(_MOST_CREEPS):
@@ -242,15 +257,15 @@ class OnRace:
                 rate = max(least, 2.0 * growth)
                 while True:
                     crept = np.linalg.solve(rate * np.eye(len(pull)) - slope, pull)
-                    if not np.abs(crept).max(initial=0.0) > _LONGEST_CREEP:
+                    if not np.abs(crept).max(initial=0.0) > longest:
                         break
                     rate *= 2.0
                 turn = unseen.T @ crept + seen.T @ (newton[:, 0] + answer @ crept)
                 theta = theta + turn * min(1.0, _LONGEST_TURN / max(np.abs(turn).max(), 1e-300))
                 least = 0.5 * rate
         except np.linalg.LinAlgError:
-            pass
-        raise NoRest(f"weights creep without end on their race at {self.speed:g} rad/s")
+            return None
+        return None
 
     def linearised(self, angles: Array) -> Linearised:
         """Small motions about the rest at these angles, at this speed alone."""

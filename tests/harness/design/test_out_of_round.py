@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import json
+import math
 
+import numpy as np
 import pytest
 
 import autobalancer as ab
@@ -49,3 +51,14 @@ def test_lobes_are_stated_one_by_one_and_together(invoke, tmp_path):
 def test_what_has_no_answer_is_refused_with_a_reason(changes, lobes, message):
     with pytest.raises(UserError, match=message):
         ab.Scene(**WHEEL).replace(changes).race(lobes)
+
+
+def test_a_run_ends_with_what_the_worst_angle_of_the_races_leaves():
+    fan = ab.load("oval_fan")
+    ((_, worst),) = fan.race().left
+    by = math.tau * 3 / 12
+    turned = {f"{b.label}.race[{k}].angle": one.angle + by
+              for b in fan.balancer for k, one in enumerate(b.race, start=1)}  # fmt: skip
+    run = fan.replace(turned).run()
+    ends = [np.hypot(run[f"rotor.station[{k}].x"], run[f"rotor.station[{k}].y"]) for k in (1, 2)]
+    assert max(end[-40:].max() for end in ends) == pytest.approx(worst, rel=1e-4)
