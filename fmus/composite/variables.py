@@ -9,7 +9,10 @@ from ...models.constants import DEFAULT_TOLERANCE
 from ..unit import SizedUnit, Sizes, Unit, count, one_of
 from ..variables import Variable, output, parameter, plain_input, signal_inputs
 
-VIBRATION = "Half the largest travel of a station along x or y in the last complete revolution"
+VIBRATION = (
+    "Half the largest travel of a station along x or y in the last complete revolution; of a free"
+    " machine the amplitude that turns with the rotor"
+)
 RESIDUAL = "Static unbalance of rotor and weights together, the sum of all planes"
 CAPACITY = "Largest share that a balancer uses of the unbalance its weights can supply"
 BALANCED = "Whether the vibration is at most `vibration_limit`"

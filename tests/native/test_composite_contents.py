@@ -22,6 +22,8 @@ from autobalancer.harness import load_scene
 from autobalancer.harness.export.one_file import build_one_file
 from autobalancer.harness.export.reference_files import FOLDER
 from autobalancer.harness.master.one_file import composition
+from autobalancer.harness.result.verdict import BALANCED
+from autobalancer.models.linear.synchronous import synchronous
 
 SCENES = ["two_balls", "sommerfeld"]
 
@@ -103,6 +105,37 @@ def test_the_file_says_what_is_left_of_vibration_and_unbalance(hosted, name, wei
     turned = [n.replace(".amount", ".angle") if "[" in n else f"{n}_angle" for n in amounts]
     own = map(cmath.rect, host.get(*amounts), host.get(*turned))
     assert left == pytest.approx(abs(sum(own) + sum(moments)), rel=1e-9)
+
+
+def test_a_machine_that_nothing_holds_is_balanced_though_it_drifts(hosted):
+    """Against the amplitude that turns with the rotor over many revolutions, by least squares."""
+    scene = load_scene("angle_grinder")
+    host = hosted(scene)
+    turn, many = 2.0 * math.pi / scene.profile().end, 16
+    flag = [v.valueReference for v in host.description.modelVariables if v.name == "balanced"]
+    names = [v.name for v in host.description.modelVariables]
+    axes = [n for n in names if re.fullmatch(r"rotor\.(station\[\d\]\.|body\[\d\]\.)?[xy]", n)]
+    limit = host.get("vibration_limit")[0]
+    host.step(20 * turn)
+    early, drift = host.get("vibration")[0], np.array(host.get(*axes))
+    assert host.slave.getBoolean(flag) == [False]
+    assert early > limit
+    host.step(180 * turn)
+    rows = [host.step(turn / many) or host.get(*axes) for _ in range(100 * many)]
+    angle = 2.0 * math.pi / many * np.arange(len(rows))
+    turning = synchronous(angle, np.array(rows).T, drifts=True)
+    late = host.get("vibration")[0]
+    assert np.abs(np.array(rows[-1]) - drift).max() > 1e3 * limit
+    assert late == pytest.approx(np.abs(turning).max(), abs=0.2 * limit)
+    assert host.slave.getBoolean(flag) == [True]
+
+
+def test_vibration_of_a_free_machine_without_balancers_is_the_closed_form(hosted):
+    scene = load_scene("angle_grinder").without_balancers()
+    host = hosted(scene)
+    host.step(50 * 2.0 * math.pi / scene.profile().end)
+    vibration, limit = host.get("vibration", "vibration_limit")
+    assert vibration == pytest.approx(limit / BALANCED, rel=0.01)
 
 
 @pytest.mark.parametrize("name", SCENES)

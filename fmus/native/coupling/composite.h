@@ -58,10 +58,10 @@ typedef struct {
     double steps, passes, error;
 } Totals;
 
-/* Of verdict.c: half the largest extent of a station in the last complete revolution [m], and how far the
-   rotor has turned in this one [rad]. */
+/* Of verdict.c: vibration in the last complete revolution [m], how far the rotor has turned in this one [rad],
+   and whether nothing holds the machine. */
 typedef struct {
-    double last, turned;
+    double last, turned, drifts;
 } Vibration;
 
 /* What changes while stepping, apart from the parts; doubles alone, as the state is. */
@@ -95,7 +95,7 @@ struct Composite {
     size_t made_with;                           /* changes of the unbalance that the rotor is made with */
     /* in the unit's memory */
     Course *course;
-    double *extent;       /* (2 n, 2) least and largest x, y of n stations in this revolution [m] */
+    double *extent;       /* (2 n, 2) least and largest x, y of n stations in this revolution [m], and sums of verdict.c */
     double *outer_forces; /* (4, rotor's planes, 2) value and derivatives as told last [N, N/s, N/s^2, N/s^3] */
     double *states;       /* memories of all parts, one after the other, */
     double *at_begin;     /* and those at the start of the step */

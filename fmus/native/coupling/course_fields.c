@@ -63,6 +63,7 @@ static void declare_course(Fields *fields, const Composite *c)
     fields_whole(fields, "total.steps, .passes", &course->total.steps, 2, 0.0, MOST_COUNTED);
     fields_within(fields, "total.error", &course->total.error, 1, 0.0, DBL_MAX);
     fields_within(fields, "vibration", &course->vibration.last, 2, 0.0, DBL_MAX);
+    fields_flag(fields, "vibration.drifts", &course->vibration.drifts);
     declare_one_piece(fields, c);
 }
 

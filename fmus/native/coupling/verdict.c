@@ -1,12 +1,19 @@
-/* What tells whether a machine is balanced: vibration, unbalance that is left, capacity in use. */
+/* What tells whether a machine is balanced: vibration, unbalance that is left, capacity in use.
+
+   The vibration is half the largest extent in a revolution.  A machine that nothing holds drifts and
+   tilts slowly besides: its vibration is the part that turns with the rotor, by least squares of
+   1, s, s^2, cos t, sin t over the revolution, t the angle of the rotor in it and s = t/2 pi. */
 #include <string.h>
 
 #include "base/elementary.h"
+#include "base/matrix.h"
 #include "constants.h"
 #include "contact/ring.h"
 #include "coupling/composite.h"
 
 enum { PARTS_OF_STEP = 4 }; /* a step of an eighth of a revolution then misses 0.5 % of a peak */
+enum { FITTED = 5, FITTED_COSINE = 3 };
+static const double NOT_HELD = 1e-10; /* of an element of the matrix: what rounding leaves of 0 */
 
 static size_t axes_of(const Composite *c)
 {
@@ -15,7 +22,51 @@ static size_t axes_of(const Composite *c)
 
 size_t verdict_doubles(const Composite *c)
 {
-    return 2 * axes_of(c);
+    return 2 * axes_of(c) + FITTED * (FITTED + axes_of(c));
+}
+
+/* Products of the terms (FITTED, FITTED), and behind them with every displacement (2 n, FITTED). */
+static double *products_of(const Composite *c)
+{
+    return c->extent + 2 * axes_of(c);
+}
+
+/* Whether a stiffness matrix (n, n) lets a motion go, by elimination; it is overwritten. */
+static bool lets_go(int n, double *matrix)
+{
+    const double size = largest_of(n * n, matrix);
+    int i, j, k;
+    for (k = 0; k < n; k++) {
+        const double *row = matrix + k * n;
+        if (!(row[k] > NOT_HELD * size)) {
+            return true;
+        }
+        for (i = k + 1; i < n; i++) {
+            const double factor = matrix[i * n + k] / row[k];
+            for (j = k; j < n; j++) {
+                matrix[i * n + j] -= factor * row[j];
+            }
+        }
+    }
+    return false;
+}
+
+static bool is_free(const Composite *c)
+{
+    const LinearRotor *rotor = &composite_rotor(c)->rotor;
+    const int n = rotor->stations;
+    const double *const axes[2] = {rotor->stiffness_x, rotor->stiffness_y};
+    int axis;
+    if (rotor->bearings.count > 0 || rotor->sliders) {
+        return false;
+    }
+    for (axis = 0; axis < 2; axis++) {
+        copy_doubles((size_t)(n * n), axes[axis], c->square);
+        if (!lets_go(n, c->square)) {
+            return false;
+        }
+    }
+    return true;
 }
 
 /* The extents begin at these displacements. */
@@ -26,11 +77,54 @@ static void begin_extents(Composite *c, const double *place)
     for (k = 0; k < axes_of(c); k++) {
         c->extent[2 * k] = c->extent[2 * k + 1] = place[k];
     }
+    fill_doubles(FITTED * (FITTED + axes_of(c)), 0.0, products_of(c));
 }
 
 void verdict_begin(Composite *c)
 {
+    c->course->vibration.drifts = is_free(c);
     begin_extents(c, c->parts->unit->memory + MOTION);
+}
+
+/* Take over displacements at an angle of the rotor in this revolution. */
+static void look_at(Composite *c, const double *place, double angle)
+{
+    const double s = angle / TAU, terms[FITTED] = {1.0, s, s * s, cosine(angle), sine(angle)};
+    double *products = products_of(c), *own = products + FITTED * FITTED;
+    size_t k;
+    int j;
+    for (k = 0; k < axes_of(c); k++) {
+        c->extent[2 * k] = smaller(c->extent[2 * k], place[k]);
+        c->extent[2 * k + 1] = larger(c->extent[2 * k + 1], place[k]);
+    }
+    if (!c->course->vibration.drifts) {
+        return;
+    }
+    for (j = 0; j < FITTED; j++) {
+        add_multiple(1, FITTED, terms + j, terms, products + FITTED * j);
+    }
+    for (k = 0; k < axes_of(c); k++) {
+        add_multiple(1, FITTED, place + k, terms, own + FITTED * k);
+    }
+}
+
+/* Amplitude along an axis of the part that turns with the rotor, the largest of all stations; 0 where there
+   were too few looks. */
+static double turning(const Composite *c)
+{
+    const double *products = products_of(c);
+    double most = 0.0;
+    size_t k;
+    for (k = 0; k < axes_of(c); k++) {
+        double matrix[FITTED * FITTED], found[FITTED];
+        copy_doubles(FITTED * FITTED, products, matrix);
+        copy_doubles(FITTED, products + FITTED * (FITTED + k), found);
+        if (matrix_solve(1, FITTED, 1, matrix, found)) {
+            return 0.0;
+        }
+        most = larger(most, hypotenuse(found[FITTED_COSINE], found[FITTED_COSINE + 1]));
+    }
+    return most;
 }
 
 /* Half of the largest extent of a station along an axis. */
@@ -50,7 +144,7 @@ static void end_revolution(Composite *c, const double *place, double turned)
     Vibration *vibration = &c->course->vibration;
     vibration->turned += turned;
     if (vibration->turned >= TAU * (1.0 - 1e-9)) {
-        const double last = amplitude(c), beyond = vibration->turned - TAU;
+        const double last = vibration->drifts ? turning(c) : amplitude(c), beyond = vibration->turned - TAU;
         begin_extents(c, place);
         vibration->last = last;
         vibration->turned = larger(0.0, beyond);
@@ -61,28 +155,24 @@ void verdict_follow(Composite *c, double speed, double step)
 {
     const size_t n = axes_of(c);
     const double *begin = c->at_begin + MOTION, *end = c->parts->unit->memory + MOTION;
+    const double turned = c->course->vibration.turned, turns = absolute(speed) * step;
+    double *place = c->pieces.looked_at;
     size_t k;
     int j;
-    for (k = 0; k < n; k++) {
-        for (j = 1; j <= PARTS_OF_STEP; j++) {
-            /* the cubic between both ends */
-            const double s = (double)j / PARTS_OF_STEP, r = 1.0 - s;
-            const double place = r * r * (begin[k] * (1.0 + 2.0 * s) + begin[n + k] * step * s) +
-                                 s * s * (end[k] * (1.0 + 2.0 * r) - end[n + k] * step * r);
-            c->extent[2 * k] = smaller(c->extent[2 * k], place);
-            c->extent[2 * k + 1] = larger(c->extent[2 * k + 1], place);
+    for (j = 1; j <= PARTS_OF_STEP; j++) {
+        const double s = (double)j / PARTS_OF_STEP, r = 1.0 - s;
+        for (k = 0; k < n; k++) { /* the cubic between both ends */
+            place[k] = r * r * (begin[k] * (1.0 + 2.0 * s) + begin[n + k] * step * s) +
+                       s * s * (end[k] * (1.0 + 2.0 * r) - end[n + k] * step * r);
         }
+        look_at(c, place, turned + s * turns);
     }
-    end_revolution(c, end, absolute(speed) * step);
+    end_revolution(c, end, turns);
 }
 
 void verdict_look(Composite *c, const double *place, double turned)
 {
-    size_t k;
-    for (k = 0; k < axes_of(c); k++) {
-        c->extent[2 * k] = smaller(c->extent[2 * k], place[k]);
-        c->extent[2 * k + 1] = larger(c->extent[2 * k + 1], place[k]);
-    }
+    look_at(c, place, c->course->vibration.turned + absolute(turned));
     end_revolution(c, place, absolute(turned));
 }
 
