@@ -87,19 +87,20 @@ def _refuse_beyond(rotor: LinearRotor, motion: Complex) -> None:
             size = float(np.abs(motion[:, one.axis] @ one.shares(rotor.stations)).max())
             if one.limit and 2.0 * size >= one.free_stroke:
                 raise NoResponse(
-                    "the vibration of the linear rotor leaves the free stroke of a damper, "
-                    f"{size:.3g} m of {one.free_stroke / 2.0:.3g} m to each side"
+                    f"the vibration by the linear equations, {1e3 * size:.3g} mm, leaves the free "
+                    f"stroke of a damper, {500.0 * one.free_stroke:.3g} mm to each side"
                 )
             continue
         across = np.einsum("an,kan->ka", one.rows, motion)
         size = float(largest_displacement(across[:, :, None]).max()) if len(across) else 0.0
         if isinstance(one, Stop) and size >= one.gap:
             raise NoResponse(
-                f"the vibration of the linear rotor reaches a stop, {size:.3g} m of {one.gap:.3g} m"
+                f"the vibration by the linear equations, {1e3 * size:.3g} mm, reaches a stop with "
+                f"a gap of {1e3 * one.gap:.3g} mm"
             )
         bent = isinstance(one, CubicSpring) and max(map(abs, one.stiffness)) * size**2
         if bent > SMALL * stiffness:
-            raise NoResponse("the vibration of the linear rotor bends a cubic spring")
+            raise NoResponse("the vibration by the linear equations bends a cubic spring")
 
 
 def largest_displacement(displacement: Complex) -> Array:
