@@ -83,6 +83,7 @@ class Found:
         frequency: at which they turn [rad/s]; NaN: none, or beside several natural frequencies.
         vibration: in the last windows [m].
         decided: whether a longer look would find the same.
+        calm: whether the vibration changes little between the last windows.
     """
 
     kind: Array
@@ -90,6 +91,7 @@ class Found:
     frequency: Array
     vibration: Array
     decided: NDArray[np.bool_]
+    calm: NDArray[np.bool_]
 
     def replace(self, rows: NDArray[np.intp], other: Found) -> None:
         """Take over what another look has found of some runs."""
@@ -112,7 +114,7 @@ def classify(seen: Seen, alone: float, speed: float) -> Found:
         kind[r], weights[r], frequency[r] = _one(seen, r, alone, speed)
     calm = np.ptp(seen.vibration[:, -LATE:], axis=1) <= CALM * late
     decided = np.isin(kind, (Kind.BALANCED, Kind.FAILED)) | ((kind == Kind.BEHIND) & calm)
-    return Found(kind.astype(float), weights, frequency, late, decided)
+    return Found(kind.astype(float), weights, frequency, late, decided, calm)
 
 
 def _one(seen: Seen, r: int, alone: float, speed: float) -> tuple[Kind, int, float]:

@@ -23,7 +23,6 @@ EXTENDED, MOST_EXTENDED = 5.0, 16.0  # times as long a run that has not decided 
 TIME_CONSTANTS = 8.0  # of the balanced motion, which that run lasts at least
 LAST = 4.0  # times as long again a run that has not decided then,
 LONGEST = 10_000.0  # revolutions, for its points have to fit into memory
-_OPEN = (Kind.UNDECIDED, Kind.IRREGULAR)
 
 
 def alone(scene: Scene, speed: float) -> float:
@@ -38,9 +37,9 @@ def alone(scene: Scene, speed: float) -> float:
 def settle(scene: Scene, made: Job) -> tuple[Found, NDArray[np.object_], Array]:
     """Motions of some starts; what has not decided is run again, longer, and twice at most.
 
-    An irregular motion can end in a steady one after a time that nothing tells, so it is looked at
-    longest.  The windows are not longer then: the largest vibration of long windows is alike
-    however irregular the motion is.
+    An irregular motion can end in a steady one after a time that nothing tells, and a second
+    frequency can grow until weights are left behind: both are looked at longest.  The windows are
+    not longer then: the largest vibration of long windows is alike however irregular the motion is.
 
     Returns:
         Motions; why a run has failed, else empty; largest distance of each run [m].
@@ -56,8 +55,14 @@ def settle(scene: Scene, made: Job) -> tuple[Found, NDArray[np.object_], Array]:
             break
         seen, failure[open_], largest[open_] = run(made.longer(longer, open_, window))
         found.replace(open_, classify(seen, bare, made.speed))
-        open_, window = open_[np.isin(found.kind[open_], _OPEN)], seen.seconds
+        open_, window = open_[_is_open(found)[open_]], seen.seconds
     return found, failure, largest
+
+
+def _is_open(found: Found) -> NDArray[np.bool_]:
+    """Whether the second of three looks does not decide (r,)."""
+    unnamed = np.isin(found.kind, (Kind.UNDECIDED, Kind.IRREGULAR))
+    return unnamed | ((found.kind == Kind.TWO_FREQUENCIES) & ~found.calm)
 
 
 def _extension(scene: Scene, made: Job) -> float:

@@ -10,6 +10,7 @@ from autobalancer.harness.errors import SceneError, UserError
 from autobalancer.harness.motions.kinds import WINDOWS, Kind, Seen, classify
 from autobalancer.harness.motions.outcome import wilson
 from autobalancer.models.boundaries import balancing_boundaries
+from tests.studies.left_behind import motions as witness
 
 GREEN = {"kind": "planar", "mass": 1.0, "stiffness": 1.0, "damping": 0.02, "unbalance": 0.01}
 BALLS = {"name": "balls", "kind": "balls", "count": 2, "mass": 0.03267, "track_radius": 1.0}
@@ -236,3 +237,13 @@ def test_speeds_beyond_a_table_are_refused_before_anything_runs():
         scene.motions([3.0, 7.0], "rest", 2)
     with pytest.raises(SceneError, match=r"speed = 0\.5 rad/s: must be within 1 to 6"):
         scene.sweep(0.5, 3.0)
+
+
+@pytest.mark.parametrize(
+    ("seed", "number"), [(2711, 147), (4304, 35)], ids=["irregular at first", "a swing that grows"]
+)
+def test_a_motion_that_decides_late_has_the_name_that_an_integration_finds(seed, number):
+    one = witness.case(witness.KINDS[number % len(witness.KINDS)], number, seed)
+    named = witness.by_integration(one)
+    assert named == (Kind.BEHIND, 4)
+    assert witness.by_package(one) == named
