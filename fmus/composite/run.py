@@ -98,7 +98,10 @@ class Run:
             raise MemoryError
 
     def start(
-        self, points: Sequence[float] = (), step_share: float = 0.0, grain: float = 0.0
+        self,
+        points: Sequence[float] | NDArray[np.float64] = (),
+        step_share: float = 0.0,
+        grain: float = 0.0,
     ) -> None:
         """From the start values, with rows at `points` if they are given.
 

@@ -73,7 +73,7 @@ class OneFileRun(Closing):
         """
         self.time = 0.0
         try:
-            self._run.start(() if points is None else points.tolist(), share, grain)
+            self._run.start(() if points is None else points, share, grain)
         except RunFailed as failure:
             raise SimulationError(f"{self.scene.name}: {failure}") from None
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from array import array
 from collections.abc import Mapping, Sequence
-from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -76,6 +75,7 @@ class Recorder:
         }
         self.names = [name for name in self.signal_units if name in names]
         self.rows = array("d")
+        self._looked_at = 0  # numbers that were recorded when memory was last looked at
 
     def record(self, time: float) -> None:
         """Record the present values."""
@@ -106,6 +106,9 @@ class Recorder:
         Raises:
             UserError: with what it needs.
         """
+        if len(self.rows) < 2 * self._looked_at:
+            return
+        self._looked_at = len(self.rows)
         present, free = _COPIES * self.rows.itemsize * len(self.rows), free_memory()
         if present > _TELLING * free:  # first steps can be far shorter than most
             what = f"run.revolutions, run.record: {len(self.names)} signals of the whole run need"
@@ -126,8 +129,7 @@ def present_values(units: Mapping[str, Any], names: Sequence[str]) -> dict[str, 
     return {name: float(values[0]) for name, values in recorder.columns()[1].items()}
 
 
-def divided(grid: Signal, parts: int) -> list[float]:
+def divided(grid: Signal, parts: int) -> Signal:
     """Points that divide every step between those of a grid."""
-    shares = np.arange(parts) / parts
-    inner = [begin + shares * (end - begin) for begin, end in pairwise(grid.tolist())]
-    return [*np.concatenate(inner).tolist(), float(grid[-1])]
+    begins, lengths = grid[:-1, np.newaxis], np.diff(grid)[:, np.newaxis]
+    return np.append(begins + np.arange(parts) / parts * lengths, grid[-1])

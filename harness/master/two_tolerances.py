@@ -81,7 +81,7 @@ class TwoTolerances:
         recorder = self._recorded(share, self._run.rows, done, progress)
         grid, before = recorder.columns()
         parts = PARTS if self._run.rows is None else 1
-        points = np.array(divided(grid, parts))
+        points = divided(grid, parts)
         least = least_motion(self._run.scene)
         scale = {name: least.get(unit, 0.0) for name, unit in recorder.signal_units.items()}
         while True:

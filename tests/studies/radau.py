@@ -1,11 +1,11 @@
-"""Write the numbers of Radau's rule with seven points, as `fmus/native/machine/radau.c` has them.
+"""Write Radau's rules with seven and eleven points, as `fmus/native/machine/radau.c` has them.
 
     python -m tests.studies.radau
 
-The points are the zeros of P7(2 t - 1) - P6(2 t - 1) (Hairer & Wanner, Solving Ordinary
-Differential Equations II, IV.5).  The rest follows from them: integrals and coefficients of
-interpolating polynomials, and the eigenvalues and vectors of the integrals.  All with 60 digits, by
-mpmath.
+The s points are the zeros of P_s(2 t - 1) - P_(s-1)(2 t - 1) (Hairer & Wanner, Solving Ordinary
+Differential Equations II, IV.5).  The rest follows from them: integrals, interpolating
+polynomials, of seven points in powers of the time and of eleven as sums of Chebyshev's, and the
+eigenvalues and vectors of the integrals.  All with 60 digits, by mpmath.
 """
 
 from __future__ import annotations
@@ -16,21 +16,22 @@ from typing import Any
 
 import mpmath as mp
 
-STAGES, DIGITS, WIDTH = 7, 60, 110
+DIGITS, WIDTH = 60, 110
+RULES = {7: "SEVEN", 11: "ELEVEN"}
 FILE = Path(__file__).resolve().parents[2] / "fmus" / "native" / "machine" / "radau.c"
 HEAD = """\
-/* Radau's rule with seven points: written by `python -m tests.studies.radau`. */
+/* Radau's rules with seven and eleven points: written by `python -m tests.studies.radau`. */
 #include "machine/collocation.h"
 """
 
 
-def nodes() -> list[Any]:
+def nodes(stages: int) -> list[Any]:
     """Points within a step of length 1, ascending; the last is its end."""
 
     def legendre(degree: int) -> Any:
-        return mp.taylor(lambda t: mp.legendre(degree, 2 * t - 1), 0, STAGES)
+        return mp.taylor(lambda t: mp.legendre(degree, 2 * t - 1), 0, stages)
 
-    series = [a - b for a, b in zip(legendre(STAGES), legendre(STAGES - 1), strict=True)]
+    series = [a - b for a, b in zip(legendre(stages), legendre(stages - 1), strict=True)]
     found = mp.polyroots(series[::-1], maxsteps=500, extraprec=400)
     return [*sorted(mp.re(root) for root in found)[:-1], mp.mpf(1)]
 
@@ -38,20 +39,32 @@ def nodes() -> list[Any]:
 def modes(matrix: Any) -> list[tuple[Any, list[Any], list[Any]]]:
     """Eigenvalues, the real one first, with left and right vectors; right ones end with 1."""
     values, right = mp.eig(matrix)
-    left = right**-1
+    left, stages = right**-1, len(values)
     chosen = sorted(
-        (k for k in range(STAGES) if mp.im(values[k]) > -(mp.mpf(10) ** (10 - DIGITS))),
+        (k for k in range(stages) if mp.im(values[k]) > -(mp.mpf(10) ** (10 - DIGITS))),
         key=lambda k: mp.im(values[k]),
     )
-    last = STAGES - 1
+    last = stages - 1
     return [
         (
             values[k],
-            [left[k, i] * right[last, k] for i in range(STAGES)],
-            [right[i, k] / right[last, k] for i in range(STAGES)],
+            [left[k, i] * right[last, k] for i in range(stages)],
+            [right[i, k] / right[last, k] for i in range(stages)],
         )
         for k in chosen
     ]
+
+
+def in_chebyshev(power: list[Any]) -> list[Any]:
+    """Coefficients by T_k(2 t - 1) of a polynomial, from those by t^k."""
+    count = len(power)
+    angles = [mp.pi * (m + mp.mpf(1) / 2) / count for m in range(count)]
+    values = [mp.polyval(power[::-1], (1 + mp.cos(angle)) / 2) for angle in angles]
+
+    def share(k: int) -> Any:
+        return mp.fsum(v * mp.cos(k * angle) for v, angle in zip(values, angles, strict=True))
+
+    return [(2 if k else 1) * share(k) / count for k in range(count)]
 
 
 def _number(value: Any) -> str:
@@ -72,53 +85,58 @@ def _row(numbers: Iterable[str], indent: str) -> str:
     return "\n".join([*lines, line.rstrip().rstrip(",")])
 
 
-def _table(kind: str, name: str, rows: list[list[str]]) -> str:
-    inner = ",\n".join(f"    {{{_row(row, '     ').lstrip()}}}" for row in rows)
-    return f"const {kind} {name} = {{\n{inner}}};\n"
+def _array(kind: str, name: str, rows: list[list[str]]) -> str:
+    inner = ",\n".join(_row(row, "    ") for row in rows)
+    return f"static const {kind} {name}[] = {{\n{inner}}};\n"
+
+
+def rule(stages: int) -> str:
+    """Of one rule: its arrays, and the structure that names them."""
+    name, c, n = RULES[stages], nodes(stages), range(stages)
+    inverse = mp.matrix(stages, stages)
+    for i in n:
+        for k in n:
+            inverse[i, k] = c[i] ** k
+    inverse = inverse**-1
+    matrix = mp.matrix(stages, stages)
+    for i in n:
+        for j in n:
+            matrix[i, j] = mp.fsum(c[i] ** (k + 1) / (k + 1) * inverse[k, j] for k in n)
+    powers = [[mp.mpf(0), *(inverse[k, j] / c[j] for k in n)] for j in n]  # 0 at 0
+    if stages == 7:
+        kind, orders, shown = "POWERS", range(1, stages + 1), powers
+    else:
+        kind, orders, shown = "SUMS", range(stages + 1), [in_chebyshev(power) for power in powers]
+    found = modes(matrix)
+    real = [k == 0 for k in range(len(found))]
+    values = [_complex(mode[0], is_real) for mode, is_real in zip(found, real, strict=True)]
+    left, right = (
+        [[_complex(z, r) for z in mode[k]] for mode, r in zip(found, real, strict=True)]
+        for k in (1, 2)
+    )
+    numbers = {
+        "NODES": [[_number(node) for node in c]],
+        "MATRIX": [[_number(matrix[i, j]) for j in n] for i in n],
+        "SLOPES": [[_number(power[1]) for power in powers]],
+        kind: [[_number(shown[j][k]) for j in n] for k in orders],
+    }
+    arrays = [_array("double", f"{key}_{name}", rows) for key, rows in numbers.items()]
+    arrays += [
+        _array("Complex", f"VALUES_{name}", [values]),
+        _array("Complex", f"LEFT_{name}", left),
+        _array("Complex", f"RIGHT_{name}", right),
+    ]
+    members = ["NODES", "MATRIX", "SLOPES", "POWERS", "SUMS", "VALUES", "LEFT", "RIGHT"]
+    unread = {"POWERS", "SUMS"} - {kind}
+    listed = [str(stages), str(len(found))]
+    listed += ["NULL" if key in unread else f"{key}_{name}" for key in members]
+    return "\n".join([*arrays, f"const Radau RADAU_{name} = {{\n{_row(listed, '    ')}}};\n"])
 
 
 def text() -> str:
     """Of the file."""
     with mp.workdps(DIGITS):
-        c, n = nodes(), range(STAGES)
-        inverse = mp.matrix(STAGES, STAGES)
-        for i in n:
-            for k in n:
-                inverse[i, k] = c[i] ** k
-        inverse = inverse**-1
-        matrix = mp.matrix(STAGES, STAGES)
-        for i in n:
-            for j in n:
-                matrix[i, j] = mp.fsum(c[i] ** (k + 1) / (k + 1) * inverse[k, j] for k in n)
-        found = modes(matrix)
-        real = [k == 0 for k in range(len(found))]
-        values = [_complex(mode[0], is_real) for mode, is_real in zip(found, real, strict=True)]
-        sides = [
-            [[_complex(z, r) for z in mode[k]] for mode, r in zip(found, real, strict=True)]
-            for k in (1, 2)
-        ]
-        return (
-            "\n".join(
-                [
-                    HEAD,
-                    f"const double RADAU_NODES[STAGES] = {{\n{_row(map(_number, c), '    ')}}};\n",
-                    _table(
-                        "double",
-                        "RADAU_MATRIX[STAGES][STAGES]",
-                        [[_number(matrix[i, j]) for j in n] for i in n],
-                    ),
-                    _table(
-                        "double",
-                        "RADAU_COEFFICIENTS[STAGES][STAGES]",
-                        [[_number(inverse[k, j] / c[j]) for j in n] for k in n],
-                    ),
-                    f"const Complex RADAU_VALUES[MODES] = {{\n{_row(values, '    ')}}};\n",
-                    _table("Complex", "RADAU_LEFT[MODES][STAGES]", sides[0]),
-                    _table("Complex", "RADAU_RIGHT[MODES][STAGES]", sides[1]).rstrip("\n"),
-                ]
-            )
-            + "\n"
-        )
+        return "\n".join([HEAD, *(rule(stages) for stages in RULES)])
 
 
 if __name__ == "__main__":

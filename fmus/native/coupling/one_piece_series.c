@@ -26,7 +26,7 @@ double one_piece_step_tolerance(const Unit *unit)
 /* Order of the step that is shown. */
 int one_piece_order(const Composite *c)
 {
-    const int order = c->course->one_piece.collocated > 0.0 ? COLLOCATED : (int)c->course->one_piece.order;
+    const int order = (int)c->course->one_piece.order;
     return order < LEAST_ORDER ? LEAST_ORDER : order;
 }
 
@@ -45,6 +45,7 @@ double one_piece_load(const Composite *c, Machine *m, const double *states, doub
     const LinearRotor *matrices = &composite_rotor(c)->rotor;
     const int n = m->stations, own = n - m->waves;
     int k, w, i = 0;
+    m->collocated_order = 0;
     if (m->varies) {
         const bool is_step = m == &c->pieces.step;
         machine_take_bearings(m, matrices, is_step ? (int)c->course->one_piece.bearing_line
@@ -222,8 +223,8 @@ static void stand_waves(const Composite *c, double time, double angle, double sp
     Pair *waves = c->pieces.waves, *rates = waves + m->waves;
     int k;
     for (k = 0; k < m->waves; k++) {
-        waves[k] = machine_at(m->motion + first + k, m->width, order, time);
-        rates[k] = pair_scaled(machine_at(m->velocity + first + k, m->width, order - 1, time), m->rate);
+        waves[k] = machine_place(m, first + k, order, time);
+        rates[k] = pair_scaled(machine_velocity(m, first + k, order, time), m->rate);
     }
     one_piece_store_waves(c, waves, rates, angle, speed);
 }
@@ -235,15 +236,15 @@ void one_piece_stand_at(Unit *unit, double time)
 {
     Composite *c = unit->own;
     Machine *m = &c->pieces.step;
-    const int n = m->stations, own = n - m->waves, width = m->width, order = one_piece_order(c);
+    const int n = m->stations, own = n - m->waves, order = one_piece_order(c);
     const double speed = machine_speed_at(m, order, time) * m->rate, turned = machine_turned(m, order, time);
     double *rotor = c->parts->unit->memory, *place = rotor + MOTION;
     int k, w, i = 0;
     memcpy(c->states, c->at_begin, c->state_count * sizeof(double));
     angle_turn(rotor, turned);
     for (k = 0; k < own; k++) {
-        const Pair displacement = machine_at(m->motion + k, width, order, time);
-        const Pair velocity = pair_scaled(machine_at(m->velocity + k, width, order - 1, time), m->rate);
+        const Pair displacement = machine_place(m, k, order, time);
+        const Pair velocity = pair_scaled(machine_velocity(m, k, order, time), m->rate);
         place[2 * k] = pair_x(displacement);
         place[2 * k + 1] = pair_y(displacement);
         place[2 * own + 2 * k] = pair_x(velocity);
@@ -259,9 +260,9 @@ void one_piece_stand_at(Unit *unit, double time)
         double *angles = c->parts[k].unit->memory;
         for (w = 0; balls && w < balls->count; w++, i++) {
             const int column = n + i / 2;
-            angles[w] = pair_at(machine_at(m->motion + column, width, order, time), i % 2);
+            angles[w] = pair_at(machine_place(m, column, order, time), i % 2);
             angles[balls->count + w] =
-                pair_at(machine_at(m->velocity + column, width, order - 1, time), i % 2) * m->rate;
+                pair_at(machine_velocity(m, column, order, time), i % 2) * m->rate;
         }
     }
     if (c->pieces.is_eventful) {
@@ -309,7 +310,7 @@ int one_piece_places(Unit *unit, Pair *places)
     }
     order = one_piece_order(c);
     for (k = 0; k < m->width; k++) {
-        places[k] = machine_at(m->motion + k, m->width, order, time);
+        places[k] = machine_place(m, k, order, time);
     }
     return 0;
 }

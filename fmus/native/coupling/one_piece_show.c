@@ -265,7 +265,7 @@ void one_piece_read_places(const Composite *c, double time, double *values)
         const Output *output = pieces->plan + k;
         if (output->column != column) {
             column = output->column;
-            place = machine_at(m->motion + column, m->width, order, within);
+            place = machine_place(m, column, order, within);
         }
         values[k] = pair_at(place, output->number);
     }

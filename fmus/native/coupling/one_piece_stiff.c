@@ -3,7 +3,8 @@
 #include "coupling/composite.h"
 
 enum { FIRST_PATIENCE = 2, MOST_TRIES = 4 };
-#define WORTH 9.0 /* steps by series that take as long as one by collocation, about */
+#define WORTH 11.0 /* steps by series that take as long as one by collocation, about */
+#define SHORTER 0.85 /* of a step whose error is too large, at most */
 
 /* Take the longest step that keeps the tolerance, from this length on. */
 static int take(const Unit *unit, double tried, double by_series)
@@ -13,13 +14,14 @@ static int take(const Unit *unit, double tried, double by_series)
     int k;
     one_piece_load_collocation(c, c->parts->unit->memory[REST]);
     for (k = 0; k < MOST_TRIES && tried >= WORTH * by_series; k++) {
-        const double error = one_piece_solve(unit, smaller(tried, LONGEST_STEP)), factor = collocation_factor(error);
+        const double error = one_piece_solve(unit, smaller(tried, LONGEST_STEP));
+        const double factor = collocation_factor(&c->pieces.collocation, error);
         if (error <= 1.0) {
             one_piece->collocated = smaller(tried, LONGEST_STEP);
             one_piece->next_length = smaller(tried * factor, LONGEST_STEP);
             return 1;
         }
-        tried *= smaller(factor, 0.5);
+        tried *= smaller(factor, SHORTER);
     }
     return 0;
 }

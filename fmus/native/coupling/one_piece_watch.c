@@ -61,7 +61,7 @@ int one_piece_look_on(Unit *unit, double time)
         const double now = ++one_piece->looked * apart * m->rate,
                      angle = machine_turned(m, order, now);
         for (i = 0; i < m->stations - m->waves; i++) {
-            const Pair displacement = machine_at(m->motion + i, m->width, order, now);
+            const Pair displacement = machine_place(m, i, order, now);
             place[2 * i] = pair_x(displacement);
             place[2 * i + 1] = pair_y(displacement);
         }

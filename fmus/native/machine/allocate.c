@@ -47,6 +47,7 @@ int machine_allocate(Unit *unit, Machine *machine, int stations, int weights, in
     machine->swept = counted_pairs(unit, COEFFICIENTS * n, &missing);
     machine->sheared = counted_pairs(unit, COEFFICIENTS * n, &missing);
     machine->spin = counted_pairs(unit, COEFFICIENTS, &missing);
+    machine->shaft = counted_pairs(unit, COEFFICIENTS, &missing);
     machine->speed = counted_numbers(unit, COEFFICIENTS, &missing);
     machine->matrix = counted_numbers(unit, unknowns * unknowns, &missing);
     machine->right = counted_numbers(unit, unknowns, &missing);

@@ -88,6 +88,7 @@ static void load_weights(CarriedWeights *c, const double *angles, const double *
     Machine *m = &c->step;
     int w;
     m->motion[0] = m->velocity[0] = pair_zero();
+    m->collocated_order = 0;
     for (w = 0; w < m->weight_count; w++) {
         pair_set(&m->motion[1 + w / 2], w % 2, angles[w]);
         pair_set(&m->velocity[1 + w / 2], w % 2, speeds[w] * m->per_rate);
@@ -218,20 +219,16 @@ static int order_of(const CarriedWeights *c, double length)
 /* A step of at most this length by collocation, in place of a series; 0: none is found. */
 static double collocate(CarriedWeights *c, double angle, double length)
 {
-    enum { FREE_ORDER = COLLOCATED + 1 };
     Machine *m = &c->step;
-    int k, w;
+    int k;
     collocation_start(&c->collocation, m, &c->at, angle);
     for (k = 0; k < MOST_TRIALS && length * c->fastest * m->per_rate >= STIFF_TURN; k++) {
         const double error = collocation_solve(&c->collocation, length, CARRIED_ERROR, 1.0);
         if (error <= 1.0) {
             collocation_write(&c->collocation, length, m);
-            for (w = 0; w < m->width; w++) { /* events ask for two orders more than of forces */
-                m->motion[FREE_ORDER * m->width + w] = m->velocity[FREE_ORDER * m->width + w] = pair_zero();
-            }
             return length;
         }
-        length *= smaller(collocation_factor(error), 0.5);
+        length *= smaller(collocation_factor(&c->collocation, error), 0.5);
     }
     return 0.0;
 }
@@ -244,7 +241,7 @@ static double expand_carried(CarriedWeights *c, double angle, double left, int *
     double length = 0.0;
     if (c->fastest * m->per_rate * left >= STIFF_TURN) {
         length = collocate(c, angle, left);
-        *order = COLLOCATED + 1;
+        *order = OF_POWERS;
     }
     if (length > 0.0) {
         return length;
@@ -259,8 +256,8 @@ static void stand_at(Machine *m, int order, double time)
 {
     int column, w;
     for (column = 1; column < m->width; column++) {
-        const Pair angles = machine_at(m->motion + column, m->width, order, time);
-        const Pair rates = machine_at(m->velocity + column, m->width, order - 1, time);
+        const Pair angles = machine_place(m, column, order, time);
+        const Pair rates = machine_velocity(m, column, order, time);
         for (w = 2 * (column - 1); w < 2 * column && w < m->weight_count; w++) {
             if (!keeps_still(m, w)) { /* rounding must not make it creep */
                 pair_set(&m->motion[column], w % 2, pair_at(angles, w % 2));
@@ -268,6 +265,7 @@ static void stand_at(Machine *m, int order, double time)
             }
         }
     }
+    m->collocated_order = 0;
 }
 
 /* Refuse a step in which weights would turn through too many radians, as far as can be seen, or for `turns` more. */

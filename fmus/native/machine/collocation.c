@@ -5,33 +5,35 @@
 #include "base/matrix.h"
 #include "machine/phase.h"
 
-enum { MOST_PASSES = 12 };
+enum { MOST_PASSES = 14, MANY_PASSES = 10 };
 #define DISTURBANCE 1e-7 /* of what moves: by which derivatives are taken */
 #define LEFT_BY_PASSES 0.02 /* of the tolerance */
 #define ROUNDING_OF_PASSES 1e-15
 #define SLOWEST_PASSES 0.7 /* what a pass leaves of the one before, at most */
-#define CAUTION 0.9
+#define CAUTION 0.8
 #define LEAST_FACTOR 0.1
 #define MOST_FACTOR 4.0
+#define UNSOLVED_FACTOR 0.4
 
 int collocation_allocate(Unit *unit, Collocation *c, int stations, int weights)
 {
     const size_t d = 2 * (size_t)stations + (size_t)weights + 1;
     c->start = unit_allocate(unit, 3 * d, sizeof(double));
+    c->middle = unit_allocate(unit, 3 * d, sizeof(double));
     c->by_place = unit_allocate(unit, d * d, sizeof(double));
     c->by_speed = unit_allocate(unit, d * d, sizeof(double));
-    c->places = unit_allocate(unit, STAGES * d, sizeof(double));
-    c->speeds = unit_allocate(unit, STAGES * d, sizeof(double));
-    c->rates = unit_allocate(unit, STAGES * d, sizeof(double));
-    c->moved = unit_allocate(unit, STAGES * d, sizeof(double));
+    c->places = unit_allocate(unit, MOST_STAGES * d, sizeof(double));
+    c->speeds = unit_allocate(unit, MOST_STAGES * d, sizeof(double));
+    c->rates = unit_allocate(unit, MOST_STAGES * d, sizeof(double));
+    c->moved = unit_allocate(unit, MOST_STAGES * d, sizeof(double));
     c->scratch = unit_allocate(unit, 2 * d, sizeof(double));
-    c->factors = unit_allocate(unit, MODES * d * d, sizeof(Complex));
+    c->factors = unit_allocate(unit, MOST_MODES * d * d, sizeof(Complex));
     c->right = unit_allocate(unit, d, sizeof(Complex));
-    c->rows = unit_allocate(unit, MODES * d, sizeof(int));
-    c->held = unit_allocate(unit, 2 * (STAGES + 1) * (size_t)weights, sizeof(double));
+    c->rows = unit_allocate(unit, MOST_MODES * d, sizeof(int));
+    c->held = unit_allocate(unit, 2 * (MOST_STAGES + 1) * (size_t)weights, sizeof(double));
     c->push = unit_allocate(unit, SIGNAL_ORDERS * (size_t)stations, sizeof(Pair));
-    return !c->start || !c->by_place || !c->by_speed || !c->places || !c->speeds || !c->rates || !c->moved ||
-           !c->scratch || !c->factors || !c->right || !c->rows || !c->push || !c->held;
+    return !c->start || !c->middle || !c->by_place || !c->by_speed || !c->places || !c->speeds || !c->rates ||
+           !c->moved || !c->scratch || !c->factors || !c->right || !c->rows || !c->push || !c->held;
 }
 
 /* -- accelerations ----------------------------------------------------------------------------------- */
@@ -104,7 +106,7 @@ static void accelerate(const Collocation *c, double time, const double *places, 
 static void keep_holds(const Collocation *c, int point)
 {
     const Machine *m = c->at;
-    double *alone = c->held + point * m->weight_count, *load = alone + (STAGES + 1) * m->weight_count;
+    double *alone = c->held + point * m->weight_count, *load = alone + (c->rule->stages + 1) * m->weight_count;
     int w;
     for (w = 0; w < m->weight_count && m->phase; w++) {
         alone[w] = m->phase->weights[w].alone[0];
@@ -112,33 +114,34 @@ static void keep_holds(const Collocation *c, int point)
     }
 }
 
-/* A column of derivatives: what the accelerations change by where one number is changed. */
-static void differentiate(const Collocation *c, double *number, double by, int column, double *matrix)
+/* A column of derivatives: what the accelerations change by where one number of a state is changed. */
+static void differentiate(const Collocation *c, double time, double *state, int number, double by, double *matrix)
 {
-    const int d = c->unknowns;
-    const double kept = *number, *rates = c->start + 2 * d;
+    const int d = c->unknowns, column = number % d;
+    const double kept = state[number], *rates = state + 2 * d;
     int k;
-    *number += by;
-    by = *number - kept;
-    accelerate(c, 0.0, c->start, c->start + d, c->scratch);
-    *number = kept;
+    state[number] += by;
+    by = state[number] - kept;
+    accelerate(c, time, state, state + d, c->scratch);
+    state[number] = kept;
     for (k = 0; k < d; k++) {
         matrix[k * d + column] = (c->scratch[k] - rates[k]) / by;
     }
 }
 
-/* The same of all columns at once, where no number changes the acceleration of another: weights that are carried. */
-static void differentiate_apart(const Collocation *c, double *numbers, double by, double *matrix)
+/* The same of all columns at once, where no number changes the acceleration of another: weights that are carried.
+   `numbers`: the places or the speeds of the state. */
+static void differentiate_apart(const Collocation *c, double time, double *state, double *numbers, double *matrix)
 {
     const int d = c->unknowns;
-    const double *rates = c->start + 2 * d;
+    const double *rates = state + 2 * d;
     double *kept = c->scratch + d;
     int k;
     copy_doubles((size_t)d, numbers, kept);
     for (k = 0; k < d; k++) {
-        numbers[k] += by;
+        numbers[k] += DISTURBANCE;
     }
-    accelerate(c, 0.0, c->start, c->start + d, c->scratch);
+    accelerate(c, time, state, state + d, c->scratch);
     for (k = 0; k < d * d; k++) {
         matrix[k] = 0.0;
     }
@@ -148,12 +151,31 @@ static void differentiate_apart(const Collocation *c, double *numbers, double by
     copy_doubles((size_t)d, kept, numbers);
 }
 
+/* Derivatives at a state so long after the start: places, speeds, accelerations (3, d). */
+static void differentiate_all(const Collocation *c, double time, double *state)
+{
+    const int d = c->unknowns, first = numbers_of_stations(c->at);
+    const double largest = larger(largest_of(first, state), 1e-3 * largest_of(first, state + d));
+    int k;
+    if (c->at->carried && !c->at->phase) {
+        differentiate_apart(c, time, state, state, c->by_place);
+        differentiate_apart(c, time, state, state + d, c->by_speed);
+        return;
+    }
+    for (k = 0; k < d; k++) {
+        const double by = DISTURBANCE * (k < first && largest > 0.0 ? largest : 1.0);
+        differentiate(c, time, state, k, by, c->by_place);
+        differentiate(c, time, state, d + k, by, c->by_speed);
+    }
+}
+
 void collocation_start(Collocation *c, const Machine *m, Machine *at, double angle)
 {
     const int n = m->stations, first = numbers_of_stations(m), has_shaft = m->drive.motor != NULL;
     const int d = first + m->weight_count + has_shaft;
-    double *places = c->start, *speeds = places + d, largest;
+    double *places = c->start, *speeds = places + d;
     int k;
+    c->rule = m->phase ? &RADAU_SEVEN : &RADAU_ELEVEN; /* events are roots of polynomials in powers of the time */
     c->at = at;
     c->unknowns = d;
     c->angle = angle;
@@ -175,17 +197,6 @@ void collocation_start(Collocation *c, const Machine *m, Machine *at, double ang
     }
     accelerate(c, 0.0, places, speeds, speeds + d);
     keep_holds(c, 0);
-    if (m->carried && !m->phase) {
-        differentiate_apart(c, places, DISTURBANCE, c->by_place);
-        differentiate_apart(c, speeds, DISTURBANCE, c->by_speed);
-        return;
-    }
-    largest = m->carried ? 1.0 : larger(largest_of(first, places), 1e-3 * largest_of(first, speeds));
-    for (k = 0; k < d; k++) {
-        const double size = k < first ? (largest > 0.0 ? largest : 1.0) : 1.0;
-        differentiate(c, places + k, DISTURBANCE * size, k, c->by_place);
-        differentiate(c, speeds + k, DISTURBANCE * size, k, c->by_speed);
-    }
 }
 
 /* -- the linear systems ------------------------------------------------------------------------------- */
@@ -201,7 +212,7 @@ static Complex quotient(Complex a, Complex b)
 static int factorise_mode(const Collocation *c, int mode, double length)
 {
     const int d = c->unknowns;
-    const Complex first = complex_scaled(length, RADAU_VALUES[mode]), second = complex_product(first, first);
+    const Complex first = complex_scaled(length, c->rule->values[mode]), second = complex_product(first, first);
     Complex *a = c->factors + (size_t)(mode * d) * (size_t)d;
     int *rows = c->rows + mode * d, i, j, k;
     for (i = 0; i < d * d; i++) {
@@ -285,14 +296,16 @@ static double size_of_motion(const Collocation *c, const double *places, double 
 }
 
 /* h times the rule's matrix by values at the points. */
-static void integrate(const double *values, int d, double length, double *to)
+static void integrate(const Collocation *c, const double *values, double length, double *to)
 {
+    const int d = c->unknowns, stages = c->rule->stages;
+    const double *row = c->rule->matrix;
     int i, j, k;
-    for (i = 0; i < STAGES; i++) {
+    for (i = 0; i < stages; i++, row += stages) {
         for (k = 0; k < d; k++) {
             double sum = 0.0;
-            for (j = 0; j < STAGES; j++) {
-                sum += RADAU_MATRIX[i][j] * values[j * d + k];
+            for (j = 0; j < stages; j++) {
+                sum += row[j] * values[j * d + k];
             }
             to[i * d + k] = length * sum;
         }
@@ -302,13 +315,14 @@ static void integrate(const double *values, int d, double length, double *to)
 /* Places at the points from the speeds there. */
 static void place_points(const Collocation *c, double length)
 {
-    const int d = c->unknowns;
+    const Radau *rule = c->rule;
+    const int d = c->unknowns, stages = rule->stages;
     const double *speeds = c->start + d;
     int i, k;
-    integrate(c->speeds, d, length, c->places);
-    for (i = 0; i < STAGES; i++) {
+    integrate(c, c->speeds, length, c->places);
+    for (i = 0; i < stages; i++) {
         for (k = 0; k < d; k++) {
-            c->places[i * d + k] += length * RADAU_NODES[i] * speeds[k];
+            c->places[i * d + k] += length * rule->nodes[i] * speeds[k];
         }
     }
 }
@@ -316,43 +330,44 @@ static void place_points(const Collocation *c, double length)
 /* Correct the speeds at the points once; what the places moved by. */
 static double correct_points(const Collocation *c, double length, double largest)
 {
-    const int d = c->unknowns;
+    const Radau *rule = c->rule;
+    const int d = c->unknowns, stages = rule->stages;
     double *residual = c->moved, moved = 0.0;
     int i, j, k, mode;
-    for (i = 0; i < STAGES; i++) {
+    for (i = 0; i < stages; i++) {
         for (k = 0; k < d; k++) {
             c->scratch[k] = c->start[k] + c->places[i * d + k];
             c->scratch[d + k] = c->start[d + k] + c->speeds[i * d + k];
         }
-        accelerate(c, RADAU_NODES[i] * length, c->scratch, c->scratch + d, c->rates + i * d);
+        accelerate(c, rule->nodes[i] * length, c->scratch, c->scratch + d, c->rates + i * d);
         keep_holds(c, i + 1);
     }
-    integrate(c->rates, d, length, residual);
-    for (k = 0; k < STAGES * d; k++) {
+    integrate(c, c->rates, length, residual);
+    for (k = 0; k < stages * d; k++) {
         residual[k] -= c->speeds[k];
     }
-    for (mode = 0; mode < MODES; mode++) {
+    for (mode = 0; mode < rule->modes; mode++) {
         const double twice = mode ? 2.0 : 1.0; /* with its conjugate */
         for (k = 0; k < d; k++) {
             Complex sum = {0.0, 0.0};
-            for (j = 0; j < STAGES; j++) {
-                sum = complex_sum(sum, complex_scaled(residual[j * d + k], RADAU_LEFT[mode][j]));
+            for (j = 0; j < stages; j++) {
+                sum = complex_sum(sum, complex_scaled(residual[j * d + k], rule->left[mode * stages + j]));
             }
             c->right[k] = sum;
         }
         solve_mode(c, mode);
-        for (i = 0; i < STAGES; i++) {
+        for (i = 0; i < stages; i++) {
             for (k = 0; k < d; k++) {
-                c->speeds[i * d + k] += twice * complex_product(RADAU_RIGHT[mode][i], c->right[k]).re;
+                c->speeds[i * d + k] += twice * complex_product(rule->right[mode * stages + i], c->right[k]).re;
             }
         }
     }
-    copy_doubles(STAGES * (size_t)d, c->places, c->moved);
+    copy_doubles((size_t)(stages * d), c->places, c->moved);
     place_points(c, length);
-    for (k = 0; k < STAGES * d; k++) {
+    for (k = 0; k < stages * d; k++) {
         c->moved[k] = c->places[k] - c->moved[k];
     }
-    for (i = 0; i < STAGES; i++) {
+    for (i = 0; i < stages; i++) {
         const double size = size_of_motion(c, c->moved + i * d, largest);
         moved = size <= moved ? moved : size;
     }
@@ -360,12 +375,12 @@ static double correct_points(const Collocation *c, double length, double largest
 }
 
 /* Slope at the start of the polynomial that is 0 there and has these values at the points. */
-static double first_slope(const double *values, int stride, double length)
+static double first_slope(const Collocation *c, const double *values, double length)
 {
     double sum = 0.0;
     int j;
-    for (j = 0; j < STAGES; j++) {
-        sum += RADAU_COEFFICIENTS[0][j] * values[j * stride];
+    for (j = 0; j < c->rule->stages; j++) {
+        sum += c->rule->slopes[j] * values[j * c->unknowns];
     }
     return sum / length;
 }
@@ -375,14 +390,14 @@ static double first_slope(const double *values, int stride, double length)
 static double error_of_points(const Collocation *c, double length, double largest)
 {
     const int d = c->unknowns;
-    const double own = length * RADAU_VALUES[0].re;
+    const double own = length * c->rule->values[0].re;
     double *off = c->scratch, *error = off + d;
     int i, k;
     for (k = 0; k < d; k++) {
-        off[k] = own * (c->start[d + k] - first_slope(c->places + k, d, length));
+        off[k] = own * (c->start[d + k] - first_slope(c, c->places + k, length));
     }
     for (k = 0; k < d; k++) {
-        double sum = c->start[2 * d + k] - first_slope(c->speeds + k, d, length);
+        double sum = c->start[2 * d + k] - first_slope(c, c->speeds + k, length);
         for (i = 0; i < d; i++) {
             sum += c->by_place[k * d + i] * off[i];
         }
@@ -395,88 +410,153 @@ static double error_of_points(const Collocation *c, double length, double larges
     return size_of_motion(c, error, largest);
 }
 
+/* Factors of all modes; 1 where one is singular. */
+static int factorise_modes(const Collocation *c, double length)
+{
+    int k;
+    for (k = 0; k < c->rule->modes; k++) {
+        if (factorise_mode(c, k, length)) {
+            return 1;
+        }
+    }
+    return 0;
+}
+
+/* Derivatives and factors in the middle of the step as it is known by now. */
+static int refresh_modes(const Collocation *c, double length)
+{
+    const int d = c->unknowns, middle = c->rule->stages / 2;
+    const double time = c->rule->nodes[middle] * length;
+    double *state = c->middle;
+    int k;
+    for (k = 0; k < d; k++) {
+        state[k] = c->start[k] + c->places[middle * d + k];
+        state[d + k] = c->start[d + k] + c->speeds[middle * d + k];
+    }
+    accelerate(c, time, state, state + d, state + 2 * d);
+    differentiate_all(c, time, state);
+    return factorise_modes(c, length);
+}
+
 double collocation_solve(Collocation *c, double length, double tolerance, double largest)
 {
     const double enough = larger(LEFT_BY_PASSES * tolerance, ROUNDING_OF_PASSES);
     double before = infinity();
     int k;
-    for (k = 0; k < MODES; k++) {
-        if (factorise_mode(c, k, length)) {
-            return infinity();
-        }
+    differentiate_all(c, 0.0, c->start);
+    if (factorise_modes(c, length)) {
+        return infinity();
     }
-    fill_doubles(STAGES * (size_t)c->unknowns, 0.0, c->speeds);
+    fill_doubles((size_t)(c->rule->stages * c->unknowns), 0.0, c->speeds);
     place_points(c, length);
     for (k = 0; k < MOST_PASSES; k++) {
-        const double moved = correct_points(c, length, largest);
-        if (moved <= enough) {
+        const double moved = correct_points(c, length, largest), left = moved / before;
+        c->passes = k + 1;
+        /* a pass leaves as much of the next as of the one before */
+        if (moved <= enough || (k > 0 && left < 1.0 && moved * left <= enough * (1.0 - left))) {
             return error_of_points(c, length, largest) / tolerance;
         }
-        if (!(k < 2 || moved <= SLOWEST_PASSES * before)) {
+        if (!(k < 2 || left <= SLOWEST_PASSES)) {
             break;
         }
         before = moved;
+        if (k == 0 && refresh_modes(c, length)) {
+            break;
+        }
     }
     return infinity();
 }
 
-double collocation_factor(double error)
+double collocation_factor(const Collocation *c, double error)
 {
-    /* the error is of order 8 */
-    const double root = 1.0 / square_root(square_root(square_root(larger(error, 1e-12))));
-    return larger(LEAST_FACTOR, smaller(MOST_FACTOR, CAUTION * root));
+    const double most = c->passes > MANY_PASSES ? 1.0 : MOST_FACTOR;
+    if (!is_finite(error)) { /* the passes did not come together */
+        return UNSOLVED_FACTOR;
+    }
+    return larger(LEAST_FACTOR,
+                  smaller(most, CAUTION * machine_root(larger(error, 1e-12), 1.0, c->rule->stages + 1)));
 }
 
 /* -- the polynomial ------------------------------------------------------------------------------------- */
 
-/* The polynomial through values at the start and the points, `stride` apart, as a series. */
-static void write_values(const double *values, int stride, double length, double *series)
+/* The polynomial through values at the start and the points, `stride` apart, in powers of the time. */
+static void write_values(const Radau *rule, const double *values, int stride, double length, double *series)
 {
+    const double *row = rule->powers;
     double power = 1.0;
     int j, order;
     series[0] = values[0];
-    for (order = 1; order <= STAGES; order++) {
+    for (order = 1; order <= rule->stages; order++, row += rule->stages) {
         power /= length;
         series[order] = 0.0;
-        for (j = 0; j < STAGES; j++) {
-            series[order] += RADAU_COEFFICIENTS[order - 1][j] * (values[(j + 1) * stride] - values[0]) * power;
+        for (j = 0; j < rule->stages; j++) {
+            series[order] += row[j] * (values[(j + 1) * stride] - values[0]) * power;
         }
     }
 }
 
 static void write_holds(const Collocation *c, double length, const Machine *m)
 {
+    const int n = m->weight_count;
     int w;
-    for (w = 0; w < m->weight_count && m->phase; w++) {
-        write_values(c->held + w, m->weight_count, length, m->phase->weights[w].alone);
-        write_values(c->held + (STAGES + 1) * m->weight_count + w, m->weight_count, length, m->phase->weights[w].load);
+    for (w = 0; w < n && m->phase; w++) {
+        PhaseWeight *own = m->phase->weights + w;
+        write_values(c->rule, c->held + w, n, length, own->alone);
+        write_values(c->rule, c->held + (c->rule->stages + 1) * n + w, n, length, own->load);
     }
+}
+
+/* Coefficients of one order of places and speeds, by a row of what each point has in them. */
+static void write_order(const Collocation *c, const double *row, double scale, int order, Machine *m)
+{
+    const int d = c->unknowns;
+    double *places = c->scratch, *speeds = places + d;
+    int j, k;
+    for (k = 0; k < d; k++) {
+        places[k] = speeds[k] = 0.0;
+        for (j = 0; j < c->rule->stages; j++) {
+            places[k] += row[j] * c->places[j * d + k];
+            speeds[k] += row[j] * c->speeds[j * d + k];
+        }
+        places[k] = places[k] * scale + (order ? 0.0 : c->start[k]);
+        speeds[k] = speeds[k] * scale + (order ? 0.0 : c->start[d + k]);
+    }
+    write_columns(m, places, m->motion + order * m->width);
+    write_columns(m, speeds, m->velocity + order * m->width);
+    if (m->drive.motor) {
+        m->shaft[order] = pair_of(speeds[d - 1], places[d - 1]);
+    }
+}
+
+static void write_powers(const Collocation *c, double length, Machine *m)
+{
+    const int stages = c->rule->stages;
+    double power = 1.0;
+    int k, order;
+    for (order = 1; order <= stages; order++) {
+        power /= length;
+        write_order(c, c->rule->powers + (order - 1) * stages, power, order, m);
+    }
+    for (k = (stages + 1) * m->width; k < (OF_POWERS + 1) * m->width; k++) {
+        m->motion[k] = m->velocity[k] = pair_zero();
+    }
+    write_holds(c, length, m);
 }
 
 void collocation_write(const Collocation *c, double length, Machine *m)
 {
-    const int d = c->unknowns, has_shaft = m->drive.motor != NULL;
-    double *places = c->scratch, *speeds = places + d, power = 1.0;
-    int j, k, order;
-    for (order = 1; order <= COLLOCATED; order++) {
-        power /= length;
-        for (k = 0; k < d; k++) {
-            places[k] = speeds[k] = 0.0;
-            for (j = 0; j < STAGES && order <= STAGES; j++) {
-                places[k] += RADAU_COEFFICIENTS[order - 1][j] * c->places[j * d + k];
-                speeds[k] += RADAU_COEFFICIENTS[order - 1][j] * c->speeds[j * d + k];
-            }
-            places[k] *= power;
-            speeds[k] *= power;
-        }
-        write_columns(m, places, m->motion + order * m->width);
-        write_columns(m, speeds, m->velocity + order * m->width);
-        if (has_shaft) {
-            m->speed[order] = speeds[d - 1];
-        }
+    const int stages = c->rule->stages;
+    int order;
+    if (c->rule->powers) {
+        write_powers(c, length, m);
+        return;
     }
-    if (!has_shaft && !m->carried) {
+    for (order = 0; order <= stages; order++) {
+        write_order(c, c->rule->sums + order * stages, 1.0, order, m);
+    }
+    m->collocated_order = stages;
+    m->collocated_length = length;
+    if (!m->drive.motor && !m->carried) {
         m->speed[1] = c->acceleration;
     }
-    write_holds(c, length, m);
 }

@@ -1,38 +1,58 @@
-/* Steps of stiff machines: the motion as the polynomial whose accelerations are right at seven points.
+/* Steps of stiff machines: the motion as the polynomial whose accelerations are right at the points of a rule.
 
    A series needs steps of some radians of the fastest motion, even where that has long died down.  The
-   points of Radau's seventh rule bear any stiffness (order 13 at the end of a step, 7 within; Hairer &
+   points of Radau's rules bear any stiffness (with s points of order 2 s - 1 at the end of a step, s within; Hairer &
    Wanner, Solving Ordinary Differential Equations II, IV.5 and IV.8; J. Comput. Appl. Math. 111, 1999).
-   A step is solved by Newton's method with the derivatives at its start.  What comes out stands where the
-   series of a machine stand, so that all that reads a series reads it. */
+   A step is solved by Newton's method with the derivatives at its start, then with those in its middle.  What
+   comes out stands where the series of a machine stand.  Of eleven points it is a sum of Chebyshev's polynomials:
+   in powers of the time it would lose 8 digits.  Of seven points it is in powers, whose roots are events. */
 #ifndef AUTOBALANCER_COLLOCATION_H
 #define AUTOBALANCER_COLLOCATION_H
 
 #include "machine/machine.h"
 
 enum {
-    STAGES = 7,
-    MODES = 4,               /* eigenvalues of the rule with an imaginary part of 0 or more */
-    COLLOCATED = STAGES + 1, /* order of a series that reads the polynomial */
+    MOST_STAGES = 11,
+    MOST_MODES = 6,
+    OF_POWERS = 9, /* order of a series from seven points: events ask of forces for orders behind those of the polynomial,
+                      which are 0 */
 };
+
+/* Radau's rule with s points: radau.c. */
+typedef struct {
+    int stages, modes;     /* s, and eigenvalues of its matrix with an imaginary part of 0 or more */
+    const double *nodes;   /* (s,) */
+    const double *matrix;  /* (s, s) integrals up to the points from values at them */
+    /* of polynomials that are 0 at 0, from values at the points: */
+    const double *slopes;  /* (s,) at 0 */
+    const double *powers;  /* (s, s) what t, t^2, ... t^s have in them; NULL where that is not read */
+    const double *sums;    /* (s + 1, s) what T_k(2 t - 1) has in them; NULL where that is not read */
+    /* eigenvalues of the matrix (modes,), and their left and right vectors (modes, s), whose products are 1 */
+    const Complex *values, *left, *right;
+} Radau;
+
+extern const Radau RADAU_SEVEN, RADAU_ELEVEN;
 
 /* One step that is tried; (d,) are x and y of every station, the weights' angles, and the rotor's with a motor. */
 typedef struct {
+    const Radau *rule;
     Machine *at;       /* in which accelerations are computed */
     int unknowns;      /* d */
     double *start;     /* (3, d) places, speeds, accelerations at the start */
+    double *middle;    /* (3, d) the same in the middle of a step */
     double *by_place, *by_speed; /* (d, d) derivatives of the accelerations */
-    double *places, *speeds;     /* (STAGES, d) at the points, less those at the start */
-    double *rates;     /* (STAGES, d) accelerations */
-    double *moved;     /* (STAGES, d) by the last pass */
+    double *places, *speeds;     /* (s, d) at the points, less those at the start */
+    double *rates;     /* (s, d) accelerations */
+    double *moved;     /* (s, d) by the last pass */
     double *scratch;   /* (2, d) */
-    Complex *factors;  /* (MODES, d, d) */
+    Complex *factors;  /* (modes, d, d) */
     Complex *right;    /* (d,) */
-    int *rows;         /* (MODES, d) exchanged */
-    double *held;      /* (2, STAGES + 1, N) at the start and the points: what weights would do alone, and their loads */
+    int *rows;         /* (modes, d) exchanged */
+    double *held;      /* (2, s + 1, N) at the start and the points: what weights would do alone, and their loads */
     Carried carried;   /* where the machine is carried: how, at the start */
     Pair *push;        /* (SIGNAL_ORDERS, n) series of the forces from outside */
     double angle, speed, acceleration; /* of the rotor at the start */
+    int passes;        /* that the last step took */
 } Collocation;
 
 /* Memory, in `unit`, for machines of these sizes; 1 where there is none. */
@@ -43,18 +63,9 @@ void collocation_start(Collocation *c, const Machine *machine, Machine *at, doub
 /* Solve a step of this length; its error over the tolerance, displacements over `largest`, angles over 1 rad;
    infinite where no solution is found. */
 double collocation_solve(Collocation *c, double length, double tolerance, double largest);
-/* Write the solution as the series of a machine, of order COLLOCATED. */
+/* Write the solution as the motion of a machine in its step. */
 void collocation_write(const Collocation *c, double length, Machine *machine);
-/* What a length may be multiplied by after this error over the tolerance. */
-double collocation_factor(double error);
-
-/* -- radau.c ------------------------------------------------------------------------------------------ */
-
-extern const double RADAU_NODES[STAGES];
-extern const double RADAU_MATRIX[STAGES][STAGES];       /* integrals up to the points from values at them */
-extern const double RADAU_COEFFICIENTS[STAGES][STAGES]; /* of t, t^2, ... t^7, of what is 0 at 0 */
-/* Eigenvalues of the matrix, and their left and right vectors, whose products are 1. */
-extern const Complex RADAU_VALUES[MODES];
-extern const Complex RADAU_LEFT[MODES][STAGES], RADAU_RIGHT[MODES][STAGES];
+/* What the length may be multiplied by after this error over the tolerance. */
+double collocation_factor(const Collocation *c, double error);
 
 #endif

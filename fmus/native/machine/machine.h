@@ -98,6 +98,10 @@ typedef struct {
     Pair *spin;         /* (K + 3,) E */
     Number *speed;      /* (K + 2,) w */
     int speed_order;    /* the highest that is not 0 */
+    /* of a step by collocation.h motion, velocity and shaft are coefficients of T_k(2 t/length - 1), k = 0 to: */
+    int collocated_order;     /* 0: the step is by series */
+    double collocated_length;
+    Pair *shaft;        /* speed, and angle turned; with a motor */
     Number *matrix;     /* (unknowns, unknowns) Cholesky's factor, with one over its diagonal; of two
                            unknowns the inverse */
     Number *right;      /* (unknowns,) */
@@ -191,8 +195,11 @@ int machine_order(double tolerance);
 /* Length of a step, in the machine's time, over which the last two terms of displacements are at most so much of
    `largest`, those of angles of 1 rad; NaN where they are not finite. */
 double machine_length(const Machine *machine, int order, double tolerance, double largest);
-/* The sum of a series, whose coefficients stand `stride` pairs apart, up to an order. */
-Pair machine_at(const Pair *series, int stride, int order, double time);
+/* (tolerance/term)^(1/k), within 6 %. */
+double machine_root(double term, double tolerance, int k);
+/* Of a column of the motion at a time of the step: the place and the velocity. */
+Pair machine_place(const Machine *machine, int column, int order, double time);
+Pair machine_velocity(const Machine *machine, int column, int order, double time);
 /* Speed of the rotor, and the angle turned. */
 double machine_speed_at(const Machine *machine, int order, double time);
 double machine_turned(const Machine *machine, int order, double time);

@@ -19,8 +19,8 @@ int machine_order(double tolerance)
     return order < LEAST_ORDER ? LEAST_ORDER : order > MOST_ORDER ? MOST_ORDER : order;
 }
 
-/* (tolerance/term)^(1/k), read off the exponents as straight lines between powers of two: within 6 %. */
-static double root_of(double term, double tolerance, int k)
+/* Read off the exponents as straight lines between powers of two. */
+double machine_root(double term, double tolerance, int k)
 {
     int64_t above, below, one;
     const double unit = 1.0;
@@ -65,13 +65,14 @@ double machine_length(const Machine *m, int order, double tolerance, double larg
         const double term = term_of(m, k, 1.0 / largest);
         finite += term;
         if (term > SMALLEST_TERM * tolerance) {
-            length = smaller(length, root_of(term, tolerance, k));
+            length = smaller(length, machine_root(term, tolerance, k));
         }
     }
     return is_finite(finite) ? length_of_turn(m, order, length, MOST_TURN) : not_a_number();
 }
 
-Pair machine_at(const Pair *series, int stride, int order, double time)
+/* The sum of a series, whose coefficients stand `stride` pairs apart, up to an order. */
+static Pair series_at(const Pair *series, int stride, int order, double time)
 {
     const Pair square = pair_both(time * time), step = pair_both(time);
     const Pair *at = series + order * stride;
@@ -87,11 +88,42 @@ Pair machine_at(const Pair *series, int stride, int order, double time)
     return pair_add_times(low, high, step);
 }
 
+/* The sum of Chebyshev's polynomials with these coefficients in a step by collocation: Clenshaw's recurrence. */
+static Pair collocated_at(const Machine *m, const Pair *coefficients, int stride, double time)
+{
+    const double x = 2.0 * time / m->collocated_length - 1.0;
+    const Pair twice = pair_both(2.0 * x);
+    Pair sum = pair_zero(), before = sum;
+    int k;
+    for (k = m->collocated_order; k > 0; k--) {
+        const Pair next = pair_add_times(pair_difference(coefficients[k * stride], before), sum, twice);
+        before = sum;
+        sum = next;
+    }
+    return pair_add_times(pair_difference(coefficients[0], before), sum, pair_both(x));
+}
+
+Pair machine_place(const Machine *m, int column, int order, double time)
+{
+    const Pair *series = m->motion + column;
+    return m->collocated_order ? collocated_at(m, series, m->width, time) : series_at(series, m->width, order, time);
+}
+
+Pair machine_velocity(const Machine *m, int column, int order, double time)
+{
+    const Pair *series = m->velocity + column;
+    return m->collocated_order ? collocated_at(m, series, m->width, time)
+                               : series_at(series, m->width, order - 1, time);
+}
+
 double machine_speed_at(const Machine *m, int order, double time)
 {
     const int last = m->drive.motor ? order - 1 : 1;
     double speed = m->speed[last];
     int k;
+    if (m->collocated_order && m->drive.motor) {
+        return pair_x(collocated_at(m, m->shaft, 1, time));
+    }
     for (k = last - 1; k >= 0; k--) {
         speed = speed * time + m->speed[k];
     }
@@ -103,6 +135,9 @@ double machine_turned(const Machine *m, int order, double time)
     const int last = m->drive.motor ? order - 1 : 1;
     double angle = m->speed[last] * m->per[last + 1];
     int k;
+    if (m->collocated_order && m->drive.motor) {
+        return pair_y(collocated_at(m, m->shaft, 1, time));
+    }
     for (k = last - 1; k >= 0; k--) {
         angle = angle * time + m->speed[k] * m->per[k + 1];
     }
