@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import ctypes
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from ctypes import POINTER, Structure, byref, c_char_p, c_double, c_int, c_size_t, c_uint
 from functools import cache
 
@@ -17,7 +17,15 @@ _D, _U = POINTER(c_double), POINTER(c_uint)
 
 
 class _Steps(Structure):
-    _fields_ = (("share", c_double), ("points", _D), ("count", c_size_t), ("grain", c_double))
+    _fields_ = (
+        ("share", c_double),
+        ("points", _D),
+        ("count", c_size_t),
+        ("grain", c_double),
+        ("references", _U),
+        ("values", _D),
+        ("changed", c_size_t),
+    )
 
 
 class Stretch(Structure):
@@ -102,6 +110,7 @@ class Run:
         points: Sequence[float] | NDArray[np.float64] = (),
         step_share: float = 0.0,
         grain: float = 0.0,
+        changed: Mapping[int, float] | None = None,
     ) -> None:
         """From the start values, with rows at `points` if they are given.
 
@@ -110,13 +119,17 @@ class Run:
             step_share: of what a step may err; 0: all of it.
             grain: gaps and bounces of impacts that are too small to be followed, over the usual
                 ones; 0: these.
+            changed: start values other than those of the composition, by value reference.
 
         Raises:
             RunFailed: a parameter is wrong, or there is no start.
         """
         self._points = np.array(points, float)
         data = self._points.ctypes.data_as(_D) if len(points) else None
-        steps = _Steps(step_share, data, len(self._points), grain)
+        references = np.array(list(changed or ()), np.uintc)
+        values = np.array([*(changed or {}).values()], float)
+        otherwise = references.ctypes.data_as(_U), values.ctypes.data_as(_D), len(values)
+        steps = _Steps(step_share, data, len(self._points), grain, *otherwise)
         if self._library.autobalancer_run_start(self._run, byref(steps)):
             raise RunFailed(self.reason)
 

@@ -48,7 +48,7 @@ class OneFileRun(Closing):
     """
 
     def __init__(self, scene: Scene) -> None:
-        self._steps_per_rev = scene.coupling.steps_per_rev
+        self._given, self._steps_per_rev = scene, scene.coupling.steps_per_rev
         self.scene = in_one_piece(scene)
         made = composition_in_c(scene)
         self._run = Run(made)
@@ -58,22 +58,34 @@ class OneFileRun(Closing):
         self.rows = self._given_rows() if self._steps_per_rev else None
         self.time = 0.0
 
-    def like(self, scene: Scene) -> OneFileRun:
-        """As `CoSimulation.like`."""
-        return OneFileRun(scene)
+    def another(self) -> OneFileRun:
+        """A run of the same machine beside this one."""
+        return OneFileRun(self._given)
 
-    def start(self, share: float = 0.0, points: Signal | None = None, grain: float = 0.0) -> None:
+    def start(
+        self,
+        share: float = 0.0,
+        points: Signal | None = None,
+        grain: float = 0.0,
+        angles: Mapping[str, Sequence[float]] | None = None,
+    ) -> None:
         """From the start, with this share of a step's tolerance, recorded at points [s].
 
         Without points the record has equal parts of the machine's own steps; of a rotor alone, the
-        scene's steps.  `grain` is that of `Run`.
+        scene's steps.  `grain` is that of `Run`; `angles` are those of weights that start elsewhere
+        than the scene says [rad], by balancer.
 
         Raises:
             SimulationError: the machine cannot be started.
         """
         self.time = 0.0
+        changed = {
+            self.units[name].variables[f"weight[{k}].angle0"]: angle
+            for name, own in (angles or {}).items()
+            for k, angle in enumerate(own, start=1)
+        }
         try:
-            self._run.start(() if points is None else points, share, grain)
+            self._run.start(() if points is None else points, share, grain, changed)
         except RunFailed as failure:
             raise SimulationError(f"{self.scene.name}: {failure}") from None
 

@@ -28,7 +28,7 @@ from .compared import motion_signals
 from .expectation import expectation
 from .global_error import AGREE, ASYMPTOTIC, REFINED, largest_difference
 from .names import is_count
-from .neighbours import RESOLVED, turned
+from .neighbours import RESOLVED, turned_angles
 from .recorder import Recorder, Signal, divided
 from .scales import least_motion
 from .schedule import SLIVER
@@ -109,11 +109,11 @@ class TwoTolerances:
         scene, by_steps, others = self._run.scene, self.error, []
         if not self._can_collide:
             return
-        for sign in (1.0, -1.0):
-            with self._run.like(turned(scene, sign * RESOLVED) or scene) as near:
+        with self._run.another() as near:
+            for sign in (1.0, -1.0):
                 recorder = Recorder(near.units, list(own))
                 try:
-                    near.start(share, points)
+                    near.start(share, points, angles=turned_angles(scene, sign * RESOLVED))
                     near.record(recorder, None)
                 except SimulationError as error:
                     self.unknown = f"a neighbouring motion cannot be computed: {error}"

@@ -108,7 +108,7 @@ class WeightBalancer(Balancer):
         if self.race and self.rolling_resistance:
             raise refusal("rolling_resistance", "must be 0 on a race with lobes, or leave it out")
         if self.weight_radius is not None:
-            self._refuse_overlap(each_of(self.weight_radius) or [self.weight_radius] * self.count)
+            self._refuse_overlap()
         elif self.restitution > 0.0:
             raise refusal(
                 "restitution", "point weights do not collide: give weight_radius, or leave this out"
@@ -120,10 +120,33 @@ class WeightBalancer(Balancer):
         """Of the track's centre from the plane's, in the rotor, xi + i eta [m]."""
         return complex(self.track_offset_xi, self.track_offset_eta)
 
-    def _refuse_overlap(self, radii: Sequence[float]) -> None:
+    @property
+    def _radii(self) -> list[float]:
+        """Of each weight, where they have a size [m]."""
+        return list(each_of(self.weight_radius)) or [self.weight_radius or 0.0] * self.count
+
+    def overlapping(self, angles: Sequence[float]) -> str:
+        """Which neighbours overlap at these angles [rad], in the order of the start; empty: none.
+
+        Args:
+            angles: (N,)
+        """
+        order, radii = self._order, self._radii
+        for k, i in enumerate(order if self.count > 1 else ()):
+            j = order[(k + 1) % self.count]
+            needed = touching(radii[i], radii[j], self.track_radius)
+            apart = (angles[j] - angles[i]) % math.tau
+            if apart < needed * (1.0 - 1e-9):
+                return (
+                    f"weights {i + 1} and {j + 1} overlap: {apart:.6g} rad apart, must be at least "
+                    f"{needed:.6g} rad for their weight_radius"
+                )
+        return ""
+
+    def _refuse_overlap(self) -> None:
         """Refuse weights that do not fit, or overlap at their start angles, which tell their
         order."""
-        order, track = self._order, self.track_radius
+        order, radii, track = self._order, self._radii, self.track_radius
         if max(radii) >= track:
             raise refusal("weight_radius", f"must be less than track_radius = {track!r} m")
         if len(set(radii)) == 1 and not fits(self.count, radii[0], track):
@@ -132,19 +155,11 @@ class WeightBalancer(Balancer):
                 f"{self.count} weights do not fit on a track of radius {track!r} m: "
                 f"must be at most {largest_radius(self.count, track):.6g} m",
             )
-        room = math.tau
-        for k, i in enumerate(order if self.count > 1 else ()):
-            j = order[(k + 1) % self.count]
-            needed = touching(radii[i], radii[j], track)
-            apart = (self.angles[j] - self.angles[i]) % math.tau
-            room -= needed
-            if apart < needed * (1.0 - 1e-9):
-                raise refusal(
-                    "angles",
-                    f"weights {i + 1} and {j + 1} overlap: {apart:.6g} rad apart, must be at least "
-                    f"{needed:.6g} rad for their weight_radius",
-                )
-        if self.unequal and room < 1e-9:
+        if words := self.overlapping(self.angles):
+            raise refusal("angles", words)
+        ahead = [order[(k + 1) % self.count] for k in range(self.count)]
+        needed = [touching(radii[i], radii[j], track) for i, j in zip(order, ahead, strict=True)]
+        if self.unequal and self.count > 1 and math.tau - sum(needed) < 1e-9:
             raise refusal("weight_radius", "unequal weights fill the track: make it larger")
 
     @property

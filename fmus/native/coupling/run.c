@@ -79,7 +79,7 @@ int autobalancer_run_start(Run *shown, const Steps *steps)
         c->pieces.is_made = false;
     }
     unit_reset(unit);
-    if (unit_setup(unit, 0.0, infinity()) ||
+    if (unit_set_reals(unit, steps->references, steps->changed, steps->values) || unit_setup(unit, 0.0, infinity()) ||
         unit_exit_initialisation(unit)) {
         shown->reason = unit->reason.at;
         return 1;

@@ -15,6 +15,9 @@ typedef struct {
     const double *points; /* of rows, ascending [s]; NULL: none.  Kept by the caller */
     size_t count;         /* of the points */
     double grain;         /* of impacts, over the usual one; 0: that */
+    const unsigned *references; /* (changed,) of variables that start otherwise, with these values */
+    const double *values;
+    size_t changed;
 } Steps;
 
 /* Rows up to a time. */

@@ -114,6 +114,12 @@ static void keep_holds(const Collocation *c, int point)
     }
 }
 
+/* Whether no number changes the acceleration of another: weights that are carried and cannot touch. */
+static bool are_apart(const Machine *m)
+{
+    return m->carried && !m->phase;
+}
+
 /* A column of derivatives: what the accelerations change by where one number of a state is changed. */
 static void differentiate(const Collocation *c, double time, double *state, int number, double by, double *matrix)
 {
@@ -129,8 +135,7 @@ static void differentiate(const Collocation *c, double time, double *state, int 
     }
 }
 
-/* The same of all columns at once, where no number changes the acceleration of another: weights that are carried.
-   `numbers`: the places or the speeds of the state. */
+/* The same of all columns at once, of weights apart.  `numbers`: the places or the speeds of the state. */
 static void differentiate_apart(const Collocation *c, double time, double *state, double *numbers, double *matrix)
 {
     const int d = c->unknowns;
@@ -157,7 +162,7 @@ static void differentiate_all(const Collocation *c, double time, double *state)
     const int d = c->unknowns, first = numbers_of_stations(c->at);
     const double largest = larger(largest_of(first, state), 1e-3 * largest_of(first, state + d));
     int k;
-    if (c->at->carried && !c->at->phase) {
+    if (are_apart(c->at)) {
         differentiate_apart(c, time, state, state, c->by_place);
         differentiate_apart(c, time, state, state + d, c->by_speed);
         return;
@@ -175,7 +180,7 @@ void collocation_start(Collocation *c, const Machine *m, Machine *at, double ang
     const int d = first + m->weight_count + has_shaft;
     double *places = c->start, *speeds = places + d;
     int k;
-    c->rule = m->phase ? &RADAU_SEVEN : &RADAU_ELEVEN; /* events are roots of polynomials in powers of the time */
+    c->rule = m->carried ? &RADAU_SEVEN : &RADAU_ELEVEN;
     c->at = at;
     c->unknowns = d;
     c->angle = angle;
@@ -207,21 +212,10 @@ static Complex quotient(Complex a, Complex b)
     return complex_scaled(over, complex_product(a, complex_conjugate(b)));
 }
 
-/* Factors of 1 - h s V - (h s)^2 P for an eigenvalue s and the derivatives by speeds V and places P; 1 where it
-   is singular. */
-static int factorise_mode(const Collocation *c, int mode, double length)
+/* Factors of a matrix (d, d), with the rows that are exchanged; 1 where it is singular. */
+static int factorise_complex(int d, Complex *a, int *rows)
 {
-    const int d = c->unknowns;
-    const Complex first = complex_scaled(length, c->rule->values[mode]), second = complex_product(first, first);
-    Complex *a = c->factors + (size_t)(mode * d) * (size_t)d;
-    int *rows = c->rows + mode * d, i, j, k;
-    for (i = 0; i < d * d; i++) {
-        a[i] = complex_scaled(-1.0, complex_sum(complex_scaled(c->by_speed[i], first),
-                                                complex_scaled(c->by_place[i], second)));
-    }
-    for (i = 0; i < d; i++) {
-        a[i * d + i].re += 1.0;
-    }
+    int i, j, k;
     for (k = 0; k < d; k++) {
         double most = 0.0;
         rows[k] = k;
@@ -242,9 +236,6 @@ static int factorise_mode(const Collocation *c, int mode, double length)
         }
         for (i = k + 1; i < d; i++) {
             const Complex part = quotient(a[i * d + k], a[k * d + k]);
-            if (part.re == 0.0 && part.im == 0.0) { /* weights that do not feel each other */
-                continue;
-            }
             a[i * d + k] = part;
             for (j = k + 1; j < d; j++) {
                 a[i * d + j] = complex_difference(a[i * d + j], complex_product(part, a[k * d + j]));
@@ -254,13 +245,9 @@ static int factorise_mode(const Collocation *c, int mode, double length)
     return 0;
 }
 
-/* c->right becomes the solution. */
-static void solve_mode(const Collocation *c, int mode)
+/* b becomes the solution. */
+static void solve_complex(int d, const Complex *a, const int *rows, Complex *b)
 {
-    const int d = c->unknowns;
-    const Complex *a = c->factors + (size_t)(mode * d) * (size_t)d;
-    const int *rows = c->rows + mode * d;
-    Complex *b = c->right;
     int i, k;
     for (k = 0; k < d; k++) {
         const Complex kept = b[k];
@@ -277,6 +264,39 @@ static void solve_mode(const Collocation *c, int mode)
             b[i] = complex_difference(b[i], complex_product(a[i * d + k], b[k]));
         }
         b[i] = quotient(b[i], a[i * d + i]);
+    }
+}
+
+/* Factors of 1 - h s V - (h s)^2 P for an eigenvalue s and the derivatives by speeds V and places P, of weights apart
+   its diagonal alone; 1 where it is singular. */
+static int factorise_mode(const Collocation *c, int mode, double length)
+{
+    const int d = c->unknowns, next = are_apart(c->at) ? d + 1 : 1;
+    const Complex first = complex_scaled(length, c->rule->values[mode]), second = complex_product(first, first);
+    Complex *a = c->factors + (size_t)(mode * d) * (size_t)d;
+    int i;
+    for (i = 0; i < d * d; i += next) {
+        a[i] = complex_scaled(-1.0, complex_sum(complex_scaled(c->by_speed[i], first),
+                                                complex_scaled(c->by_place[i], second)));
+    }
+    for (i = 0; i < d; i++) {
+        a[i * d + i].re += 1.0;
+    }
+    return next == 1 && factorise_complex(d, a, c->rows + mode * d);
+}
+
+/* c->right becomes the solution. */
+static void solve_mode(const Collocation *c, int mode)
+{
+    const int d = c->unknowns;
+    const Complex *a = c->factors + (size_t)(mode * d) * (size_t)d;
+    int i;
+    if (!are_apart(c->at)) {
+        solve_complex(d, a, c->rows + mode * d, c->right);
+        return;
+    }
+    for (i = 0; i < d; i++) {
+        c->right[i] = quotient(c->right[i], a[i * d + i]);
     }
 }
 
@@ -460,7 +480,7 @@ double collocation_solve(Collocation *c, double length, double tolerance, double
             break;
         }
         before = moved;
-        if (k == 0 && refresh_modes(c, length)) {
+        if (k == 0 && !c->at->carried && refresh_modes(c, length)) {
             break;
         }
     }
