@@ -4,7 +4,7 @@
 
 enum { FIRST_PATIENCE = 2, MOST_TRIES = 4 };
 #define WORTH 11.0 /* steps by series that take as long as one by collocation, about */
-#define SHORTER 0.85 /* of a step whose error is too large, at most */
+#define SHORTENED 0.85 /* of a step whose error is too large, at most */
 
 /* Take the longest step that keeps the tolerance, from this length on. */
 static int take(const Unit *unit, double tried, double by_series)
@@ -21,7 +21,7 @@ static int take(const Unit *unit, double tried, double by_series)
             one_piece->next_length = smaller(tried * factor, LONGEST_STEP);
             return 1;
         }
-        tried *= smaller(factor, SHORTER);
+        tried *= smaller(factor, SHORTENED);
     }
     return 0;
 }
