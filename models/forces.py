@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from .arrays import Array, Complex
+from .harmonic_balance import largest_displacement
 from .rotor import LinearRotor
 from .supports import Support
 
@@ -91,13 +92,11 @@ def forces(rotor: LinearRotor, motion: Complex, speed: float) -> list[Force]:
 
 def largest(pair: Complex) -> float:
     """Largest distance from the middle of the ellipse Re(pair e^{i t}), pair (2,) complex."""
-    x, y = pair
-    ahead, back = abs(x + 1j * y) / 2.0, abs(x - 1j * y) / 2.0
-    return float(ahead + back)
+    return float(largest_displacement(pair[None, :, None])[0, 0])
 
 
 def hand_weight(frequency: float) -> float:
-    """Factor that weights an acceleration at a handle by its frequency [Hz].
+    """Factor that weights an acceleration at a handle by its frequency [Hz]: ISO 5349-1:2001, W_h.
 
     A band from 6.31 to 1258.9 Hz, then a fall with the frequency above 15.915 Hz: 0.873 at 8 Hz,
     0.127 at 125 Hz.

@@ -6,10 +6,9 @@ import math
 
 import numpy as np
 
-from ....models.arrays import Array, Complex
 from ...units import brief, in_both, readable_unbalance
 from .case import MARGIN, OFFSETS_TELL, SAFE, Case, Ruling
-from .known import SURELY_BEYOND, Known
+from .known import SURELY_BEYOND, Known, size_of
 from .outcome import Outcome
 from .words import millimetres, percent
 
@@ -84,10 +83,10 @@ def rule_linear(case: Case) -> Ruling:
     """Of a machine without weights, which has one steady motion at every speed."""
     known = case.known
     steady = known.response(np.asarray(known.assembly.rotor.unbalance, complex))
-    size = float(np.sqrt(_half_axes(steady)).max())
+    size = size_of(steady)
     constant, share = known.time_constant, size / known.alone
     if case.now is not None and math.isfinite(constant):
-        away = float(np.sqrt(_half_axes(case.now.synchronous - steady)).max()) + case.now.rest
+        away = size_of(case.now.synchronous - steady) + case.now.rest
     else:
         away = math.inf
     unsettled = ""
@@ -115,12 +114,6 @@ def rule_linear(case: Case) -> Ruling:
     )
 
 
-def _half_axes(motion: Complex) -> Array:
-    """Squares of the half axes (n,) of ellipses (2, n)."""
-    x, y = motion
-    return 0.5 * (np.abs(x) ** 2 + np.abs(y) ** 2 + np.abs(x**2 + y**2))
-
-
 def _less_above(known: Known) -> float | None:
     """Speed from which on the vibration is less than without the balancers, if one is near."""
     from scipy.optimize import brentq
@@ -128,7 +121,7 @@ def _less_above(known: Known) -> float | None:
     def excess(speed: float) -> float:
         other = Known(known.scene, known.time, speed)
         loaded = other.response(np.asarray(other.assembly.rotor.unbalance, complex))
-        return float(np.sqrt(_half_axes(loaded)).max()) - other.alone
+        return size_of(loaded) - other.alone
 
     speeds = known.speed * np.geomspace(1.0, 3.0, 24)
     try:

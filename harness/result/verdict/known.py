@@ -31,10 +31,10 @@ def vibration_alone(scene: Scene, speed: float, end: float) -> float:
     Raises:
         NoResponse: see `unbalance_response`.
     """
-    return _size(unbalance_response(scene.assembly().at(end).rotor, [speed])[0])
+    return size_of(unbalance_response(scene.assembly().at(end).rotor, [speed])[0])
 
 
-def _size(displacement: Complex) -> float:
+def size_of(displacement: Complex) -> float:
     """Largest half axis of the stations' ellipses (2, n) [m]."""
     return float(largest_displacement(displacement[None]).max())
 
@@ -192,7 +192,7 @@ class Known:
         """Steady vibration (T,) by the unbalance that weights at `angles` (T, K) leave [m]."""
         moments = self.moments(np.atleast_2d(angles))
         if self.loaded.sliders:
-            return np.array([_size(self.response(each)) for each in moments])
+            return np.array([size_of(self.response(each)) for each in moments])
         motion = np.einsum("tj,jan->tan", moments, self._unit_responses)
         return largest_displacement(motion).max(axis=1)
 
@@ -201,7 +201,7 @@ class Known:
         planes = self.assembly.rotor.planes
         pulls = planes[self.table.plane] * (self.table.moment * np.abs(turns))[:, None]
         if self.loaded.sliders:
-            return _size(self.response(pulls.sum(axis=0).astype(complex)))
+            return size_of(self.response(pulls.sum(axis=0).astype(complex)))
         each = np.einsum("kj,jan->kan", pulls, self._unit_responses)
         return float(largest_displacement(each).sum(axis=0).max())
 
@@ -231,7 +231,7 @@ class Known:
         if found is None or found.plane is None or not found.least > found.needed:
             return 0.0
         pull = self.assembly.rotor.planes[found.plane] * (found.least - found.needed)
-        return _size(self.response(pull.astype(complex)))
+        return size_of(self.response(pull.astype(complex)))
 
     @cached_property
     def least(self) -> float:
@@ -240,7 +240,7 @@ class Known:
         by_plane = np.einsum("pj,jan->anp", used, self._unit_responses).reshape(-1, len(used))
         own = self.response(np.asarray(self.assembly.rotor.unbalance, complex))
         found, *_ = np.linalg.lstsq(by_plane, -own.ravel(), rcond=None)
-        return _size(own + (by_plane @ found).reshape(own.shape))
+        return size_of(own + (by_plane @ found).reshape(own.shape))
 
     @property
     def is_out_of_reach(self) -> bool:
