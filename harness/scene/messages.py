@@ -160,6 +160,9 @@ def _one(error: Any, document: Any, root: type[BaseModel]) -> str:
     place = locate(location, document, root)
     unit = f" in {place.unit}" if place.unit else ""
     if kind == "missing":
+        field = root.model_fields.get(str(location[0])) if len(location) == 1 else None
+        if field is not None and tables_in(field.annotation):
+            return f"{place.key}: missing; give a table [{place.key}]"
         return f"{place.key}: missing; give a value{unit}"
     if kind == "value_error":
         return statement(place, str(context["error"]))

@@ -144,7 +144,7 @@ VALUES = [
         "run_up = {from = 1.0, start = 1.0, to = 9.0, seconds = 60.0}",
         "operation.run_up.start: unknown key; allowed: from, to, seconds",
     ),
-    ("[operation]\nspeed = 3.0", "", "operation: missing; give a value"),
+    ("[operation]\nspeed = 3.0", "", "operation: missing; give a table [operation]"),
     ('"auto"', '"jacob"', 'coupling.scheme = "jacob": must be one of'),
     ('"auto"', '"auto"\norder = 5', "coupling.order = 5: must be one of 0, 1 or 3"),
     ('"auto"', '"auto"\norder = true', "coupling.order = true: must be one of 0 (held)"),
