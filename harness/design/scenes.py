@@ -103,7 +103,7 @@ def with_balls(scene: Scene, race: float | None, width: float | None) -> Scene:
     """The scene; where it has no weights, with two steel balls of `width` and assumed drag.
 
     Raises:
-        SceneError: the size of its weights is not known.
+        SceneError: the rotor is not planar, or the size of its weights is not known.
     """
     one = scene.balancer[0] if scene.balancer else None
     sized_already = isinstance(one, WeightBalancer) and one.weight_radius
@@ -113,6 +113,7 @@ def with_balls(scene: Scene, race: float | None, width: float | None) -> Scene:
             f'"{one.kind}", without weights: leave it out, and give --race and --width'
         )
     if not sized_already and (race is None or width is None):
+        refuse_other_rotors(scene)  # which a size would not help
         raise SceneError(
             f"{scene.name}: design: its weights have no size: give --race and --width, the radius "
             "of the race and the space along the axis"
@@ -125,6 +126,13 @@ def with_balls(scene: Scene, race: float | None, width: float | None) -> Scene:
     balls = {"kind": "balls", "name": "balls", "count": 2, "mass": mass, "drag": drag}
     document = {**scene.document, "balancer": [{**balls, "track_radius": race - radius}]}
     return type(scene).from_document(document, path=scene.path, label=scene.label)
+
+
+def refuse_other_rotors(scene: Scene) -> None:
+    """Raise SceneError where the rotor is of a kind that has no design."""
+    kind = scene.rotor.kind
+    if kind != "planar":
+        raise SceneError(f'{scene.name}: design: rotor.kind = "{kind}": must be "planar"')
 
 
 def weights_of(scene: Scene) -> WeightBalancer:

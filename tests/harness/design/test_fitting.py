@@ -199,3 +199,9 @@ def test_where_the_closed_form_cannot_tell_the_margin_is_no_number(fan):
     assert _margin(nothing) == 2.0
     unstable = Capture(100.0, (), (), (), np.zeros(1), 0.1, drag_ratio=0.5, unstable=True)
     assert math.isnan(_margin(unstable))
+
+
+@pytest.mark.parametrize("name", ["overhung_fan", "washing_machine_tub", "oval_fan"])
+def test_a_rotor_without_a_design_is_refused_before_sizes_are_asked_for(name):
+    with pytest.raises(ab.UserError, match=r'rotor\.kind = .* must be "planar"$'):
+        ab.load(name).design()
