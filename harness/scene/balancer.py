@@ -125,11 +125,12 @@ class WeightBalancer(Balancer):
         """Of each weight, where they have a size [m]."""
         return list(each_of(self.weight_radius)) or [self.weight_radius or 0.0] * self.count
 
-    def overlapping(self, angles: Sequence[float]) -> str:
-        """Which neighbours overlap at these angles [rad], in the order of the start; empty: none.
+    def overlapping(self, angles: Sequence[float]) -> tuple[int, int, float, float] | None:
+        """Neighbours that overlap at these angles, in the order of the start: which, how far apart
+        they are, and must be [rad]; None: nowhere.
 
         Args:
-            angles: (N,)
+            angles: (N,) [rad].
         """
         order, radii = self._order, self._radii
         for k, i in enumerate(order if self.count > 1 else ()):
@@ -137,11 +138,8 @@ class WeightBalancer(Balancer):
             needed = touching(radii[i], radii[j], self.track_radius)
             apart = (angles[j] - angles[i]) % math.tau
             if apart < needed * (1.0 - 1e-9):
-                return (
-                    f"weights {i + 1} and {j + 1} overlap: {apart:.6g} rad apart, must be at least "
-                    f"{needed:.6g} rad for their weight_radius"
-                )
-        return ""
+                return i, j, apart, needed
+        return None
 
     def _refuse_overlap(self) -> None:
         """Refuse weights that do not fit, or overlap at their start angles, which tell their
@@ -155,11 +153,16 @@ class WeightBalancer(Balancer):
                 f"{self.count} weights do not fit on a track of radius {track!r} m: "
                 f"must be at most {largest_radius(self.count, track):.6g} m",
             )
-        if words := self.overlapping(self.angles):
-            raise refusal("angles", words)
+        if found := self.overlapping(self.angles):
+            i, j, apart, needed = found
+            raise refusal(
+                "angles",
+                f"weights {i + 1} and {j + 1} overlap: {apart:.6g} rad apart, must be at least "
+                f"{needed:.6g} rad for their weight_radius",
+            )
         ahead = [order[(k + 1) % self.count] for k in range(self.count)]
-        needed = [touching(radii[i], radii[j], track) for i, j in zip(order, ahead, strict=True)]
-        if self.unequal and self.count > 1 and math.tau - sum(needed) < 1e-9:
+        full = sum(touching(radii[i], radii[j], track) for i, j in zip(order, ahead, strict=True))
+        if self.unequal and self.count > 1 and math.tau - full < 1e-9:
             raise refusal("weight_radius", "unequal weights fill the track: make it larger")
 
     @property
