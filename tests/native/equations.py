@@ -41,6 +41,7 @@ class Track:
     Args:
         weights: as points.
         weight_radius, restitution, rolling_resistance, offset, mobility: as in `BallBalancer`.
+        lobes: of the race: how many, amplitude [m], angle [rad].
 
     Attributes:
         alpha: half the angle between weights that touch [rad].
@@ -55,6 +56,7 @@ class Track:
         rolling_resistance: float = 0.0,
         offset: complex = 0j,
         mobility: float = 0.0,
+        lobes: Sequence[tuple[int, float, float]] = (),
     ) -> None:
         self.core, self.weights = core, weights
         self.restitution, self.rolling_resistance = restitution, rolling_resistance
@@ -66,6 +68,8 @@ class Track:
             sizes = [one.radius / w.radius if w.radius else 1.0 for one in w.each]
             self._each = np.array([*np.transpose(ratios), sizes])
             points.each = _pointer(self._each)
+        self._lobes = np.array(lobes, float)
+        points.lobes, points.lobe = len(lobes), _pointer(self._lobes)
         self.native = core.structures.Track(
             points, weight_radius, restitution, mobility, rolling_resistance,
             Complex(offset.real, offset.imag),

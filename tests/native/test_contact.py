@@ -197,6 +197,40 @@ def test_impulse_and_force_together_account_for_the_momentum_of_the_weights(trac
     assert smooth + blows == pytest.approx(-change, abs=0.5 * h * 1.0)
 
 
+def test_a_collision_on_a_race_with_faint_lobes_strikes_the_rotor_as_on_a_circle(track_of):
+    weights, state = Weights(2, 0.1, 1.0, 0.02, 1.4), ([0.5, 1.1], [1.2, -0.8], [0.0, 0.0])
+    struck = []
+    for lobes in ((), [(3, 1e-9, 0.4)]):
+        track = track_of(weights, 0.25, 0.6, lobes=lobes)
+        moved = track.advance(*state, [0.4, 0.1, 0.0, 0.0], 3.0, 0.0, 0.1)
+        assert moved.events == 1
+        struck.append(moved.impulse)
+    assert abs(struck[0]) > 0.01
+    assert struck[1] == pytest.approx(struck[0], rel=1e-6)
+
+
+def test_after_a_collision_within_a_step_the_speed_goes_on_changing(track_of):
+    """One step over a speed whose rate changes, and many: the rate is told anew in each of them."""
+    track = track_of(Weights(2, 0.1, 1.0, 0.5, 1.4), 0.25, 0.6)
+    start, rates, seconds = ([0.5, 1.1], [1.2, -0.8], [0.0, 0.0]), [1.0, 40.0, -90.0, 300.0], 0.2
+
+    def told(t):
+        w = 3.0 + sum(r * t ** (k + 1) / math.factorial(k + 1) for k, r in enumerate(rates))
+        return w, *(
+            sum(r * t**k / math.factorial(k) for k, r in enumerate(rates[j:])) for j in range(4)
+        )
+
+    once = track.advance(*start, [0.0] * 4, told(0.0)[0], rates[0], seconds, rates[1:])
+    assert once.events == 1
+    state, steps = start, 100
+    for k in range(steps):
+        w, first, *rest = told(k * seconds / steps)
+        moved = track.advance(*state, [0.0] * 4, w, first, seconds / steps, rest)
+        state = moved.angles, moved.speeds, moved.contacts
+    assert once.angles == pytest.approx(state[0], abs=1e-10)
+    assert once.speeds == pytest.approx(state[1], abs=1e-10)
+
+
 def test_pulses_give_the_rotor_exactly_what_is_owed_whatever_the_steps(core):
     rng = random.Random(3)
     w, owed, pulse, given, struck = 3.0, 0j, 0j, 0j, 0j

@@ -100,6 +100,21 @@ def test_a_step_ends_where_a_weight_breaks_away(fmus, packaging):
     host.free()
 
 
+@pytest.mark.parametrize("drag", [0.0, 100.0])
+def test_a_weight_in_heavy_drag_breaks_away_from_its_changing_load(fmus, packaging, drag):
+    """At angle 0, pulled along by s t, inwards by c t: s t = mu (R w^2 - c t)."""
+    mu, speed, along, inwards = 0.2, 10.0, 3.0, -4.0
+    values = {"a_xi": 0.0, "der(a_eta)": along, "der(a_xi)": inwards, "weight_radius": 0.0}
+    values |= {"rolling_resistance": mu, "weight[1].speed0": 0.0, "speed": speed, "drag": drag}
+    values["weight[2].angle0"] = 0.0  # as the other one
+    host = begun(fmus, packaging, stop_at_contact=True, **values)
+    with pytest.raises(FMICallException):
+        host.slave.doStep(0.0, 1.0)
+    expected = mu * RADIUS * speed**2 / (along + mu * inwards)
+    assert last_successful_time(host) == pytest.approx(expected, rel=1e-8)
+    host.free()
+
+
 @pytest.mark.parametrize("more", [{"weight_radius": SIZE}, {"rolling_resistance": 1e-12}])
 def test_weights_with_events_follow_a_changing_acceleration(fmus, packaging, more):
     """As one does that can neither meet another nor stick: nothing happens to it here."""
