@@ -45,10 +45,16 @@ def from_facts(known: Known) -> Ruling | None:
         return None
     here = in_both(known.speed, "rad/s")
     if known.growth.state == "neutral":
+        below = f"growth below {known.growth.error:.1g} 1/s"
+        if known.is_damped:
+            return Ruling(
+                Outcome.UNDECIDED,
+                f"stability undecided at this speed, {here}: {below}, too slow to move the weights",
+            )
         return Ruling(
             Outcome.NEUTRAL,
             f"neutral at this speed, {here}: no damping brings the machine to a steady motion "
-            f"(growth below {known.growth.error:.1g} 1/s)",
+            f"({below})",
         )
     if known.speed < known.critical:
         return Ruling(

@@ -262,6 +262,13 @@ class Known:
             return None
 
     @property
+    def is_damped(self) -> bool:
+        """Whether anything damps the machine, however little."""
+        from ....models.boundaries import unknown_word  # loads SciPy
+
+        return unknown_word(self.assembly) == "undecided"
+
+    @property
     def time_constant(self) -> float:
         """After which a deviation from the balanced motion has fallen to 1/e [s]; or infinite."""
         if self.growth is None or self.growth.state != "stable":

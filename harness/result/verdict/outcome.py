@@ -18,6 +18,7 @@ class Outcome(str, Enum):
     BELOW_CRITICAL = "below critical"
     UNSTABLE = "unstable"
     NEUTRAL = "neutral"
+    UNDECIDED = "undecided"
     ANOTHER_MOTION = "another steady motion"
     GRAVITY_SWING = "gravity swing"
     STUCK = "stuck"
@@ -47,6 +48,7 @@ class Outcome(str, Enum):
 
 _SILENT = {
     Outcome.LOWERED,
+    Outcome.UNDECIDED,
     Outcome.CANNOT_TELL,
     Outcome.STANDSTILL,
     Outcome.NO_RESPONSE,
@@ -63,6 +65,7 @@ _REMEDIES = {
     Outcome.BELOW_CRITICAL: "run above the critical speed",
     Outcome.UNSTABLE: "see `autobalancer speeds` for the speeds that balance",
     Outcome.NEUTRAL: "give the rotor and its balancers damping",
+    Outcome.UNDECIDED: "check the unbalance, the drag and the mass of the weights",
     Outcome.ANOTHER_MOTION: "use more drag, or another start",
     Outcome.GRAVITY_SWING: "use a vertical axis, a higher speed or more drag",
     Outcome.STUCK: "use a harder or cleaner track",

@@ -27,7 +27,7 @@ def sentences(verdict: Verdict) -> Iterator[str]:
         yield f"Balanced after {brief(verdict.after or 0.0, 3)} s: v{said}."
     elif verdict.balanced is False:
         yield f"Not balanced: {verdict.reason}. V{said}."
-    elif verdict.outcome is Outcome.CANNOT_TELL:
+    elif verdict.outcome in (Outcome.UNDECIDED, Outcome.CANNOT_TELL):
         yield f"Cannot tell whether it is balanced: {verdict.reason}. V{said}."
     elif verdict.outcome is Outcome.LOWERED:
         yield f"Vibration lowered: {verdict.reason}. V{said}."

@@ -115,6 +115,17 @@ def test_an_undamped_machine_is_neutral():
     assert "unstable" not in str(found)
 
 
+def test_an_unbalance_too_small_to_move_the_weights_of_a_damped_machine_is_undecided():
+    found = verdict(
+        drum(turns=20, rotor__stiffness=[20e3, 30e3], rotor__unbalance=1e-13, balls__count=2)
+    )
+    assert found.outcome is Outcome.UNDECIDED
+    assert found.balanced is None
+    assert abs(found.growth) <= found.growth_error
+    assert "stability undecided" in str(found)
+    assert "damping" not in str(found)
+
+
 LIQUID = {
     "kind": "liquid", "chamber_radius": 0.1, "float_radius": 0.05, "height": 0.05,
     "density": 1000.0,
