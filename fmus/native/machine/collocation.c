@@ -461,6 +461,7 @@ static int refresh_modes(const Collocation *c, double length)
 double collocation_solve(Collocation *c, double length, double tolerance, double largest)
 {
     const double enough = larger(LEFT_BY_PASSES * tolerance, ROUNDING_OF_PASSES);
+    const int renewed = c->at->carried ? 0 : 1; /* passes with the derivatives at the start */
     double before = infinity();
     int k;
     differentiate_all(c, 0.0, c->start);
@@ -472,15 +473,15 @@ double collocation_solve(Collocation *c, double length, double tolerance, double
     for (k = 0; k < MOST_PASSES; k++) {
         const double moved = correct_points(c, length, largest), left = moved / before;
         c->passes = k + 1;
-        /* a pass leaves as much of the next as of the one before */
-        if (moved <= enough || (k > 0 && left < 1.0 && moved * left <= enough * (1.0 - left))) {
+        /* with the same derivatives a pass leaves as much of the next as of the one before */
+        if (moved <= enough || (k > renewed && left < 1.0 && moved * left <= enough * (1.0 - left))) {
             return error_of_points(c, length, largest) / tolerance;
         }
         if (!(k < 2 || left <= SLOWEST_PASSES)) {
             break;
         }
         before = moved;
-        if (k == 0 && !c->at->carried && refresh_modes(c, length)) {
+        if (k < renewed && refresh_modes(c, length)) {
             break;
         }
     }
