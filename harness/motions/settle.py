@@ -27,11 +27,16 @@ LONGEST = 10_000.0  # revolutions, for its points have to fit into memory
 
 def alone(scene: Scene, speed: float) -> float:
     """Vibration without balancers [m]; NaN where it is not known."""
+    return float(alone_at(scene, np.array([speed]))[0])
+
+
+def alone_at(scene: Scene, speeds: Array) -> Array:
+    """The same at speeds (k,) [rad/s]; NaN at all of them where it is not known at one."""
     try:
-        found = unbalance_response(scene.assembly().rotor, [speed])
+        found = unbalance_response(scene.assembly().rotor, speeds)
     except NoResponse:
-        return math.nan
-    return float(largest_displacement(found).max())
+        return np.full(len(speeds), np.nan)
+    return largest_displacement(found).max(axis=1)
 
 
 def settle(scene: Scene, made: Job) -> tuple[Found, NDArray[np.object_], Array]:

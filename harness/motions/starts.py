@@ -119,13 +119,6 @@ def run_up_begins(driven: Scene) -> str:
     return f"the rotor at {in_both(first, 'rad/s')}, weights turning with it"
 
 
-def said_of(scene: Scene, speed: float, start: str) -> str:
-    """What a start is, for a scene that it drives to a speed."""
-    if start != "run-up":
-        return STARTS[start]
-    return f"{run_up_begins(drive_to(scene, speed, start)[0])}, the speed rises"
-
-
 def length(scene: Scene, speed: float) -> float:
     """Seconds at the speed until a motion has usually settled."""
     slowest = 0.0

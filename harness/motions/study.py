@@ -18,7 +18,7 @@ from ..scene import Scene
 from .kinds import Kind, motion_of
 from .outcome import Motions, Point, Share
 from .settle import alone, settle
-from .starts import drive_to, job, perturbed, refuse_unknown, said_of
+from .starts import STARTS, drive_to, job, perturbed, refuse_unknown, run_up_begins
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -44,8 +44,12 @@ def find_motions(
     scene, said = perturbed(scene)
     closed = [captured(scene, speed).found for speed in speeds]
     notes = [said] if said else []
-    notes += [f"{start}: {said_of(scene, max(speeds), start)}." for start in starts]
-    if "run-up" in starts and (word := drive_to(scene, max(speeds), "run-up")[2]):
+    meanings, word = dict(STARTS), ""
+    if "run-up" in starts:
+        driven, _, word = drive_to(scene, max(speeds), "run-up")
+        meanings["run-up"] = f"{run_up_begins(driven)}, the speed rises"
+    notes += [f"{start}: {meanings[start]}." for start in starts]
+    if word:
         notes.append(f"{word[0].upper()}{word[1:]}.")
     jobs = [
         (scene, float(speed), start, seed, first, min(CHUNK, n - first))

@@ -11,7 +11,6 @@ from typing import Any, ClassVar
 import numpy as np
 
 from ...models.arrays import Array
-from ...models.harmonic_balance import NoResponse, largest_displacement, unbalance_response
 from ...models.linear.modes import lowest_natural
 from ..capture.captured import refuse_outside_tables
 from ..errors import UserError
@@ -20,14 +19,11 @@ from ..output.table import Sheet
 from ..scene import Scene
 from .batch import displacements
 from .held import Held, differ, held_at, hold
-from .settle import alone
+from .settle import alone, alone_at
 from .starts import Job, job, perturbed
 
 _PERIODS = 300.0  # of the lowest natural frequency that a sweep takes each way
 _POINTS = 240  # windows of a sweep
-
-
-_differs = attrgetter("differs")
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,7 +72,9 @@ class Sweep(Outcome):
     def ranges(self) -> tuple[tuple[float, float], ...]:
         """Lowest and highest speed of neighbours held at which both ways settle to different
         vibrations [rad/s]."""
-        parts = (list(part) for differs, part in groupby(self.held, _differs) if differs)
+        parts = (
+            list(part) for differs, part in groupby(self.held, attrgetter("differs")) if differs
+        )
         return tuple((part[0].speed, part[-1].speed) for part in parts)
 
     @property
@@ -137,7 +135,7 @@ def sweep(scene: Scene, low: float, high: float, *, seed: int = 1) -> Sweep:
     ways = (("rising", low, high), ("falling", high, low))
     jobs = [_sweeping(scene, first, last, seconds, seed) for _, first, last in ways]
     up, down = (_way(*way, made) for way, made in zip(ways, jobs, strict=True))
-    bare = _alone(scene, up.speed)
+    bare = alone_at(scene, up.speed)
 
     def both(row: int) -> Held:
         speed = float(up.speed[row])
@@ -150,15 +148,6 @@ def sweep(scene: Scene, low: float, high: float, *, seed: int = 1) -> Sweep:
     back = np.interp(up.speed, down.speed[::-1], down.vibration[::-1])
     held = hold(np.flatnonzero(differ(up.vibration, back, bare)), both)
     return Sweep(scene.heading, (up, down), bare, seconds, held)
-
-
-def _alone(scene: Scene, speeds: Array) -> Array:
-    """Vibration without balancers (k,) [m]; NaN where it is not known."""
-    try:
-        found = unbalance_response(scene.assembly().rotor, speeds)
-    except NoResponse:
-        return np.full(len(speeds), np.nan)
-    return largest_displacement(found).max(axis=1)
 
 
 def _sweeping(scene: Scene, first: float, last: float, seconds: float, seed: int) -> Job:

@@ -56,7 +56,7 @@ def _side_view(scene: Scene, rotor: TwoSupport | Flexible) -> Iterator[str]:
     def across(z: float) -> float:
         return 50.0 + (z - low) / span * (_SHAFT_WIDTH - 100.0)
 
-    carrier = next((body for body in rotor.bodies if body.name == rotor.on), None)
+    carrier = rotor.carrier
     foot = _MIDDLE + (50.0 if carrier else 85.0)
     for number, station in enumerate(rotor.supports, start=1):
         x = across(rotor.stations[station - 1])

@@ -6,7 +6,7 @@ They are seen along the axis from axes that do not turn, in true size.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, cast
 
@@ -48,22 +48,6 @@ class StopView:
         return np.abs(self.trail[:, -1]) > self.gap
 
 
-class _Recorded(Mapping[str, Array]):
-    """Signals of a motion that can be looked up by these names alone."""
-
-    def __init__(self, motion: Motion, names: list[str]) -> None:
-        self._values = {name: motion.recorded[name] for name in names}
-
-    def __getitem__(self, name: str) -> Array:
-        return self._values[name]
-
-    def __iter__(self) -> Any:
-        return iter(self._values)
-
-    def __len__(self) -> int:
-        return len(self._values)
-
-
 def stop_views(motion: Motion, times: Array) -> list[StopView]:
     """Every stop of the rotor at the times (F,)."""
     scene = motion.scene
@@ -74,7 +58,7 @@ def stop_views(motion: Motion, times: Array) -> list[StopView]:
     angle = np.interp(times, motion.time, motion.angle)
     past = angle[:, None] + math.tau * TRAIL
     found = []
-    ways = motions_across(scene, _Recorded(motion, names))
+    ways = motions_across(scene, {name: motion.recorded[name] for name in names})
     for stop, (x, y) in zip(scene.rotor.stops, ways, strict=True):
         # straight between records in the rotor, where most of it is slow
         slow = (x + 1j * y) * np.exp(-1j * motion.angle)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import Annotated, Any, ClassVar, Literal
 
 import numpy as np
@@ -125,6 +125,14 @@ class WeightBalancer(Balancer):
         """Of each weight, where they have a size [m]."""
         return list(each_of(self.weight_radius)) or [self.weight_radius or 0.0] * self.count
 
+    def _neighbours(self) -> Iterator[tuple[int, int, float]]:
+        """Weights next to each other, in the order of the start, and how far apart their centres
+        must be [rad]."""
+        order, radii = self._order, self._radii
+        for k, i in enumerate(order if self.count > 1 else ()):
+            j = order[(k + 1) % self.count]
+            yield i, j, touching(radii[i], radii[j], self.track_radius)
+
     def overlapping(self, angles: Sequence[float]) -> tuple[int, int, float, float] | None:
         """Neighbours that overlap at these angles, in the order of the start: which, how far apart
         they are, and must be [rad]; None: nowhere.
@@ -132,10 +140,7 @@ class WeightBalancer(Balancer):
         Args:
             angles: (N,) [rad].
         """
-        order, radii = self._order, self._radii
-        for k, i in enumerate(order if self.count > 1 else ()):
-            j = order[(k + 1) % self.count]
-            needed = touching(radii[i], radii[j], self.track_radius)
+        for i, j, needed in self._neighbours():
             apart = (angles[j] - angles[i]) % math.tau
             if apart < needed * (1.0 - 1e-9):
                 return i, j, apart, needed
@@ -144,7 +149,7 @@ class WeightBalancer(Balancer):
     def _refuse_overlap(self) -> None:
         """Refuse weights that do not fit, or overlap at their start angles, which tell their
         order."""
-        order, radii, track = self._order, self._radii, self.track_radius
+        radii, track = self._radii, self.track_radius
         if max(radii) >= track:
             raise refusal("weight_radius", f"must be less than track_radius = {track!r} m")
         if len(set(radii)) == 1 and not fits(self.count, radii[0], track):
@@ -160,9 +165,7 @@ class WeightBalancer(Balancer):
                 f"weights {i + 1} and {j + 1} overlap: {apart:.6g} rad apart, must be at least "
                 f"{needed:.6g} rad for their weight_radius",
             )
-        ahead = [order[(k + 1) % self.count] for k in range(self.count)]
-        full = sum(touching(radii[i], radii[j], track) for i, j in zip(order, ahead, strict=True))
-        if self.unequal and self.count > 1 and math.tau - full < 1e-9:
+        if self.unequal and math.tau - sum(n for _, _, n in self._neighbours()) < 1e-9:
             raise refusal("weight_radius", "unequal weights fill the track: make it larger")
 
     @property

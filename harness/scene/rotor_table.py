@@ -227,6 +227,11 @@ class RotorTable(Table):
         return found
 
     @property
+    def carrier(self) -> BodyTable | None:
+        """The body on which the rotor stands; None where that is the ground."""
+        return next((body for body in self.bodies if body.name == self.on), None)
+
+    @property
     def is_free(self) -> bool:
         """Whether nothing holds the body that carries it."""
         under = {body.name: body for body in self.bodies}

@@ -217,11 +217,9 @@ def _heavy(made: Composition) -> float | None:
 def _carrier(scene: Scene) -> dict[str, Any] | None:
     """The body that carries a rotor of several stations: its two points among those of the rotor,
     from 0, and places along the shaft of these, of its feet and of its middle [m]."""
-    rotor = scene.rotor
-    body = next((one for one in rotor.bodies if one.name == rotor.on), None)
+    rotor, body, names = scene.rotor, scene.rotor.carrier, _points(scene)
     if body is None or len(rotor.supports) < 2:
         return None
-    names = [*("" for _ in rotor.stations), *rotor.beyond]
     return {
         "name": body.name,
         "points": [names.index(f"{body.name} at support {s}") for s in (1, 2)],
@@ -234,12 +232,16 @@ def _carrier(scene: Scene) -> dict[str, Any] | None:
 def _tub(scene: Scene) -> dict[str, Any] | None:
     """The body that carries a planar rotor: its name, its point among those of the rotor, from 0,
     and whether it stands on feet."""
-    rotor = scene.rotor
-    body = next((one for one in rotor.bodies if one.name == rotor.on), None)
-    if body is None or len(rotor.supports) != 1:
+    body = scene.rotor.carrier
+    if body is None or len(scene.rotor.supports) != 1:
         return None
-    point = [*("" for _ in rotor.stations), *rotor.beyond].index(body.name)
+    point = _points(scene).index(body.name)
     return {"name": body.name, "point": point, "feet": bool(body.feet)}
+
+
+def _points(scene: Scene) -> list[str]:
+    """Names of the points of the rotor; its stations have none."""
+    return [*("" for _ in scene.rotor.stations), *scene.rotor.beyond]
 
 
 def _stops(scene: Scene) -> Iterator[dict[str, Any]]:

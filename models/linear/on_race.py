@@ -173,7 +173,7 @@ class OnRace:
             theta = self._crept_balanced(angles)
         else:
             theta = self._crept(angles) if creeps == "freely" else angles.copy()
-        size = np.array([weights_of(m).track_radius for m in self.assembly.weights]).max()
+        size = self._sizes.max()
         for _ in range(_NEWTON):
             left = self.missing(theta)
             if np.abs(left).max() <= _SOLVED * size * size:

@@ -1,8 +1,8 @@
 /* What tells whether a machine is balanced: vibration, unbalance that is left, capacity in use.
 
-   The vibration is half the largest extent in a revolution.  A machine that nothing holds drifts and
-   tilts slowly besides: its vibration is the part that turns with the rotor, by least squares of
-   1, s, s^2, cos t, sin t over the revolution, t the angle of the rotor in it and s = t/2 pi. */
+   The vibration is half of the largest peak-to-peak displacement in a revolution.  A machine without supports
+   also drifts and tilts slowly.  Its vibration is the amplitude of the part that turns with the rotor: a least-squares
+   fit of 1, s, s^2, cos t and sin t over the revolution, with the angle t of the rotor in it and s = t/2 pi. */
 #include <string.h>
 
 #include "base/elementary.h"
@@ -138,7 +138,7 @@ static double amplitude(const Composite *c)
     return most;
 }
 
-/* Where a revolution ends, store its vibration and begin the next revolution. */
+/* After a whole revolution: store its vibration, and reset the extents for the next one. */
 static void end_revolution(Composite *c, const double *place, double turned)
 {
     Vibration *vibration = &c->course->vibration;
