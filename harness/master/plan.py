@@ -35,8 +35,6 @@ class UnitPlan:
         sizes: options to build it with.
         start: parameters and start values.
         fmu: file of another origin that steps it; empty: ours.
-        has_contacts: whether its weights can touch or stick; they support no change of w' within a
-            step.
     """
 
     name: str
@@ -44,7 +42,6 @@ class UnitPlan:
     sizes: Mapping[str, Any]
     start: Mapping[str, float | bool]
     fmu: str = ""
-    has_contacts: bool = False
 
     @property
     def driven(self) -> bool:
@@ -161,7 +158,6 @@ def plan(scene: Scene) -> Plan:
                 **(drive if balancer.driven else {}),
             },
             balancer.fmu or "",
-            balancer.can_meet or balancer.can_stick,
         )
         for balancer in scene.balancer
     ]

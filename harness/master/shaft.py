@@ -7,7 +7,6 @@ the units stand between, as the accelerations of the planes do.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 
 import numpy as np
@@ -38,9 +37,8 @@ class Shaft:
         self.motor, self.order, self._scale = units[MOTOR], order, plan.spin_scale
         slopes = min(order, 1)
         spin = ["speed", *derivatives("acceleration", order)]
-        events = {one.name for one in plan.units if one.has_contacts}
         driven = [units[c.target.unit] for c in plan.of_kind("spin")]
-        self._driven = [(unit, unit.group(spin), unit.name in events) for unit in driven]
+        self._driven = [(unit, unit.group(spin)) for unit in driven]
         sources = [units[c.source.unit] for c in plan.of_kind("torque")]
         self._sources = [(unit, unit.group(derivatives("torque", slopes))) for unit in sources]
         self._torque = self.motor.group(derivatives("torque", order))
@@ -53,17 +51,11 @@ class Shaft:
         self.motor.fetch(self._answer)
         self.speed = self._answer.reals[-1]
 
-    def write(self, spin: np.ndarray, step: float = 0.0) -> None:
-        """Write to all driven units how the rotor turns in the step to come [s].
-
-        Weights that can touch or stick support no change of it within a step: they get its mean,
-        which leaves an error of order 1 in the step, as contacts do.
-        """
+    def write(self, spin: np.ndarray) -> None:
+        """Write to all driven units how the rotor turns in the step to come."""
         rates = (spin[: self.order + 1].real / self._scale).tolist()
-        mean = sum(rate * step**k / math.factorial(k + 1) for k, rate in enumerate(rates))
-        for unit, group, constant in self._driven:
-            used = [mean] + [0.0] * self.order if constant else rates
-            unit.set(group, [self.speed, *used])
+        for unit, group in self._driven:
+            unit.set(group, [self.speed, *rates])
 
     def answer(self) -> Knots:
         """The angular acceleration of units in initialisation mode, and its slope."""

@@ -155,7 +155,7 @@ class System:
     def rotor_pass(self, forces: Cubics, time: float, step: float) -> Knots:
         """Step the rotor under the cubics of `forces`; accelerations of the planes."""
         if self.shaft:
-            self.shaft.write(forces[-1], step)
+            self.shaft.write(forces[-1])
         if not self.exchanges:
             self.rotor.step(time, step)
             return self.accelerations.now
