@@ -50,7 +50,7 @@ def simulate(
         rtol: relative tolerance.
 
     Raises:
-        ValueError: weights can collide as well as stick, or do either under a motor.
+        ValueError: weights can collide as well as stick, or something sticks under a motor.
         ArithmeticError: the method gave up, or the motion is not finite.
     """
     time = np.asarray(times, float)
@@ -59,10 +59,10 @@ def simulate(
     finite = any(m.half_angle for m in assembly.weights)
     if system.dry and finite:
         raise ValueError("weights that collide: not where something sticks")
-    if isinstance(system, Driven) and (system.dry or finite):
-        raise ValueError("weights that collide, or what sticks: not under a motor")
-    if isinstance(system, Monolith) and (system.dry or finite):
-        bodies = Dry(system) if system.dry else Colliding(system)
+    if isinstance(system, Driven) and system.dry:
+        raise ValueError("what sticks: not under a motor")
+    if system.dry or finite:
+        bodies = Dry(system) if isinstance(system, Monolith) and system.dry else Colliding(system)
         states, solved = integrate_phases(bodies, time, initial, method=method, rtol=rtol)
     else:
         _, states, _ = integrate(system, time, initial, method=method, rtol=rtol)
@@ -161,7 +161,7 @@ def trajectory(
     system: Monolith | Driven,
     time: Array,
     states: Array,
-    solved: Sequence[tuple[Array, Array]] | None = None,
+    solved: Sequence[tuple[Array, ...]] | None = None,
 ) -> Trajectory:
     """Every signal of the states (T, size) that `integrate` found.
 
@@ -182,8 +182,10 @@ def trajectory(
         ]
         a, phi2 = map(np.concatenate, zip(*found, strict=True))
     else:
-        a = np.array([lateral for lateral, _ in solved])
-        phi2 = np.array([bend for _, bend in solved]).reshape(len(time), count)
+        a = np.array([one[0] for one in solved])
+        phi2 = np.array([one[1] for one in solved]).reshape(len(time), count)
+        if isinstance(system, Driven):
+            angular_acceleration = np.array([one[2] for one in solved])
     theta, theta_1, theta_2, first = {}, {}, {}, 0
     for m in system.assembly.weights:
         part = slice(first, first := first + len(m.angles))

@@ -22,6 +22,7 @@ from scipy.optimize import OptimizeResult, brentq, nnls
 from ..arrays import Array
 from ..assembly import weights_of
 from .coupled import Monolith, Start
+from .driven import Driven
 from .phases import LONGEST, solve_to_event
 
 Pair = tuple[int, int, float, float]  # two neighbours, distance of touching, turns between them
@@ -34,11 +35,11 @@ MOST_IMPACTS = 100  # at one time, each of which ends or turns round what approa
 
 
 class Colliding:
-    """Contacts of the weights of a `Monolith`."""
+    """Contacts of the weights of a `Monolith`, or of those that a motor drives."""
 
-    def __init__(self, system: Monolith) -> None:
+    def __init__(self, system: Monolith | Driven) -> None:
         """Find who is beside whom on every track where weights can meet."""
-        self.system = system
+        self.system: Any = system
         self.first = 4 * system.stations
         self.count = system.weights
         self.pairs: list[Pair] = []
@@ -65,9 +66,14 @@ class Colliding:
         a, b, touching, turns = pair
         return float(y[self.first + b] - y[self.first + a]) + turns - touching
 
+    def rates(self, y: Array) -> Array:
+        """Of the weights' angles in a state, (N,), a view [rad/s]."""
+        begin = self.first + self.count
+        return y[begin : begin + self.count]
+
     def approach(self, pair: Pair, y: Array) -> float:
         """Rate at which a gap closes [rad/s]."""
-        rates = y[self.first + self.count :]
+        rates = self.rates(y)
         return float(rates[pair[0]] - rates[pair[1]])
 
     def closing(self, y: Array) -> list[float]:
@@ -103,25 +109,20 @@ class Colliding:
 
     def after_impact(self, t: float, y: Array, held: Array) -> Array:
         """The state after a blow that changes rates by `held` (N,) on a rotor that is held."""
-        still, phi_still = self.system.accelerations(t, y)
-        moved, phi_moved = self.system.accelerations(t, y, held)
-        after, n = y.copy(), self.system.stations
-        after[2 * n : 4 * n] += (moved - still).ravel()
-        after[self.first + self.count :] += phi_moved - phi_still
-        return after
+        still = self.system.array_rhs(t, y)
+        moved = self.system.array_rhs(t, y, held)
+        return np.asarray(y + (moved - still))
 
-    def accelerations(self, t: float, y: Array, joined: Sequence[Pair]) -> tuple[Array, Array]:
-        """Of stations (2, n) and weights (N,)."""
-        a, phi2 = self.system.accelerations(t, y, self.pushes(t, y, joined)[1])
-        for run in _runs(joined):  # equal but for rounding, which adds up in a long contact
-            phi2[run] = phi2[run].mean()
-        return a, phi2
+    def accelerations(self, t: float, y: Array, joined: Sequence[Pair]) -> tuple[Array, ...]:
+        """Of stations (2, n) and weights (N,), and of the shaft where a motor drives it."""
+        a, phi2, *shaft = self.system.accelerations(t, y, self.pushes(t, y, joined)[1])
+        return a, _in_step(phi2, joined), *shaft
 
     def rhs(self, t: float, y: Array, joined: Sequence[Pair]) -> Array:
         """Derivative of the state, (size,), with contacts that last."""
-        n = self.system.stations
-        a, phi2 = self.accelerations(t, y, joined)
-        return np.concatenate([y[2 * n : 4 * n], a.ravel(), y[self.first + self.count :], phi2])
+        found = np.asarray(self.system.array_rhs(t, y, self.pushes(t, y, joined)[1]))
+        _in_step(self.rates(found), joined)
+        return found
 
     def collide(self, t: float, y: Array, touching: Sequence[Pair]) -> Array:
         """The state after all impacts between neighbours that touch.
@@ -134,7 +135,7 @@ class Colliding:
         factor = np.linalg.cholesky(response).T
         e = np.array([self.restitution[pair] for pair in touching])
         for _ in range(MOST_IMPACTS):
-            rates = y[self.first + self.count :]
+            rates = self.rates(y)
             opening = np.array([rates[b] - rates[a] for a, b, *_ in touching])
             if opening.min() >= -1e-13 * np.abs(rates).max():
                 return y
@@ -153,10 +154,10 @@ class Colliding:
             if apart * apart > 2.0 * LOWEST * max(pressed, 0.0):
                 joined.remove(pair)
         if joined:  # what bounces no more has given its momentum to the rotor
-            rates = y[self.first + self.count :]
+            rates = self.rates(y)
             y = self.after_impact(t, y, self._against(t, y, joined, rates, free)[1])
         y = y.copy()
-        phi, rates = y[self.first : self.first + self.count], y[self.first + self.count :]
+        phi, rates = y[self.first : self.first + self.count], self.rates(y)
         for _ in range(SHIFTS):  # back to gaps of zero, so that the next closing is seen
             for pair in self.pairs:
                 short = self.gap(pair, y)
@@ -184,8 +185,7 @@ class Colliding:
 
     def fastest(self, y: Array) -> float:
         """Fastest turning [rad/s], which limits a step."""
-        turning = np.abs(y[self.first + self.count :])
-        return max(self.system.profile.top, float(turning.max()))
+        return max(self.system.top, float(np.abs(self.rates(y)).max()))
 
     def watched(self, t: float, y: Array, joined: Sequence[Pair]) -> Array:
         """Of joined neighbours the push, of others the gap: what falls through 0 at an event."""
@@ -242,6 +242,14 @@ class Colliding:
         ]
         y = self.collide(t, y, touching)
         return self.settled(t, y, touching)
+
+
+def _in_step(values: Array, joined: Sequence[Pair]) -> Array:
+    """Values of the weights, in place: of a run equal but for rounding, which adds up in a long
+    contact."""
+    for run in _runs(joined):
+        values[run] = values[run].mean()
+    return values
 
 
 def _runs(pairs: Sequence[Pair]) -> list[list[int]]:

@@ -53,6 +53,11 @@ class Monolith:
         self.rhs: RightHandSide = self.scalar_rhs() if plain else self.array_rhs
 
     @property
+    def top(self) -> float:
+        """Fastest turning of the profile [rad/s]."""
+        return self.profile.top
+
+    @property
     def size(self) -> int:
         """Length of the state, 4 n + 2 N."""
         return 4 * self.stations + 2 * self.weights
@@ -139,10 +144,10 @@ class Monolith:
         field[[at for at, _ in rotor.waves]] = 0.0
         return a + np.array([field.real, field.imag]), found[..., lateral:]
 
-    def array_rhs(self, t: float, y: Array) -> Array:
+    def array_rhs(self, t: float, y: Array, push: Array | float = 0.0) -> Array:
         """Derivative of the state, (size,), for any number of stations and planes."""
         n = self.stations
-        a, phi2 = self.accelerations(t, y)
+        a, phi2 = self.accelerations(t, y, push)
         return np.concatenate([y[2 * n : 4 * n], a.ravel(), y[4 * n + self.weights :], phi2])
 
     def scalar_rhs(self) -> RightHandSide:

@@ -12,14 +12,15 @@ from ..arrays import Array
 from ..assembly import Assembly, SpeedProfile
 from ..motor import Drive, MotorDriven
 from .coupled import REST, Monolith, Start, Turning
+from .lagrange import Lagrange
 
 
 class Driven:
     """The coupled equations of `assembly` on the shaft of a motor.
 
     The state, (4 n + 2 N + 2,) for n stations and N weights, is (x, y, vx, vy, phi, phi', angle,
-    speed): that of a `Monolith` and the shaft's.  Weights are points that roll freely; a liquid
-    turns with the rotor and leaves no torque on the shaft.
+    speed): that of a `Monolith` and the shaft's.  Weights roll freely, see `Colliding` for those
+    that touch; a liquid turns with the rotor and leaves no torque on the shaft.
     """
 
     def __init__(self, assembly: Assembly, drive: MotorDriven, angle: float = 0.0) -> None:
@@ -41,6 +42,16 @@ class Driven:
         """Of the rotor at the speed without load, and of the weights' drag [1/s]."""
         return self._top.fastest_mode
 
+    @property
+    def top(self) -> float:
+        """Fastest turning that the motor aims at [rad/s]."""
+        return max(self.drive.start, self.drive.end)
+
+    @property
+    def lagrange(self) -> Lagrange:
+        """Inertia and forces without the motor's."""
+        return self._begun.lagrange
+
     def initial(self, start: Start = REST) -> Array:
         """State at time 0, (size,)."""
         return np.append(self._begun.initial(start), [start.angle, self.drive.start])
@@ -61,12 +72,29 @@ class Driven:
         """The same: nothing depends on time."""
         return self
 
-    def rhs(self, _t: float, y: Array) -> Array:
+    def rhs(self, t: float, y: Array) -> Array:
         """Derivative of the state, (size,)."""
-        n, found = self.stations, self._solved(y)
+        return self.array_rhs(t, y)
+
+    def array_rhs(self, _t: float, y: Array, push: Array | float = 0.0) -> Array:
+        """Derivative of the state, (size,); `push` as of `accelerations`."""
+        n, found = self.stations, self._solved(y, push)
         speeds, rates = y[2 * n : 4 * n], y[4 * n + self.weights : -2]
         lateral, phi2 = np.split(found[:-1], [2 * n])
         return np.concatenate([speeds, lateral, rates, phi2, y[-1:], found[-1:]])
+
+    def accelerations(
+        self, _t: float, y: Array, push: Array | float = 0.0
+    ) -> tuple[Array, Array, Array]:
+        """x'' and y'' of the stations, (..., 2, n), phi'' of the weights, (..., N), and w', (...).
+
+        Args:
+            push: what else would accelerate each weight along its track on a rotor and a shaft
+                that are held, (..., N) [rad/s^2].
+        """
+        found, lateral = self._solved(y, push), 2 * self.stations
+        a = found[..., :lateral].reshape(*found.shape[:-1], 2, -1)
+        return a, found[..., lateral:-1], found[..., -1]
 
     def accelerations_of(self, _turning: Turning, states: Array) -> tuple[Array, Array]:
         """As `Monolith.accelerations_of`, of states (T, size)."""
@@ -77,15 +105,18 @@ class Driven:
         """Angle, speed and angular acceleration of the shaft, each (T,)."""
         return states[:, -2], states[:, -1], self._solved(states)[:, -1]
 
-    def _solved(self, y: Array) -> Array:
+    def _solved(self, y: Array, push: Array | float = 0.0) -> Array:
         """Second derivatives of x, y, phi and the shaft's angle, (..., 2 n + N + 1)."""
         motor, gravity = self.drive.motor, self.assembly.rotor.gravity
         inertia, force = self._begun.lagrange(y[..., -2:-1], y[..., -1:], y[..., :-2])
         inertia[..., -1, -1] += motor.inertia
         force[..., -1] += torque_of(motor, y[..., -1])
+        lateral, trials = 2 * self.stations, np.shape(push)[:-1]
+        force = np.broadcast_to(force, (*(trials or force.shape[:-1]), force.shape[-1])).copy()
+        force[..., lateral:-1] += push * self.lagrange.turned_inertia
         found = np.asarray(np.linalg.solve(inertia, force[..., None]), float)[..., 0]
         # gravity acts as if all were accelerated against it
-        found[..., : 2 * self.stations] += np.repeat([gravity.real, gravity.imag], self.stations)
+        found[..., :lateral] += np.repeat([gravity.real, gravity.imag], self.stations)
         return found
 
 

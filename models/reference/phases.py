@@ -10,7 +10,7 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import OptimizeResult
 
 from ..arrays import Array
-from .coupled import Monolith, Start
+from .coupled import Start
 
 LONGEST = 0.3  # rad of the fastest turning in a step: nothing may come and go within one
 MOST_EVENTS = 5000  # of a run
@@ -19,7 +19,7 @@ MOST_EVENTS = 5000  # of a run
 class Bodies(Protocol):
     """What collides or sticks: bodies that move by one set of equations between two events."""
 
-    system: Monolith
+    system: Any  # a `Monolith`, or a `Driven` where weights collide
 
     def begin(self, initial: Start, /) -> tuple[Array, Any]:
         """The state at the start, and the phase that holds there."""
@@ -52,7 +52,7 @@ class Bodies(Protocol):
 
 def integrate_phases(
     bodies: Bodies, time: Array, initial: Start, *, method: str, rtol: float
-) -> tuple[Array, list[tuple[Array, Array]]]:
+) -> tuple[Array, list[tuple[Array, ...]]]:
     """States at ascending times (T, size), and the accelerations there.
 
     Raises:

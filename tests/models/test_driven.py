@@ -35,6 +35,7 @@ ROLLERS = Mounted(
     "rollers", Weights(2, 0.05, 0.08, drag=0.03, kappa=1.5, radius=0.01), plane=1,
     angles=(0.3, 2.0), speeds=(4.0, -2.0), offset=3e-3 - 2e-3j,
 )  # fmt: skip
+BOUNCING = replace(ROLLERS, half_angle=0.2, restitution=1.0, speeds=(20.0, -20.0))
 PENDULUMS = Mounted("pendulums", Weights(1, 0.1, 0.06, drag=0.02), plane=2, angles=(1.0,))
 ALL = Assembly(ROTOR, (ROLLERS, PENDULUMS))
 START = Start((1e-3, 0.0, -1e-3), 0.0, (0.0, 0.05, 0.02), 0.0, 0.7)
@@ -42,14 +43,17 @@ MOTOR = Drive(0.02, (0.0, 60.0, 90.0), (1.5, 1.0, 0.0))
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("rotor", [ROTOR, TILTING], ids=["flexible", "two_support"])
-def test_the_motor_feeds_what_is_stored_and_dissipated(rotor):
-    """dE/dt = L w - P, from positions and velocities alone."""
+@pytest.mark.parametrize(
+    ("rotor", "rollers", "bound"),
+    [(ROTOR, ROLLERS, 1e-6), (TILTING, ROLLERS, 1e-6), (TILTING, BOUNCING, 1e-5)],
+    ids=["flexible", "two_support", "elastic impacts"],
+)
+def test_the_motor_feeds_what_is_stored_and_dissipated(rotor, rollers, bound):
+    """dE/dt = L w - P, from positions and velocities alone; the powers jump at impacts."""
     n, time = rotor.stations, np.linspace(0.0, 0.6, 2401)
     start = Start((1e-3, 0.0, -1e-3)[:n], 0.0, (0.0, 0.05, 0.02)[:n], 0.0, 0.7)
-    run = simulate(
-        replace(ALL, rotor=rotor), MotorDriven(MOTOR, 45.0), time, initial=start, rtol=1e-11
-    )
+    whole = Assembly(rotor, (rollers, PENDULUMS))
+    run = simulate(whole, MotorDriven(MOTOR, 45.0), time, initial=start, rtol=1e-11)
     z, v, w = run.x + 1j * run.y, run.vx + 1j * run.vy, run.speed
     turn, g = np.exp(1j * run.angle), rotor.gravity
     u = turn[:, None] * rotor.unbalance
@@ -64,7 +68,7 @@ def test_the_motor_feeds_what_is_stored_and_dissipated(rotor):
     sheared = v - 1j * w[:, None] * z
     lost = squares(run.vx, rotor.damping_x) + squares(run.vy, rotor.damping_y)
     lost = lost + squares(sheared, rotor.internal_damping)
-    for mounted in (ROLLERS, PENDULUMS):
+    for mounted in (rollers, PENDULUMS):
         device, rate = mounted.device, run.angle_rate[mounted.name]
         radius, row = device.track_radius, rotor.planes[mounted.plane]
         arm = radius * np.exp(1j * run.theta[mounted.name]) * turn[:, None]
@@ -80,7 +84,9 @@ def test_the_motor_feeds_what_is_stored_and_dissipated(rotor):
     fed = np.interp(w, MOTOR.speeds, MOTOR.torques) * w
     gained = CubicSpline(time, fed - lost).antiderivative()(time)
     assert w.max() > 60.0  # beyond the corner of the characteristic
-    assert np.abs(energy - energy[0] - gained).max() < 1e-6 * np.ptp(energy)
+    assert np.abs(energy - energy[0] - gained).max() < bound * np.ptp(energy)
+    turned_back = np.abs(np.diff(run.angle_rate["rollers"], axis=0)).max() > 5.0
+    assert turned_back == (rollers is BOUNCING)
 
 
 @pytest.mark.slow
@@ -95,9 +101,8 @@ def test_a_shaft_that_is_heavy_enough_keeps_its_speed():
         assert np.abs(driven[name] - right).max() < 1e-7 * np.abs(right).max(), name
 
 
-@pytest.mark.parametrize("changes", [{"half_angle": 0.1}, {"rolling_resistance": 0.01}])
-def test_weights_that_collide_or_stick_are_refused(changes):
-    balancers = (replace(ROLLERS, **changes),)
+def test_weights_that_stick_are_refused():
+    balancers = (replace(ROLLERS, rolling_resistance=0.01),)
     with pytest.raises(ValueError, match="not under a motor"):
         simulate(Assembly(ROTOR, balancers), MotorDriven(MOTOR), [0.1], initial=START)
 

@@ -389,7 +389,17 @@ def motor(generator: random.Random) -> Document:
 
     The characteristic of half of the motors has one to seven corners.
     """
-    document = generator.choice((planar, planar, two_support, flexible, offset))(generator)
+    kinds = planar, planar, two_support, flexible, offset
+    return _before_motor(generator, generator.choice(kinds)(generator))
+
+
+def motor_contacts(generator: random.Random) -> Document:
+    """Balls or rollers that collide and pack before such a motor."""
+    return _before_motor(generator, generator.choice((finite, impacts))(generator))
+
+
+def _before_motor(generator: random.Random, document: Document) -> Document:
+    """The same machine with a motor, which turns it about as far."""
     rotor, operation = document["rotor"], document["operation"]
     speed = operation["speed"] if "speed" in operation else operation["run_up"]["to"]
     mass = rotor["mass"] if "mass" in rotor else min(rotor["masses"])
@@ -482,6 +492,7 @@ FAMILIES: dict[str, Callable[[random.Random], Document]] = {
     "friction": friction,
     "gravity": gravity,
     "motor": motor,
+    "motor_contacts": motor_contacts,
     "unequal": unequal,
     "profile": profile,
     "changing": changing,
