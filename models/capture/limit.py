@@ -65,12 +65,16 @@ class _Search:
         return float(drags[0])
 
     def _along(self, drags: Array) -> Array:
-        """L(d)/d (d, rows) at every second drag, and between two of which one is nearly 1."""
+        """L(d)/d (d, rows) at every second drag, and between two of which one is nearly 1.
+
+        Below the largest drag at which one is 1 the others do not matter: they stay 0.
+        """
         every = np.arange(len(self._rows))
         found = np.zeros((len(drags), len(every)))
         found[::2] = self._ratios(drags[::2], every)
         largest = found[::2].max(axis=1)
         between = 1 + 2 * np.flatnonzero(np.maximum(largest[:-1], largest[1:]) > NEARLY)
+        between = between[between > 2 * np.flatnonzero(largest >= 1.0)[-1:].sum()]
         if len(between):
             found[between] = self._ratios(drags[between], every)
         return found

@@ -25,6 +25,7 @@ from ..rotor import LinearRotor
 from .coefficients import Coefficients
 
 _STILL = 1e-6  # |Im|/|lambda| below it does not oscillate
+_ON_ONE_THREAD = 50_000  # multiplications of a product of matrices
 _WORST_VECTORS = 1e7  # condition of the eigenvectors up to which a receptance is a sum over them
 
 
@@ -94,7 +95,7 @@ class Receptance:
             rates, residues = parts
             apart = 1j * frequency.reshape(-1) - rates[:, None]
             apart[apart == 0.0] = np.finfo(float).tiny  # at a natural frequency without damping
-            return np.asarray(residues @ (1.0 / apart)).reshape(shape)
+            return _in_parts(residues, 1.0 / apart).reshape(shape)
         speeds = np.broadcast_to(np.reshape(speed, (-1, 1)), frequency.shape)
         dynamic = self._dynamic(frequency.reshape(-1), speeds.reshape(-1))
         if len(self._mass) == 2:
@@ -140,9 +141,12 @@ class Receptance:
             return planes[:count, :count]
         if len(planes) == 2:
             return _with_two(planes, others)
-        matrix = planes * -others
-        matrix.reshape(-1, *matrix.shape[2:])[:: len(matrix) + 1] += 1.0
-        return solve_first(matrix, planes[:, :count].copy())
+        system = np.empty((len(planes), count + len(planes), *others.shape[1:]), complex)
+        system[:, :count] = planes[:, :count]
+        np.multiply(planes, -others, out=system[:, count:])
+        for k in range(len(planes)):
+            system[k, count + k] += 1.0
+        return solve_first(system)
 
     def displacements(
         self, frequency: Array, speed: float, forces: Complex, others: Complex
@@ -198,6 +202,21 @@ class Receptance:
         return np.asarray(stiffness - w * w * self._mass + 1j * w * damping)
 
 
+def _in_parts(matrix: Complex, values: Complex) -> Complex:
+    """A matrix (k, m) times values (m, j), a part of the columns at a time.
+
+    BLAS shares a larger product among threads, which wait for each other longer than it takes.
+    """
+    columns = max(_ON_ONE_THREAD // matrix.size, 1)
+    if values.shape[1] <= columns:
+        return matrix @ values
+    found = np.empty((len(matrix), values.shape[1]), complex)
+    for first in range(0, values.shape[1], columns):
+        part = slice(first, first + columns)
+        np.matmul(matrix, values[:, part], out=found[:, part])
+    return found
+
+
 def _with_two(g: Complex, others: Complex) -> Complex:
     """(1 - g diag(others))^-1 g of two parts."""
     (a, b), (c, d) = g
@@ -218,21 +237,22 @@ def inverse_of_two(matrices: Complex) -> Complex:
     return np.stack([d, -b, -c, a]) / (a * d - b * c)
 
 
-def solve_first(matrix: Complex, right: Complex) -> Complex:
-    """The first p unknowns (p, p, ...) of many small systems (q, q, ...) with (q, p, ...).
+def solve_first(system: Complex) -> Complex:
+    """The first p unknowns (p, p, ...) of many small systems (q, p + q, ...).
 
-    Gauss without pivoting, element by element: for a handful of unknowns several times as fast as
-    LAPACK one by one.  Both arguments are overwritten.
+    A system has its p right sides first, then its matrix, and is overwritten.  Gauss without
+    pivoting, element by element: for a handful of unknowns several times as fast as LAPACK one by
+    one.
     """
-    wanted = right.shape[1]
+    count = len(system)
+    wanted = system.shape[1] - count
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-        for k in range(len(matrix) - 1, -1, -1):
-            inverse = 1.0 / matrix[k, k]
-            rows = [i for i in range(max(k, wanted)) if i != k]
-            matrix[k, :k] *= inverse
-            right[k] *= inverse
-            for i in rows:
-                factor = matrix[i, k]
-                matrix[i, :k] -= factor * matrix[k, :k]
-                right[i] -= factor * right[k]
-    return right[:wanted]
+        for k in range(count - 1, -1, -1):
+            row, column = system[k, : wanted + k], system[:, wanted + k]
+            row *= 1.0 / column[k]
+            rows = max(k, wanted)
+            factors = column[:rows].copy()
+            if k < wanted:
+                factors[k] = 0.0  # the row itself stays
+            system[:rows, : wanted + k] -= factors[:, None] * row
+    return system[:wanted, :wanted]
