@@ -1,15 +1,16 @@
 """Shares that `design` states, against run-ups of the weights that it recommends.
 
-`python -m tests.studies.design_shares [MACHINES] [RUN-UPS]` draws rotors with their drive and the
-drag of a weight, lets `design` recommend balls, and runs its worst corner up from other starts.
+`python -m tests.studies.design_shares [MACHINES] [RUN-UPS] [--from K]` draws rotors with their
+drive and the drag of a weight, lets `design` recommend balls, and runs its worst corner up from
+other starts.  `--from` starts at that machine, so that a long study can be run in parts.
 These are judged by the rules of `motions`, which share nothing with those of `design`.  A stated
 share holds where its interval and that of the run-ups overlap.
 """
 
 from __future__ import annotations
 
+import argparse
 import math
-import sys
 from collections.abc import Iterator
 from dataclasses import dataclass
 
@@ -90,21 +91,26 @@ def share(one: Case, trial: Trial, run_ups: int) -> tuple[int, int]:
     return int((kinds == Kind.BALANCED).sum()), int((kinds == Kind.UNDECIDED).sum())
 
 
-def study(machines: int, run_ups: int) -> Iterator[tuple[str, Trial | None, int, int]]:
+def study(numbers: range, run_ups: int) -> Iterator[tuple[str, Trial | None, int, int]]:
     """By machine the word, the trial, and the run-ups that balance or have not decided."""
-    for number in range(machines):
+    for number in numbers:
         one = case(number)
         trial, word = recommended(one)
         yield (word, trial, *(share(one, trial, run_ups) if trial else (0, 0)))
 
 
 def main() -> None:
-    given = [int(argument) for argument in sys.argv[1:]]
-    machines, run_ups = [*given, *(MACHINES, RUN_UPS)[len(given) :]]
+    parser = argparse.ArgumentParser()
+    parser.add_argument("machines", type=int, nargs="?", default=MACHINES)
+    parser.add_argument("run_ups", type=int, nargs="?", default=RUN_UPS)
+    parser.add_argument("--from", type=int, default=0, dest="first")
+    given = parser.parse_args()
+    machines, run_ups = given.machines, given.run_ups
+    numbers = range(given.first, given.first + machines)
     print("| machine | says | stated (95 %) | run-ups that balance (95 %) | undecided | holds |")
     print("|---:|---|---|---|---:|---|")
     held = taken = 0
-    for k, (word, trial, balanced, open_) in enumerate(study(machines, run_ups)):
+    for k, (word, trial, balanced, open_) in zip(numbers, study(numbers, run_ups), strict=True):
         if trial is None:
             print(f"| {k} | {word} | | | | |", flush=True)
             continue
