@@ -55,8 +55,9 @@ def run(job: Job) -> tuple[Seen, NDArray[np.object_], Array]:
     for first in range(0, len(ends), _CHUNK):
         part = slice(first, first + _CHUNK)
         signals, failed = runs(job.values[part], ends[part])
-        parts.append(_windows(signals, job, len(rotor), bool(motor)))
-        largest.append(np.sqrt(_squares(signals[:, :, : len(rotor)]).max(axis=1)))
+        squares = _squares(signals[:, :, : len(rotor)])
+        parts.append(_windows(signals, squares, job, len(rotor), bool(motor)))
+        largest.append(np.sqrt(squares.max(axis=1)))
         reasons += failed
     arrays = [np.concatenate(each) for each in zip(*(a for a, _ in parts), strict=True)]
     seen = Seen(arrays[0], arrays[1], arrays[2], arrays[3], parts[0][1])
@@ -70,29 +71,40 @@ def _turns(job: Job) -> float:
 
 def _squares(displacements: Array) -> Array:
     """Largest squared distance of a station (r, t), of x and y of all (r, t, 2 s)."""
-    pairs = displacements.reshape(*displacements.shape[:2], -1, 2)
-    return np.asarray((pairs**2).sum(axis=3).max(axis=2))
+    x, y = (np.moveaxis(displacements[:, :, axis::2], 2, 0) for axis in (0, 1))
+    found = x[0] ** 2 + y[0] ** 2
+    for station in range(1, len(x)):
+        np.maximum(found, x[station] ** 2 + y[station] ** 2, out=found)
+    return found
 
 
-def _windows(signals: Array, job: Job, rotor: int, motor: bool) -> tuple[tuple[Array, ...], float]:
+def _windows(
+    signals: Array, squares: Array, job: Job, rotor: int, motor: bool
+) -> tuple[tuple[Array, ...], float]:
     count, points = len(signals), signals.shape[1] - 1
     step = job.seconds / points
     turn = math.tau / job.speed
     size = max(_FEWEST * turn, job.window or _WINDOW * job.settled) / step
     size = min(int(size), points // WINDOWS)
     late = signals[:, -(WINDOWS * size) - 1 :]
-    heavy = bool(job.scene.operation.gravity)
-    shown = late[:, :, :rotor] - (late[:, :, :rotor].mean(axis=1, keepdims=True) if heavy else 0.0)
-    squares = _squares(shown)[:, 1:].reshape(count, WINDOWS, size)
-    vibration = np.sqrt(squares.max(axis=2))
+    if job.scene.operation.gravity:  # the vibration is about the sag
+        squares = _squares(late[:, :, :rotor] - late[:, :, :rotor].mean(axis=1, keepdims=True))
+    of_windows = squares[:, -(WINDOWS * size) :].reshape(count, WINDOWS, size)
+    vibration = np.sqrt(of_windows.max(axis=2))
     weights = signals.shape[2] - rotor - motor
-    angles = late[:, :, rotor : rotor + weights]
-    ends = angles[:, ::size]
-    rate = np.diff(ends, axis=1) / (size * step)
-    steady = np.arange(size) * step
-    inside = angles[:, :-1].reshape(count, WINDOWS, size, weights)
-    apart = inside - ends[:, :-1, None] - rate[:, :, None] * steady[:, None]
+    # times last: as they lie in memory, the smallest and the largest are found many times as fast
+    angles = np.moveaxis(late[:, :, rotor : rotor + weights], 2, 1).copy()
+    ends = angles[:, :, ::size]
+    rate = np.diff(ends, axis=2) / (size * step)
+    apart = angles[:, :, :-1].reshape(count, weights, WINDOWS, size) - ends[:, :, :-1, None]
+    apart -= rate[..., None] * (np.arange(size) * step)
+    swing = np.ptp(apart, axis=3)
     speed = np.full((count, WINDOWS), job.speed)
     if motor:
         speed = late[:, 1:, -1].reshape(count, WINDOWS, size).mean(axis=2)
-    return (speed, vibration, -rate, np.ptp(apart, axis=2)), size * step
+    return (speed, vibration, -_by_window(rate), _by_window(swing)), size * step
+
+
+def _by_window(values: Array) -> Array:
+    """Of weights and windows (r, k, j) as (r, j, k)."""
+    return np.ascontiguousarray(np.moveaxis(values, 1, 2))
