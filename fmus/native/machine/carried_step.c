@@ -1,0 +1,242 @@
+/* A step of weights by themselves, from event to event. */
+#include "base/elementary.h"
+#include "base/matrix.h"
+#include "constants.h"
+#include "machine/carried.h"
+
+enum { LEAST_CARRIED_ORDER = 5, MOST_CARRIED_ORDER = 24, MOST_TRIALS = 6, MOST_AT_ONCE = 40, MOST_WITH_EVENTS = 100000 };
+#define CARRIED_TERM 1e-13  /* rad: the last terms of a step by series */
+#define CARRIED_ERROR 1e-11 /* rad: of a step by collocation */
+#define STIFF_TURN 16.0     /* of the drag's rate by a step: from here on collocation is worth it */
+#define LEAST_ADVANCE 1e-13 /* of a step, where events follow each other at once */
+
+/* -- how the motion goes on and how far that is right ----------------------------------------------------------- */
+
+/* The first terms of the angles' series over a length that are no uniform motion, about, [rad], and what the later ones
+   grow by with each order, times it. */
+static double first_term(const CarriedWeights *c, double length, double *turn)
+{
+    const Machine *m = &c->step;
+    const Carried *now = m->carried;
+    const double lever = weights_lever(&c->track->weights), drag = c->fastest * m->per_rate;
+    double a = 0.0, rate = 0.0, power = 1.0;
+    int k, w;
+    for (k = 0; k < SIGNAL_ORDERS; k++, power *= length) {
+        a += power * (lever * (absolute(pair_x(now->signal[k])) + absolute(pair_y(now->signal[k]))) +
+                      (k + 1) * absolute(now->speed[k + 1]));
+    }
+    for (w = 0; w < m->weight_count; w++) {
+        rate = larger(rate, absolute(phase_rate(m, w)));
+    }
+    *turn = length * (absolute(now->speed[0]) + rate + drag + square_root(a));
+    return 0.5 * (a + drag * rate) * length * length;
+}
+
+/* The order from which on terms are nothing. */
+static int order_of(const CarriedWeights *c, double length)
+{
+    double turn, term = first_term(c, length, &turn);
+    int k;
+    for (k = 3; k < MOST_CARRIED_ORDER && !(term < CARRIED_TERM); k++) {
+        term *= turn / k;
+    }
+    return k < LEAST_CARRIED_ORDER ? LEAST_CARRIED_ORDER : k;
+}
+
+/* A step of at most this length by collocation, in place of a series; 0: none is found. */
+static double collocate(CarriedWeights *c, double angle, double length)
+{
+    Machine *m = &c->step;
+    int k;
+    collocation_start(&c->collocation, m, &c->at, angle);
+    for (k = 0; k < MOST_TRIALS && length * c->fastest * m->per_rate >= STIFF_TURN; k++) {
+        const double error = collocation_solve(&c->collocation, length, CARRIED_ERROR, 1.0);
+        if (error <= 1.0) {
+            collocation_write(&c->collocation, length, m);
+            return length;
+        }
+        length *= smaller(collocation_factor(&c->collocation, error), 0.5);
+    }
+    return 0.0;
+}
+
+/* The motion from here on as a series, its order, and the length [machine's time] over which it is right; not above 0:
+   there is none. */
+static double expand_carried(CarriedWeights *c, double angle, double left, int *order)
+{
+    Machine *m = &c->step;
+    double length = 0.0;
+    if (c->fastest * m->per_rate * left >= STIFF_TURN) {
+        length = collocate(c, angle, left);
+        *order = OF_POWERS;
+    }
+    if (length > 0.0) {
+        return length;
+    }
+    *order = order_of(c, left);
+    machine_expand(m, angle, *order);
+    return smaller(left, machine_length(m, *order, CARRIED_TERM, infinity()));
+}
+
+/* -- who touches, and what sticks -------------------------------------------------------------------------- */
+
+/* Let weights that approach collide, and add their impulse; else decide who touches and rests.  The rotor has turned
+   by `angle`. */
+static int meet_carried(CarriedWeights *c, double angle, Moved *moved, Failure *failure)
+{
+    Machine *m = &c->step;
+    int w;
+    if (!phase_approaches(m)) {
+        return phase_decide(m, angle)
+                   ? fail(failure, "no solution was found for which weights touch and which stick")
+                   : FINE;
+    }
+    for (w = 0; w < m->weight_count; w++) {
+        c->rates[w] = phase_rate(m, w);
+    }
+    if (phase_collide(m, angle, c->impact, failure)) {
+        return failure->code;
+    }
+    for (w = 0; w < m->weight_count; w++) {
+        const SeriesWeight *weight = m->weights + w;
+        const double jump = (phase_rate(m, w) - c->rates[w]) * m->rate;
+        const Pair blow = weight->race ? pair_scaled(weight->race->tangent[0], -weight->race->mass * jump)
+                                       : pair_scaled(pair_turned_back(weight->unit[0]), weight->moment * jump);
+        moved->impulse = complex_sum(moved->impulse, complex_of(pair_x(blow), pair_y(blow)));
+    }
+    return FINE;
+}
+
+/* What an event changes; whether it is one of those that are counted. */
+static bool pass_carried(Machine *m, PhaseEvent event)
+{
+    const struct Phase *phase = m->phase;
+    int j, w = event.which;
+    if (event.kind == WEIGHT_STOPS) {
+        const PhaseGroup *group = phase->groups + phase->weights[w].group;
+        for (j = 0, w = group->first; j < group->size; j++, w = phase->weights[w].ahead) {
+            pair_set(&m->velocity[1 + w / 2], w % 2, 0.0);
+            phase->weights[w].slip = 0.0;
+        }
+    }
+    return event.kind != WALL_CHANGES;
+}
+
+/* -- the ends of a step ------------------------------------------------------------------------------------- */
+
+static bool keeps_still(const Machine *m, int w)
+{
+    return m->phase && m->phase->groups[m->phase->weights[w].group].rests;
+}
+
+/* Let the machine stand at a time of its series. */
+static void stand_at(Machine *m, int order, double time)
+{
+    int column, w;
+    for (column = 1; column < m->width; column++) {
+        const Pair angles = machine_place(m, column, order, time);
+        const Pair rates = machine_velocity(m, column, order, time);
+        for (w = 2 * (column - 1); w < 2 * column && w < m->weight_count; w++) {
+            if (!keeps_still(m, w)) { /* rounding must not make it creep */
+                pair_set(&m->motion[column], w % 2, pair_at(angles, w % 2));
+                pair_set(&m->velocity[column], w % 2, pair_at(rates, w % 2));
+            }
+        }
+    }
+    m->collocated_order = 0;
+}
+
+/* Write angles and speeds; what rests keeps both to the last digit. */
+static void store_weights(const CarriedWeights *c, const Moved *moved)
+{
+    const Machine *m = &c->step;
+    int w;
+    for (w = 0; w < m->weight_count; w++) {
+        moved->angles[w] = phase_angle(m, w);
+        moved->speeds[w] = phase_rate(m, w) * m->rate;
+        if (m->phase) {
+            moved->contacts[w] = m->phase->weights[w].joined;
+        }
+    }
+}
+
+/* Exact distances and one rate in contacts. */
+static int align_weights(const CarriedWeights *c, const Moved *moved, Failure *failure)
+{
+    WeightsInOrder weights;
+    if (!c->track->solid) {
+        return FINE;
+    }
+    if (order_weights(c->track, moved->angles, moved->speeds, moved->contacts, c->scratch, &weights, failure)) {
+        return failure->code;
+    }
+    write_weights(&weights, moved->angles, moved->speeds, moved->contacts);
+    return FINE;
+}
+
+/* Refuse a step in which weights would turn through too many radians, as far as can be seen, or for `turns` more. */
+static int refuse_many(const CarriedWeights *c, const CentreMotion *plane, const double *speeds, double step, double turns,
+                       Failure *failure)
+{
+    const Weights *weights = &c->track->weights;
+    const double strength = magnitude(plane->signal[0]) + step * magnitude(plane->signal[1]);
+    const double share = (1.0 - (weights->kappa - 1.0) * weights->radius / weights->track_radius) / weights->kappa;
+    const double damping_rate = weights_damping_rate(weights);
+    /* a run-up leaves free weights behind: they gain s w' * step, or what the drag lets them */
+    const double gained = absolute(share * plane->spin.rates[0]) * (damping_rate * step < 1.0 ? step : 1.0 / damping_rate);
+    const double largest = largest_of(weights->count, speeds);
+    turns += step * (largest + square_root(strength * weights_lever(weights)) + gained) / TURN_PER_SUBSTEP;
+    return turns < MAX_SUBSTEPS ? FINE : fail(failure, TOO_MANY_SUBSTEPS, turns, step, strength, largest);
+}
+
+/* -- the step ---------------------------------------------------------------------------------------------------- */
+
+int carried_advance(CarriedWeights *c, const CentreMotion *plane, double step, bool stops, Moved *moved,
+                    Failure *failure)
+{
+    Machine *m = &c->step;
+    double whole, time = 0.0, angle = 0.0;
+    int steps = 0, at_once = 0;
+    moved->impulse = complex_of(0.0, 0.0);
+    moved->events = 0;
+    moved->reached = step;
+    if (refuse_many(c, plane, moved->speeds, step, 0.0, failure) || align_weights(c, moved, failure)) {
+        return failure->code;
+    }
+    carried_set_pace(c, absolute(plane->spin.speed) + 1.0 / step + largest_of(c->track->weights.count, moved->speeds));
+    carried_load(c, plane->signal, SIGNAL_ORDERS, &plane->spin, moved->angles, moved->speeds, moved->contacts);
+    if (m->phase && meet_carried(c, 0.0, moved, failure)) {
+        return failure->code;
+    }
+    for (whole = step * m->rate; time < whole;) {
+        PhaseEvent event = {NO_EVENT, 0};
+        const double left = whole - time;
+        int order;
+        double length = expand_carried(c, angle, left, &order);
+        if (!(length > 0.0) || ++steps > (m->phase ? MOST_WITH_EVENTS : MAX_SUBSTEPS)) {
+            return refuse_many(c, plane, moved->speeds, step, MAX_SUBSTEPS, failure);
+        }
+        if (m->phase) {
+            event = phase_first_event(m, order, &length);
+        }
+        at_once = length > LEAST_ADVANCE * whole ? 0 : at_once + 1;
+        length = at_once > MOST_AT_ONCE ? smaller(left, LEAST_ADVANCE * whole) : length;
+        stand_at(m, order, length);
+        time = length < left ? time + length : whole;
+        angle = machine_carry(m, &c->start, time);
+        if (event.kind != NO_EVENT) {
+            const bool counts = pass_carried(m, event);
+            if (meet_carried(c, angle, moved, failure)) {
+                return failure->code;
+            }
+            moved->events += counts;
+            if (counts && stops) {
+                moved->reached = time < whole ? time * m->per_rate : step;
+                break;
+            }
+        }
+    }
+    store_weights(c, moved);
+    moved->impulse = complex_product(moved->impulse, rect(1.0, -angle));
+    return FINE;
+}
