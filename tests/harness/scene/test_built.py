@@ -15,7 +15,7 @@ from autobalancer.harness.master.plan import plan
 from autobalancer.harness.scene.plausible import implausible
 from autobalancer.models.monolith import reference
 from autobalancer.models.papers.influence import influence
-from tests.studies.built import compare
+from tests.studies.built import FAMILIES, compare, first_words, growth_word
 
 OVERHUNG = {
     "kind": "flexible",
@@ -265,3 +265,8 @@ def test_stability_on_a_tub_is_proved_as_floquet_has_it():
 @pytest.mark.parametrize("family", ["tilting", "bearings", "bodies", "rubber", "tables"])
 def test_a_random_machine_of_each_kind_errs_within_its_estimate(family):
     assert compare(family, 0).word == "within"
+
+
+@pytest.mark.parametrize("family", FAMILIES)
+def test_growth_about_balance_is_that_of_the_equations_in_one_piece(family):
+    assert first_words(growth_word, family, 2) == {"alike": 2}
