@@ -33,6 +33,7 @@ from ...models.linear.regions import NARROW
 from ..capture.captured import captured_or_none
 from ..errors import SimulationError, UserError
 from ..output.workers import Progress
+from ..result.verdict import vibration_alone
 from ..scene import Scene
 from ..scene.at_rest import about_restraints
 from ..scene.plausible import natural_frequencies
@@ -42,7 +43,7 @@ from .crossings import FINE, measured_regions, nodes_around, side
 from .main_motion import MainMotion, NoMainMotion
 from .methods import DEFAULT_METHODS, METHODS
 from .speeds import Speeds, add_regions
-from .whirl import whirls
+from .whirl import CANNOT, IN_PART, UNKNOWN, whirls
 
 MOST_SPEEDS = 100_000  # of one scan: more is a slip of the keyboard
 BEYOND = 1.25  # times the highest speed of the operation: end of the default range
@@ -89,7 +90,7 @@ def speeds(
     Args:
         range: ends [rad/s]; None: `default_range`.
         methods, narrowest, progress: as `Scene.speeds`, which says what is raised.
-        whirl: whether to run the scene for what remains where weights cannot balance.
+        whirl: whether to run the scene for what remains where weights do not balance fully.
         within: tolerances for the method proved: "rotor.stiffness=5%, rotor.damping=10 N s/m".
         separate: co-simulate separate FMUs coupled in Python even where one file can run in C.
 
@@ -134,10 +135,12 @@ def speeds(
         _by_floquet(scene, result, narrowest)
     if "proved" in wanted:
         result = _by_proof(scene, result, narrowest, within, progress)
-    why = _why_no_rest(scene) if "floquet" in wanted else ""
+    finding, why = _why_no_rest(scene) if "floquet" in wanted else ("", "")
     if "cosim" in wanted:
         _by_units(scene, result, why, narrowest, separate, progress)
-    return replace(result, whirl=whirls(scene, result.range, why)) if why and whirl else result
+    if not (why and whirl):
+        return result
+    return replace(result, whirl=whirls(scene, result.range, why, finding))
 
 
 def criterion_of(assembly: Assembly) -> Criterion:
@@ -199,30 +202,35 @@ def is_provable() -> bool:
     return find_spec("flint") is not None
 
 
-def _why_no_rest(scene: Scene) -> str:
-    """Why the rotor cannot rest whatever the speed; empty where the weights can balance."""
+def _why_no_rest(scene: Scene) -> tuple[str, str]:
+    """What `Whirls` finds, and why the rotor cannot rest whatever the speed; empty where it can."""
     assembly = scene.assembly()
     try:
         balanced_angles(assembly)
     except CannotBalance as error:
-        return str(error)
+        return CANNOT, str(error)
     except ArithmeticError:
-        return ""
+        return "", ""
     if has_lobes(assembly):
-        return _left_by_lobes(assembly, scene.profile().end)
+        return _left_by_lobes(scene)
     off = [f"{m.name} by {1e3 * abs(m.offset):.3g} mm" for m in assembly.weights if m.offset]
-    return f"tracks are off centre: {', '.join(off)}" if off else ""
+    return IN_PART, f"tracks are off centre: {', '.join(off)}" if off else ""
 
 
-def _left_by_lobes(assembly: Assembly, speed: float) -> str:
-    """What weights leave on races that are not round."""
+def _left_by_lobes(scene: Scene) -> tuple[str, str]:
+    """The same of races that are not round: what weights leave at the last speed."""
+    speed = scene.profile().end
+    assembly = scene.assembly().at_speed(speed)
     try:
-        machine, angles = main_motion(assembly.at_speed(speed), speed)
+        machine, angles = main_motion(assembly, speed)
     except ArithmeticError as error:
-        return str(error)
-    left = float(np.abs(machine.whirl(angles)).max())
+        return UNKNOWN, str(error)
+    left = 1e3 * float(np.abs(machine.whirl(angles)).max())
     names = ", ".join(m.name for m in assembly.weights if weights_of(m).race)
-    return f"the race is not round ({names}): {1e3 * left:.3g} mm are left at {speed:g} rad/s"
+    rates = np.linalg.eigvals(machine.linearised(angles).at_speed(speed)).real
+    words = "are left" if rates.max() < 0.0 else "would be left by a rest that is unstable"
+    of = f"{left:.3g} mm of {1e3 * vibration_alone(scene, speed, 0.0):.3g} mm"
+    return IN_PART, f"the race is not round ({names}): {of} {words} at {speed:g} rad/s"
 
 
 def _by_units(

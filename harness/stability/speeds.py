@@ -28,7 +28,7 @@ class Speeds(Outcome):
         lowest: what each of these finds at the low end of the range.
         undecided: regions in which a method cannot tell stable from unstable.
         refused: why each other method gives no answer.
-        whirl: what remains where the weights cannot balance; None where they can, or without the
+        whirl: what remains where weights do not balance fully; None where they do, or without the
             method floquet.
         proof: what the method proved proves; None where it was not asked or gives no answer.
         captured: whether weights can be left behind at the operating speed; None without weights,

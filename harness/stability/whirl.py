@@ -1,4 +1,4 @@
-"""The vibration that remains where the weights cannot balance, as runs of the scene leave it."""
+"""The vibration that remains where weights do not balance fully, as runs of the scene leave it."""
 
 from __future__ import annotations
 
@@ -18,6 +18,8 @@ from ..scene.replace import SPEED
 
 SPEEDS = 7  # evenly over the range, its ends included
 FIRST, MOST = 150, 1200  # revolutions of a run; doubled until all runs have settled
+CANNOT, IN_PART = "The weights cannot balance", "The weights do not balance fully"
+UNKNOWN = "It is not known where the weights come to rest"
 STAYS = 1e-3  # of the largest amplitude: what a settled one may change by in half of a run
 
 
@@ -52,22 +54,25 @@ class Whirls:
     """What remains of the vibration over a range of speeds.
 
     Attributes:
-        why: the weights cannot balance.
+        why: the weights do not balance fully.
         at: what runs leave at speeds of the range, ascending.
         refused: why the scene cannot be run in C; else empty.
+        finding: what `why` is the reason of: `CANNOT`, `IN_PART` or `UNKNOWN`.
     """
 
     why: str
     at: tuple[WhirlAt, ...]
     refused: str = ""
+    finding: str = CANNOT
 
     def as_json(self) -> dict[str, Any]:
         """Plain lists and numbers."""
-        return {"why": self.why, "at": [one.as_json() for one in self.at]}
+        at = [one.as_json() for one in self.at]
+        return {"finding": self.finding, "why": self.why, "at": at}
 
     def lines(self) -> Iterator[str]:
         """The same in words."""
-        yield f"The weights cannot balance: {self.why}."
+        yield f"{self.finding}: {self.why}."
         if self.refused:
             yield f"The vibration that remains is not known: {self.refused}"
         settled = [one for one in self.at if one.stable]
@@ -83,11 +88,11 @@ class Whirls:
             yield f"{count} failed, such as: {reason}"
 
 
-def whirls(scene: Scene, span: tuple[float, float], why: str) -> Whirls:
+def whirls(scene: Scene, span: tuple[float, float], why: str, finding: str = CANNOT) -> Whirls:
     """Run a scene from its start at speeds of a range [rad/s], until the vibration stays.
 
     Args:
-        why: the weights cannot balance.
+        why, finding: as of `Whirls`.
     """
     speeds, revolutions = np.linspace(*span, SPEEDS), FIRST
     try:
@@ -99,7 +104,7 @@ def whirls(scene: Scene, span: tuple[float, float], why: str) -> Whirls:
             change = np.abs(now.amplitude - before.amplitude)
             stays = (change <= STAYS * now.amplitude.max(axis=1, keepdims=True)).all(axis=1)
     except UserError as error:
-        return Whirls(why, (), str(error))
+        return Whirls(why, (), str(error), finding)
     rows = zip(speeds.tolist(), stays.tolist(), now.amplitude, now.angles, now.failure, strict=True)
     return Whirls(
         why,
@@ -107,6 +112,7 @@ def whirls(scene: Scene, span: tuple[float, float], why: str) -> Whirls:
             WhirlAt(speed, still, tuple(amplitude.tolist()), tuple(angles.tolist()), failure)
             for speed, still, amplitude, angles, failure in rows
         ),
+        finding=finding,
     )
 
 

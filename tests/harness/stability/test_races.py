@@ -6,6 +6,8 @@ import re
 
 import pytest
 
+from autobalancer.harness.stability import boundaries
+from autobalancer.models.linear.on_race import NoRest
 from tests.harness.master.test_races import balls, machine
 
 
@@ -21,10 +23,30 @@ def test_speeds_say_what_is_left_and_runs_leave_it():
     assert crossing.speed == pytest.approx(43.934254, abs=1e-4)
     assert set(found.refused) == {"criterion", "proved", "cosim"}
     assert all("round" in why or "lobes" in why for why in found.refused.values())
-    assert "0.0448 mm are left at 100 rad/s" in found.refused["cosim"]
+    (said, *_) = found.whirl.lines()
+    assert said.startswith("The weights do not balance fully: the race is not round (balls): ")
+    assert "0.0448 mm of 2.22 mm are left at 100 rad/s" in said
+    assert found.refused["cosim"] in said
     at = {round(one.speed): one for one in found.whirl.at}
     assert at[105].amplitude[0] == pytest.approx(4.4837e-5, rel=1e-3)
     assert at[10].amplitude[0] > 5e-4  # below the critical speed
+
+
+def test_a_rest_that_does_not_hold_is_said_to_be_unstable():
+    """A run at this speed leaves far more than the rest would, see the test below."""
+    found = fan(2e-5).replace({"operation.speed": 42.0}).speeds(41.0, 42.5, "floquet")
+    assert found.lowest["floquet"] == "unstable"
+    assert "by a rest that is unstable at 42 rad/s" in found.whirl.why
+
+
+def test_where_no_rest_is_found_it_is_not_said_that_weights_cannot_balance(monkeypatch):
+    def fail(*_):
+        raise NoRest("no rest of weights on their race was found at 100 rad/s")
+
+    monkeypatch.setattr(boundaries, "main_motion", fail)
+    found = fan(2e-5).speeds(99.0, 101.0, "floquet")
+    (said, *_) = found.whirl.lines()
+    assert said.startswith("It is not known where the weights come to rest: no rest of weights")
 
 
 def test_growth_changes_its_sign_where_runs_do():

@@ -37,7 +37,7 @@ def test_the_measured_rig_keeps_the_vibration_of_its_runs_of_1200_revolutions():
     assert first.stable
     assert last.stable
     written = json.loads(json.dumps(found.as_json()))["whirl"]
-    assert written.keys() == {"why", "at"}
+    assert written.keys() == {"finding", "why", "at"}
     assert written["at"][0] == {
         "speed": 136.9,
         "stable": True,
