@@ -178,24 +178,27 @@ class Motion:
 
     Attributes:
         kind: of `Kind`.
-        weights, total: left behind, of so many; 0 where none is.
+        weights, total: left behind, of so many; 0 where none is, and where N is not known.
         natural: natural frequency beside which they turn [rad/s]; NaN: none is known.
+        several: whether they turn beside several natural frequencies.
     """
 
     kind: Kind
     weights: int = 0
     total: int = 0
     natural: float = float("nan")
+    several: bool = False
 
     @property
     def name(self) -> str:
         """In words, without its frequency."""
         if self.kind is not Kind.BEHIND:
             return _NAMES[self.kind]
-        beside = f" beside {self.natural:.4g} rad/s"
-        if np.isnan(self.natural):
-            beside = " beside several natural frequencies"
-        return f"left behind: {self.weights} of {self.total}{beside}"
+        of = f" of {self.total}" if self.total else ""
+        beside = " beside several natural frequencies" if self.several else ""
+        if not np.isnan(self.natural):
+            beside = f" beside {self.natural:.4g} rad/s"
+        return f"left behind: {self.weights}{of}{beside}"
 
 
 _NAMES = {
@@ -213,6 +216,7 @@ def motion_of(kind: float, weights: float, frequency: float, closed: Capture | N
     """The motion of a run; `closed`: what the closed form says at its speed."""
     if Kind(int(kind)) is not Kind.BEHIND:
         return Motion(Kind(int(kind)))
-    natural = [one.frequency for one in closed.natural] if closed and frequency > 0.0 else []
+    alike, total = bool(frequency > 0.0), closed.count if closed else 0
+    natural = [one.frequency for one in closed.natural] if closed and alike else []
     nearest = min(natural, key=lambda n: abs(n - frequency), default=float("nan"))
-    return Motion(Kind.BEHIND, int(weights), closed.count if closed else 0, nearest)
+    return Motion(Kind.BEHIND, int(weights), total, nearest, not alike)

@@ -81,9 +81,9 @@ def _point(
 ) -> Point:
     kind, weights, frequency, vibration, largest, failure = columns
     named = [motion_of(*row, closed) for row in zip(kind, weights, frequency, strict=True)]
-    shares = []
-    for motion in sorted(set(named), key=lambda m: (-named.count(m), m.name)):
-        rows = np.array([one == motion for one in named])
+    names, shares = [one.name for one in named], []
+    for name in sorted(set(names), key=lambda each: (-names.count(each), each)):
+        motion, rows = named[names.index(name)], np.array([each == name for each in names])
         shares.append(
             Share(
                 motion, int(rows.sum()), len(named),

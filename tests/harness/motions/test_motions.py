@@ -9,6 +9,7 @@ from autobalancer import Scene, load
 from autobalancer.harness.errors import SceneError, UserError
 from autobalancer.harness.motions.kinds import WINDOWS, Kind, Seen, classify
 from autobalancer.harness.motions.outcome import wilson
+from autobalancer.harness.motions.study import _point
 from autobalancer.models.boundaries import balancing_boundaries
 from tests.studies.left_behind import motions as witness
 
@@ -96,6 +97,22 @@ def test_light_balls_from_rest_are_left_behind_as_an_independent_integration_fin
     assert both.vibration == pytest.approx(0.488, rel=5e-3)
     low, high = both.interval
     assert low < 0.75 < high
+
+
+def test_starts_that_end_alike_are_one_share_where_no_natural_frequency_is_known():
+    """The rotor is unstable by its internal damping: the closed form says nothing."""
+    scene = load("two_balls").replace({"rotor.internal_damping": 5.0})
+    (share,) = scene.motions(n=3, starts="turning").points[0].shares
+    assert (share.motion.name, share.count) == ("left behind: 2 of 2", 3)
+
+
+def test_weights_beside_several_natural_frequencies_are_one_share():
+    columns = [np.array(c) for c in ([3, 3, 1], [2, 2, 0], [np.nan] * 3, [0.1] * 3, [0.2] * 3)]
+    shares = _point([*columns, np.full(3, "", object)], 3.0, "rest", None, 1.0).shares
+    assert [(s.motion.name, s.count) for s in shares] == [
+        ("left behind: 2 beside several natural frequencies", 2),
+        ("balanced", 1),
+    ]
 
 
 def test_starts_that_turn_with_the_rotor_balance():
