@@ -159,16 +159,21 @@ class FileMethods(OfScene):
     def cite(self, *, separate: bool = False) -> str:
         """BibTeX of the program and of the papers and methods that a run of the scene uses.
 
-        A comment above each entry says what it is cited for.
+        A comment above each entry says what it is cited for.  A scene that may be stiff is run to
+        see whether it is.
 
         Args:
             separate: of a run of separate FMUs, with the scheme that couples them.
+
+        Raises:
+            SimulationError: the run cannot be completed.
 
         >>> print(*ab.load("drum").cite().splitlines()[:2], sep="\\n")
         % the program that ran the scene
         @software{autobalancer,
         """
-        from autobalancer.harness.result.run import is_in_one_piece
+        from autobalancer.harness.result.run import is_in_one_piece, takes_collocation
         from autobalancer.harness.scene.citations import bibtex
 
-        return bibtex(self._scene, not separate and is_in_one_piece(self._scene))
+        one = not separate and is_in_one_piece(self._scene)
+        return bibtex(self._scene, one, one and takes_collocation(self._scene))

@@ -231,4 +231,4 @@ def _by_equations(scene: Scene, planes: list[int], axis: str) -> tuple[Complex, 
     try:
         return coefficients, unbalance_from_response(coefficients, response)
     except ValueError as error:
-        raise SceneError(f"{scene.name}: {error}") from None
+        raise SceneError(f"{scene.label}: {error}") from None

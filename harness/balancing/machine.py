@@ -38,8 +38,7 @@ class Machine(Closing):
     def __init__(self, scene: Scene) -> None:
         if scene.balancing is None:
             raise SceneError(
-                f"{scene.path or scene.name}: has no table [balancing]; it needs at least "
-                'grade = "G2.5"'
+                f'{scene.label}: has no table [balancing]; it needs at least grade = "G2.5"'
             )
         self.setup: Balancing = scene.balancing
         self.planes = self.setup.correction_planes(scene.rotor)

@@ -185,7 +185,8 @@ def captured(scene: Scene, speed: float | None = None) -> Captured:
             there = "only liquid, which turns with its chamber"
             remedy = "`autobalancer speeds` states at which speeds liquid lowers the vibration"
         raise SceneError(
-            f"{scene.name}: {there}: only balls, rollers and pendulums can be left behind; {remedy}"
+            f"{scene.label}: {there}: only balls, rollers and pendulums can be left behind; "
+            f"{remedy}"
         )
     scene.refuse_friction("the closed form of weights that are left behind is that")
     speed = scene.profile().end if speed is None else speed
@@ -212,7 +213,7 @@ def refuse_outside_tables(scene: Scene, speed: float) -> None:
     if not rotor.holds(speed, speed):
         low, high = rotor.table_speeds
         raise SceneError(
-            f"{scene.name}: speed = {speed:.6g} rad/s: must be within {low:.6g} to {high:.6g} "
+            f"{scene.label}: speed = {speed:.6g} rad/s: must be within {low:.6g} to {high:.6g} "
             "rad/s, which the tables of rotor.bearings hold"
         )
 

@@ -51,7 +51,7 @@ def check_capacity(scene: Scene, points: int = POINTS) -> Iterator[Row]:
     balls = only_finite_weights(scene)
     if balls is None or balls.weight_radius is None or balls.unequal:
         raise SceneError(
-            f"{scene.name}: check capacity: needs a planar rotor with equal stiffness and damping "
+            f"{scene.label}: check capacity: needs a planar rotor with equal stiffness and damping "
             "in x and y at constant speed, and one set of equal weights with weight_radius"
         )
     weights, limit = balls.device, balls.capacity

@@ -43,7 +43,7 @@ def check_critical_speeds(scene: Scene, check: CriticalSpeedsCheck) -> Iterator[
     result = confirmed(scene, speeds(scene, check.range))
     for method in ("floquet", "cosim"):
         if method in result.refused:
-            raise SceneError(f"{scene.name}: check critical_speeds: {result.refused[method]}")
+            raise SceneError(f"{scene.label}: check critical_speeds: {result.refused[method]}")
     yield from speed_rows(rows, result, prefix)
     boundaries = [row["cosim"].speed for row in result.rows() if "cosim" in row]
     for speed in check.published:

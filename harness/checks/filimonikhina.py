@@ -50,7 +50,7 @@ def variant(scene: Scene, row: TableRow) -> tuple[Scene, float]:
     try:
         _, w_x = Dimensionless.of(base)
     except ValueError as error:
-        raise SceneError(f"{scene.name}: check filimonikhina_table: {error}") from error
+        raise SceneError(f"{scene.label}: check filimonikhina_table: {error}") from error
     given = base.weights[0].device
     assert isinstance(given, Weights)
     total = float(base.loaded_rotor.mass[0, 0])
@@ -59,7 +59,7 @@ def variant(scene: Scene, row: TableRow) -> tuple[Scene, float]:
     assert isinstance(weights, Weights)
     if given.count != weights.count or given.kappa != 1.0:
         raise SceneError(
-            f"{scene.name}: check filimonikhina_table: the tables are of two pendulums, the scene "
+            f"{scene.label}: check filimonikhina_table: the tables are of two pendulums, the scene "
             f"has {given.count} weights with kappa = {given.kappa:g}"
         )
     changes = {

@@ -62,6 +62,6 @@ def settled_runs(batches: Iterable[Batch]) -> list[SettlingRun]:
     for batch in batches:
         for run in run_batch(batch):
             if run.failure:
-                raise SimulationError(f"{batch.scene.name}: {run.failure}")
+                raise SimulationError(f"{batch.scene.label}: {run.failure}")
             found.append(run)
     return found

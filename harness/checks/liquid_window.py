@@ -48,10 +48,10 @@ def window_of(scene: Scene) -> LiquidWindow:
     try:
         window = LiquidWindow.of(scene.assembly())
     except ValueError as error:
-        raise SceneError(f"{scene.name}: check liquid_window: {error}") from error
+        raise SceneError(f"{scene.label}: check liquid_window: {error}") from error
     if window.unbalance == 0.0:
         raise SceneError(
-            f"{scene.name}: check liquid_window: rotor.unbalance = 0 kg m: needs an unbalance, "
+            f"{scene.label}: check liquid_window: rotor.unbalance = 0 kg m: needs an unbalance, "
             "must be above 0: the window is where the liquid lessens the bending that it causes"
         )
     return window

@@ -59,13 +59,13 @@ def parts_of(scene: Scene) -> list[CheckPart]:
     """
     if not scene.checks:
         raise SceneError(
-            f"{scene.path or scene.name}: nothing to check: add a [[check]] table, for example "
+            f"{scene.label}: nothing to check: add a [[check]] table, for example "
             'kind = "liquid_window"'
         )
     for number, check in enumerate(scene.checks, start=1):
         if scene.operation.gravity:
             raise SceneError(
-                f'{scene.name}: check[{number}].kind = "{check.kind}": its theory has no '
+                f'{scene.label}: check[{number}].kind = "{check.kind}": its theory has no '
                 "gravity: remove operation.gravity"
             )
     return [

@@ -77,7 +77,7 @@ def bearings(
     scene = with_washers(scene, washers).replace({"run.revolutions": revolutions})
     found = cosimulate_many(scene, {"speed": RPM * np.asarray(speeds, float)}, results=names)
     for reason in filter(None, found["failure"]):
-        raise SimulationError(f"{scene.name}: {reason}")
+        raise SimulationError(f"{scene.label}: {reason}")
     return 1e3 * np.column_stack([found[name] for name in names])
 
 

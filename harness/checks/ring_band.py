@@ -35,7 +35,7 @@ def check_ring_band(scene: Scene) -> Iterator[Row]:
     try:
         mass, stiffness, ring = ring_of(scene.assembly())
     except ValueError as error:
-        raise SceneError(f"{scene.name}: check ring_band: {error}") from error
+        raise SceneError(f"{scene.label}: check ring_band: {error}") from error
     rows, name = Rows(scene.name, "ring_band"), scene.assembly().rings[0].name
     low, high = unstable_band(mass, stiffness, ring)
     bare = {"rotor.damping": 0.0, "rotor.internal_damping": 0.0, "rotor.damping_ratio": None}

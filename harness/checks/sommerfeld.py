@@ -54,14 +54,16 @@ def variants_of(scene: Scene) -> list[tuple[str, Scene, Resonance]]:
     """
     motor = scene.operation.motor
     if motor is None or motor.stall_torque is None:
-        raise SceneError(f"{scene.name}: check sommerfeld: needs operation.motor with stall_torque")
+        raise SceneError(
+            f"{scene.label}: check sommerfeld: needs operation.motor with stall_torque"
+        )
     cases = [("alone", scene.without_balancers())]
     if scene.balancer:
         cases.append(("with " + ", ".join(b.label for b in scene.balancer), scene))
     try:
         return [(n, s, Resonance.of(s.assembly(), motor.top_speed)) for n, s in cases]
     except ValueError as error:
-        raise SceneError(f"{scene.name}: check sommerfeld: {error}") from None
+        raise SceneError(f"{scene.label}: check sommerfeld: {error}") from None
 
 
 def run_with(scene: Scene, stall_torque: float) -> tuple[Result, float]:

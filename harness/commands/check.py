@@ -10,7 +10,7 @@ import typer
 from ..errors import SimulationError
 from ..output import options
 from ..output.files import write_json
-from ..output.terminal import directory_to_fill, progress_bars, say, say_facts, show
+from ..output.terminal import progress_bars, ready_to_fill, say, say_facts, show
 from .changes import changed_scene, set_option, with_changes
 
 if TYPE_CHECKING:
@@ -49,7 +49,7 @@ def command(
         for line in implausible(scene):
             tell_warning(f"{scene.label}: {line}")
     if report is not None:
-        directory_to_fill(report)
+        ready_to_fill(report)
     with progress_bars() as bars:
         tasks = {s.name: bars.add_task(f"checking {s.name}", total=1.0) for s in loaded}
         results = check_all(loaded, lambda name, done: bars.update(tasks[name], completed=done))
@@ -78,6 +78,7 @@ def _write_report(
     page = Report(directory, "Checks", scenes)
     page.parts += [verdict(rows), *(table(r.rows, r.scene, sourced=True) for r in results)]
     page.parts += [f"{r.scene} left out: {'; '.join(r.left_out)}" for r in results if r.left_out]
+    page.folder()
     with progress_bars() as bars:
         for scene, result in zip(scenes, results, strict=True):
             task = bars.add_task(f"drawing {scene.name}", total=None)

@@ -109,7 +109,7 @@ def command(
         together = ", ".join(u.label for u in loaded.balancer) or "the rotor"
         say(f"Run in C as one composite: {together}")
     for path in filter(None, (picture, page.picture(f"{loaded.name}_fit"))):
-        say(f"Written: {found.plot(path)}")
+        say(f"Picture: {found.plot(path)}")
     page.write()
     if json is not None:
         write_json(said, json)

@@ -35,7 +35,10 @@ def scatter_system(
         say(line)
     show(quantile_table(said))
     for path in output:
-        say(f"Written: {found.to_csv(path) if path.suffix == options.TABLE else found.plot(path)}")
+        if path.suffix == options.TABLE:
+            say(f"Table: {found.to_csv(path)}")
+        else:
+            say(f"Picture: {found.plot(path)}")
     if json is not None:
         write_json(said, json)
 
@@ -70,6 +73,6 @@ def fit_system(
         said |= {"predicted": str(predict), "rms_predicted": found.predicted_rms(predict)}
         say(f"Predicted: rms {said['rms_predicted']:.4g}, {predict}")
     if picture is not None:
-        say(f"Written: {found.plot(picture)}")
+        say(f"Picture: {found.plot(picture)}")
     if json is not None:
         write_json(said, json)

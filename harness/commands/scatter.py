@@ -75,10 +75,9 @@ def command(
         say(f"Run in C as one composite: {together}")
     for path in filter(None, (*(output or ()), page.picture(f"{loaded.name}_scatter"))):
         if path.suffix == options.TABLE:
-            study.to_csv(path)
+            say(f"Table: {study.to_csv(path)}")
         else:
-            study.plot(path)
-        say(f"Written: {path}")
+            say(f"Picture: {study.plot(path)}")
     page.cited = "ISO 21940-11"
     page.write()
     if json is not None:

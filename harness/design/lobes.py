@@ -129,7 +129,7 @@ def _own_races(scene: Scene, speed: float) -> OutOfRound:
             machine, rest = main_motion(_with_turned_races(assembly, by), speed)
         except (ValueError, ArithmeticError) as error:
             if k == 0:
-                raise UserError(f"{scene.name}: {error}") from error
+                raise UserError(f"{scene.label}: {error}") from error
             turned.append(None)
             continue
         stable = np.linalg.eigvals(machine.linearised(rest).at_speed(speed)).real.max() < 0.0
@@ -157,7 +157,7 @@ def out_of_round(scene: Scene, text: str = "", speed: float | None = None) -> Ou
     assembly = scene.assembly()
     if not text and not has_lobes(assembly):
         raise UserError(
-            f"{scene.name}: its races are round: give lobes, as "
+            f"{scene.label}: its races are round: give lobes, as "
             '"2=20 um@30 deg", or the key race of its weights'
         )
     if not text:
@@ -166,13 +166,13 @@ def out_of_round(scene: Scene, text: str = "", speed: float | None = None) -> Ou
     try:
         race = Race(assembly, w, lobes)
     except ValueError as error:
-        raise UserError(f"{scene.name}: {error}") from error
+        raise UserError(f"{scene.label}: {error}") from error
     points = replace(assembly, balancers=tuple(
         replace(one, half_angle=0.0) for one in assembly.balancers))  # fmt: skip
     round_race = _size(_least(Race(points, w, ())))
     if race.alone and (round_race is None or round_race > _BALANCED * race.alone):
         raise UserError(
-            f"{scene.name}: the weights do not balance the rotor on a round race at {w:g} rad/s: "
+            f"{scene.label}: the weights do not balance the rotor on a round race at {w:g} rad/s: "
             "see `autobalancer speeds`, or take more or heavier weights"
         )
     each = [(one,) for one in lobes] + [lobes] * (len(lobes) > 1)

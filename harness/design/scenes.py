@@ -109,13 +109,13 @@ def with_balls(scene: Scene, race: float | None, width: float | None) -> Scene:
     sized_already = isinstance(one, WeightBalancer) and one.weight_radius
     if one is not None and not isinstance(one, WeightBalancer):
         raise SceneError(
-            f"{scene.name}: design: finds the number and size of balls, and balancer[1] is of kind "
-            f'"{one.kind}", without weights: leave it out, and give --race and --width'
+            f"{scene.label}: design: finds the number and size of balls, and balancer[1] is of "
+            f'kind "{one.kind}", without weights: leave it out, and give --race and --width'
         )
     if not sized_already and (race is None or width is None):
         refuse_other_rotors(scene)  # which a size would not help
         raise SceneError(
-            f"{scene.name}: design: its weights have no size: give --race and --width, the radius "
+            f"{scene.label}: design: its weights have no size: give --race and --width, the radius "
             "of the race and the space along the axis"
         )
     if one is not None or race is None or width is None:
@@ -132,7 +132,7 @@ def refuse_other_rotors(scene: Scene) -> None:
     """Raise SceneError where the rotor is of a kind that has no design."""
     kind = scene.rotor.kind
     if kind != "planar":
-        raise SceneError(f'{scene.name}: design: rotor.kind = "{kind}": must be "planar"')
+        raise SceneError(f'{scene.label}: design: rotor.kind = "{kind}": must be "planar"')
 
 
 def weights_of(scene: Scene) -> WeightBalancer:
@@ -154,7 +154,7 @@ def weights_of(scene: Scene) -> WeightBalancer:
     }
     if any(reasons.values()):
         wrong = "; ".join(reason for reason, is_so in reasons.items() if is_so)
-        raise SceneError(f"{scene.name}: design: {wrong}")
+        raise SceneError(f"{scene.label}: design: {wrong}")
     if is_isotropic(scene):
         refuse_without_slow_root(scene)
     return weights_in(scene)
@@ -165,7 +165,7 @@ def refuse_without_slow_root(scene: Scene) -> None:
     try:
         drag_limit(scene)
     except ValueError as error:
-        raise SceneError(f"{scene.name}: design: {error}") from error
+        raise SceneError(f"{scene.label}: design: {error}") from error
 
 
 def is_isotropic(scene: Scene) -> bool:

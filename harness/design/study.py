@@ -77,8 +77,8 @@ def _driven(scene: Scene, start: str, run_up: float | str | None) -> tuple[Scene
     profile, own = scene.profile(), scene.operation
     if own.motor is not None:
         raise SceneError(
-            f"{scene.name}: design: operation.motor: give operation.speed or run_up instead; check "
-            "the weights that are recommended with `autobalancer motions`"
+            f"{scene.label}: design: operation.motor: give operation.speed or run_up instead; "
+            "check the weights that are recommended with `autobalancer motions`"
         )
     seconds = None if run_up is None else si_number(run_up, "s", "--run-up")
     if seconds is not None and (start != "run-up" or not seconds > 0.0):

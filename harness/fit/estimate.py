@@ -78,9 +78,11 @@ class Estimate(Outcome, Generic[Start]):
     def table(self) -> Sheet:
         """A line a parameter, in the units of what was fitted."""
         starts = [one.start for one in self.parameters]
-        columns = (self.labels, starts, self.values.tolist(), self.uncertainty.tolist())
+        units = [self.start.unit_of(one.paths[0]) for one in self.parameters]
+        columns = (self.labels, units, starts, self.values.tolist(), self.uncertainty.tolist())
         rows = list(zip(*columns, strict=True))
-        return Sheet(("parameter", "start", "fitted", "± (95 %)"), rows, "lrrr", self.start.heading)
+        heads = ("parameter", "unit", "start", "fitted", "± (95 %)")
+        return Sheet(heads, rows, "llrrr", self.start.heading)
 
     def warnings(self) -> list[str]:
         """What the data cannot tell."""

@@ -55,7 +55,7 @@ class Model:
         self, scene: Scene, parameters: Sequence[Parameter], measured: MeasuredAmplitudes
     ) -> None:
         if scene.profile().changes:
-            raise UserError(f"{scene.name}: operation: a fit requires runs at constant speed")
+            raise UserError(f"{scene.label}: operation: a fit requires runs at constant speed")
         self._scene, self.parameters, self._measured = scene, parameters, measured
         others = {name: column for name, column in measured.settings.items() if name != SPEED}
         rows = np.array(list(others.values())).T.reshape(measured.count, len(others))
@@ -149,7 +149,7 @@ class Model:
         )
         found = cosimulate_many(scenes[0], table, results=list(asked))
         for reason in filter(None, found["failure"]):
-            raise SimulationError(f"{self._scene.name}: a run failed: {reason}")
+            raise SimulationError(f"{self._scene.label}: a run failed: {reason}")
         vibrations = {name: found[a] + 1j * found[b] for name, (a, b) in parts.items()}
         return dict(found), vibrations
 

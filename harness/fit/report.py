@@ -33,8 +33,8 @@ def table(found: Outcome) -> Sheet:
     """A line per parameter of a fit."""
     sheet = found.table()
     rows = [
-        [label, f"{start:.6g}", f"{value:.6g}", f"{spread:.2g}" if math.isfinite(spread) else "-"]
-        for label, start, value, spread in sheet.rows
+        [*names, f"{start:.6g}", f"{value:.6g}", f"{spread:.2g}" if math.isfinite(spread) else "-"]
+        for *names, start, value, spread in sheet.rows
     ]
     return replace(sheet, rows=rows, title="")
 

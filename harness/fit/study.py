@@ -159,7 +159,7 @@ def fit(
         closest = by_harmonic
     except NoResponse as error:
         if harmonic or starts > 1:
-            raise UserError(f"{scene.name}: no fit by harmonic balance: {error}") from None
+            raise UserError(f"{scene.label}: no fit by harmonic balance: {error}") from None
     if guess and harmonic:
         solution = guess.closer
     else:

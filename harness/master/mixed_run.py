@@ -109,7 +109,7 @@ class MixedRun(NetworkRun, CoSimulation):
         if scene.operation.motor or scene.coupling.scheme == "compensated":
             key = "operation.motor" if scene.operation.motor else "coupling.scheme"
             raise SceneError(
-                f"{scene.name}: {key}: not with FMUs of any origin: they are coupled by schemes "
+                f"{scene.label}: {key}: not with FMUs of any origin: they are coupled by schemes "
                 "auto, jacobi, gauss-seidel and iterated, at a prescribed speed"
             )
 

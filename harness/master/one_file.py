@@ -55,7 +55,7 @@ def _composition(scene: Scene) -> Composition:
             len(scene.operation.unbalance_changes),
         )
     except ValueError as error:
-        raise SceneError(f"{scene.name}: {error}") from None
+        raise SceneError(f"{scene.label}: {error}") from None
 
 
 def why_separate(scene: Scene) -> str:
@@ -75,7 +75,9 @@ def composition_in_c(scene: Scene) -> Composition:
     """
     units = runtime(scene.coupling.units)
     if units.backend == "python":
-        raise SceneError(units.note or f'{scene.name}: coupling.units = "python": one file is in C')
+        raise SceneError(
+            units.note or f'{scene.label}: coupling.units = "python": one file is in C'
+        )
     return composition(scene)
 
 

@@ -87,7 +87,7 @@ class OneFileRun(Closing):
         try:
             self._run.start(() if points is None else points, share, grain, changed)
         except RunFailed as failure:
-            raise SimulationError(f"{self.scene.name}: {failure}") from None
+            raise SimulationError(f"{self.scene.label}: {failure}") from None
 
     def _given_rows(self) -> Signal:
         """Ends of the steps that the scene gives [s]."""

@@ -74,7 +74,7 @@ def refuse_loose_tolerance(scene: Scene) -> None:
         return
     if coupling.scheme in UNCORRECTED or coupling.order < 3:
         raise SceneError(
-            f"{scene.name}: coupling.tolerance = {coupling.tolerance:g}: kept only by scheme "
+            f"{scene.label}: coupling.tolerance = {coupling.tolerance:g}: kept only by scheme "
             f'"iterated" or "auto" with order 3, not by "{coupling.scheme}" with order '
             f"{coupling.order}; give steps_per_rev instead"
         )

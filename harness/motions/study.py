@@ -110,7 +110,7 @@ def _refuse(scene: Scene, speeds: Sequence[float], starts: Sequence[str], n: int
     captured(scene)  # refuses what has no weights, and dry friction
     if scene.operation.motor and "run-up" in starts and len(set(speeds)) > 1:
         raise SceneError(
-            f"{scene.name}: operation.motor: the motor's run-up ends at its own speed alone: give "
+            f"{scene.label}: operation.motor: the motor's run-up ends at its own speed alone: give "
             "--starts rest,turning for other speeds, or operation.run_up instead of the motor"
         )
 
@@ -122,7 +122,7 @@ def _refuse_stalled(scene: Scene, points: Sequence[Point]) -> None:
         slow = next((s for s in point.shares if s.motion.kind is Kind.SLOW_ROTOR), None)
         if slow and slow.count == slow.of:
             raise SceneError(
-                f"{scene.name}: operation.motor: the motor stalls: in all {slow.of} run-ups the "
+                f"{scene.label}: operation.motor: the motor stalls: in all {slow.of} run-ups the "
                 f"rotor stays at {slow.frequency:.4g} rad/s, below its {point.speed:.4g} rad/s: "
                 "give more torque, or --starts rest,turning, which hold the speed"
             )

@@ -13,9 +13,10 @@ import os
 import re
 import subprocess
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from enum import Enum
+from itertools import takewhile
 from typing import Annotated, Any
 
 import typer
@@ -29,6 +30,8 @@ from .machine import program_version
 from .terminal import how_far, is_quiet, say
 
 _SECONDS = {"s": 1.0, "m": 60.0, "h": 3600.0, "d": 86400.0, "": 1.0}
+_Misuse = typer.BadParameter.__mro__[1]  # of the command line; its home differs between releases
+_OPTION = re.compile(r"--?[a-zA-Z]")
 _TIME = re.compile(r"(?P<number>\d+(?:\.\d*)?|\.\d+)\s*(?P<unit>[smhd]?)")
 
 
@@ -42,6 +45,12 @@ class Commands(TyperGroup):
     def invoke(self, ctx: Any) -> Any:
         try:
             return super().invoke(ctx)
+        except _Misuse as error:
+            command = self.commands.get(ctx.invoked_subcommand)
+            if not (words := _incomplete_option(command, options.typed.get())):
+                raise
+            say(words, error=True)
+            raise typer.Exit(2) from error
         except UserError as error:
             say(str(error), error=True)
             raise typer.Exit(2) from error
@@ -72,6 +81,20 @@ class Commands(TyperGroup):
             place = f"{error.filename}: " if error.filename else ""
             say(f"{place}{error.strerror or error}{_where_room_is_missing(error)}", error=True)
             raise typer.Exit(2) from error
+
+
+def _incomplete_option(command: Any, typed: Sequence[str]) -> str:
+    """How to write an option of several values that has fewer before the next option; or empty."""
+    for each in command.params if command else ():
+        for name in set(each.opts).intersection(typed) if each.nargs > 1 else ():
+            values = typed[typed.index(name) + 1 :][: each.nargs]
+            given = tuple(takewhile(lambda value: not _OPTION.match(value), values))
+            if len(given) < each.nargs:
+                return (
+                    f"{' '.join((name, *given))}: requires {each.nargs} values, with spaces "
+                    f"between: {name} {each.metavar}. {each.help}"
+                )
+    return ""
 
 
 def _where_room_is_missing(error: OSError) -> str:

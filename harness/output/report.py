@@ -18,7 +18,7 @@ from . import options
 from .files import write_whole
 from .machine import machine, program_version
 from .table import Sheet
-from .terminal import directory_to_fill, keeping, say
+from .terminal import keeping, ready_to_fill, say
 from .words import printable
 
 NAME = "report.html"
@@ -48,7 +48,7 @@ class Report:
     """What goes into the page, in order.
 
     Attributes:
-        directory: where page and pictures are written; None: nowhere.
+        directory: where page and pictures are written, made for the first of them; None: nowhere.
         parts: lines of text, tables, and other parts that have HTML of their own.
         pictures: PNG files.
         cited: text that names sources beside the parts.
@@ -60,7 +60,7 @@ class Report:
         self.pictures: list[Path] = []
         self.cited = ""
         if directory is not None:
-            directory_to_fill(directory)
+            ready_to_fill(directory)
 
     @contextmanager
     def keeping(self) -> Iterator[None]:
@@ -68,11 +68,18 @@ class Report:
         with keeping(self.parts):
             yield
 
+    def folder(self) -> Path | None:
+        """The directory, made now: a command that fails before leaves none; None: no page."""
+        if self.directory is not None:
+            self.directory.mkdir(parents=True, exist_ok=True)
+        return self.directory
+
     def picture(self, name: str) -> Path | None:
         """Where to draw a picture of the page; None where there is no page."""
-        if self.directory is None:
+        folder = self.folder()
+        if folder is None:
             return None
-        self.pictures.append(self.directory / f"{name}.png")
+        self.pictures.append(folder / f"{name}.png")
         return self.pictures[-1]
 
     def write(self) -> None:
@@ -81,12 +88,13 @@ class Report:
         Raises:
             UserError: it cannot be written.
         """
-        if self.directory is None:
+        folder = self.folder()
+        if folder is None:
             return
         page = self.page()
-        with write_whole(self.directory / NAME) as stream:
+        with write_whole(folder / NAME) as stream:
             stream.write(page)
-        say(f"Report: {self.directory / NAME}")
+        say(f"Report: {folder / NAME}")
 
     def page(self) -> str:
         """As HTML."""

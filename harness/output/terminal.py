@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import sys
 from collections.abc import Callable, Iterable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from contextvars import ContextVar
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -130,16 +130,21 @@ def ready_to_write(path: Path | None) -> None:
         refuse_unwritable(path)
 
 
-def directory_to_fill(path: Path) -> Path:
-    """Make a directory, with its parents.
+def ready_to_fill(path: Path) -> None:
+    """Refuse a directory that cannot be made before long work begins; none stays behind.
 
     Raises:
         UserError: it cannot be made, or takes no files.
     """
+    missing: list[Path] = []
     try:
+        missing += [each for each in (path, *path.parents) if not each.exists()]
         path.mkdir(parents=True, exist_ok=True)
+        refuse_unwritable(path / "anything")
     except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or error
         raise UserError(f"{path}: cannot be made a directory: {reason}") from error
-    refuse_unwritable(path / "anything")
-    return path
+    finally:
+        for each in missing:  # the innermost first
+            with suppress(OSError):
+                each.rmdir()

@@ -9,7 +9,7 @@ from ..errors import UserError
 from ..master.one_file import drive
 from ..master.plan import Plan, plan
 from ..scene import Scene
-from ..scene.replace import in_full
+from ..scene.replace import SPEED, in_full
 
 _DRIVE = ("speed", "acceleration")  # of the composite, which tells its units
 
@@ -28,7 +28,7 @@ def table_of(scenes: Sequence[Scene]) -> dict[str, list[float]]:
     common = _common(first, plans[0])
     if any(_common(*pair) != common for pair in zip(scenes, plans, strict=True)):
         raise UserError(
-            f"{first.name}: only numbers of the rotor, the balancers and the motor, run.initial, "
+            f"{first.label}: only numbers of the rotor, the balancers and the motor, run.initial, "
             "gravity and a constant speed may differ between runs in C"
         )
     starts = [values_of(*pair) for pair in zip(scenes, plans, strict=True)]
@@ -48,7 +48,8 @@ def refuse_unvaried(scene: Scene, path: str) -> None:
     allowed += ("operation.gravity", "operation.unbalance_changes")
     if scene.operation.motor:
         allowed += ("operation.motor.",)
-    if path != "operation.speed" and not in_full(path, scene.body_names).startswith(allowed):
+    full = in_full(path, scene.body_names)
+    if full != SPEED and not full.startswith(allowed):
         raise UserError(
             f"{path}: cannot be varied; must be speed or begin with one of: {', '.join(allowed)}"
         )

@@ -20,7 +20,7 @@ from ..master.one_file import why_separate
 from ..master.recorder import Recorder, recorded
 from ..master.two_tolerances import TwoTolerances
 from ..scene import Scene, load_scene
-from ..scene.plausible import warn
+from ..scene.plausible import ImplausibleWarning, warn
 from .result import Result
 from .velocity import recorded_for, velocities, with_velocities
 
@@ -111,6 +111,21 @@ def load(scene: Scene, fmus: Path | None = None, separate: bool = False) -> OneF
 def is_in_one_piece(scene: Scene) -> bool:
     """Whether a run of the scene integrates the machine without a coupling inside."""
     return not why_separate(scene)
+
+
+def takes_collocation(scene: Scene) -> bool:
+    """Whether a run in one piece takes steps by collocation, as a stiff machine does.
+
+    It is run to see; of a machine with events it is known that it does not.
+
+    Raises:
+        SimulationError: the run cannot be completed.
+    """
+    if scene.has_events:
+        return False
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", ImplausibleWarning)
+        return cosimulate(scene).collocated_steps > 0
 
 
 def controlled_runs(

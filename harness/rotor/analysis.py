@@ -128,8 +128,7 @@ class RotorAnalysis(Outcome):
         self.scene.refuse_restraints("the response over the speed is that")
         rotor = self.scene.assembly().rotor
         if not np.abs(rotor.unbalance).any():
-            name = self.scene.path or self.scene.name
-            raise UserError(f"{name}: rotor: has no unbalance to respond to")
+            raise UserError(f"{self.scene.label}: rotor: has no unbalance to respond to")
         each = np.eye(rotor.stations)
         speeds, points = (
             np.linspace(self.low, self.high, count) for count in (CURVE_POINTS, MEASURED_POINTS)

@@ -124,7 +124,7 @@ def scatter(
             _machines, (scene, paths), values, CHUNK, workers, progress, kept
         )
     except SimulationError as error:
-        raise SimulationError(f"{scene.name}: no machine could be run: {error}") from error
+        raise SimulationError(f"{scene.label}: no machine could be run: {error}") from error
     return Scatter(
         title=scene.heading,
         variations=tuple(variations),

@@ -61,7 +61,7 @@ class Variation:
         if make is None:
             raise UserError(f"{text}: {match['name']!r}: must be one of {', '.join(_MAKERS)}")
         if scene:
-            refuse_unvaried(scene, in_full(path))
+            refuse_unvaried(scene, path)
         numbers = _numbers(text, match["arguments"], make, scene.unit_of(path) if scene else "")
         try:
             distribution = make(**numbers)

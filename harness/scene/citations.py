@@ -33,14 +33,15 @@ def program() -> Reference:
     return Reference("autobalancer", "software", fields)
 
 
-def bibtex(scene: Scene, in_one_piece: bool = False) -> str:
+def bibtex(scene: Scene, in_one_piece: bool = False, collocates: bool = False) -> str:
     """The program, then entries in the bibliography's order, each below what it is cited for.
 
     Args:
         in_one_piece: whether the machine is integrated without a coupling.
+        collocates: whether it then takes steps by collocation, as a stiff machine does.
     """
     reasons: dict[str, list[str]] = {}
-    for cited, reason in _cited(scene, in_one_piece):
+    for cited, reason in _cited(scene, in_one_piece, collocates):
         for key in sorted(citations(cited)):
             if reason not in reasons.setdefault(key, []):
                 reasons[key].append(reason)
@@ -51,7 +52,7 @@ def bibtex(scene: Scene, in_one_piece: bool = False) -> str:
     return "\n".join(entries)
 
 
-def _cited(scene: Scene, in_one_piece: bool) -> Iterator[tuple[str, str]]:
+def _cited(scene: Scene, in_one_piece: bool, collocates: bool) -> Iterator[tuple[str, str]]:
     """What every part that runs cites, and for what."""
     yield scene.source, "source of the scene's values"
     liquid_only = all(balancer.kind == "liquid" for balancer in scene.balancer)
@@ -74,7 +75,7 @@ def _cited(scene: Scene, in_one_piece: bool) -> Iterator[tuple[str, str]]:
         yield "Sommerfeld 1902; Kononenko 1969", "motor of limited power"
     if in_one_piece:
         yield "Jorba & Zou 2005", "steps of the whole machine by Taylor series"
-        if not scene.has_events:
+        if collocates:
             yield "Hairer & Wanner 1996", "steps of a stiff machine by collocation (Radau IIA)"
     elif scene.coupling.units == "native" and (scene.rotor.friction or not scene.operation.speed):
         yield "Jorba & Zou 2005", "steps of the rotor by Taylor series"

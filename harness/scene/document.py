@@ -87,7 +87,7 @@ class Described(Table):
 
     @property
     def label(self) -> str:
-        """What messages call the scene."""
+        """What messages call the scene: the file or name as it was given."""
         return self._label
 
     @property

@@ -122,8 +122,7 @@ class Scene(Described):
         True
         """
         path = find(source)
-        is_name = isinstance(source, str) and not Path(source).is_file()
-        return cls._of(read(path), path, path.name if is_name else str(source))
+        return cls._of(read(path), path, str(source))
 
     def _fill(self, document: dict[str, Any], path: Path | None, label: str) -> None:
         folder = path.parent if path else Path()
@@ -309,7 +308,7 @@ class Scene(Described):
         """Raise SceneError, where dry friction holds supports at rest, for what is linear."""
         if self.rotor.slides_at_rest:
             raise SceneError(
-                f"{self.path or self.name}: rotor.friction: {what} of a linear rotor, and dry "
+                f"{self.label}: rotor.friction: {what} of a linear rotor, and dry "
                 "friction is not; run the scene instead, or leave friction out"
             )
 
@@ -318,7 +317,7 @@ class Scene(Described):
         for balancer in self.balancer:
             if getattr(balancer, "race", ()):
                 raise SceneError(
-                    f"{self.path or self.name}: {balancer.label}.race: {what} of round races; "
+                    f"{self.label}: {balancer.label}.race: {what} of round races; "
                     "leave the lobes out, or run the scene instead"
                 )
 
@@ -327,7 +326,7 @@ class Scene(Described):
         for key in ("cubic_stiffness", "stops"):
             if getattr(self.rotor, key):
                 raise SceneError(
-                    f"{self.path or self.name}: rotor.{key}: {what} of a linear rotor; run the "
+                    f"{self.label}: rotor.{key}: {what} of a linear rotor; run the "
                     f"scene instead, or leave {key} out"
                 )
 
@@ -335,7 +334,7 @@ class Scene(Described):
         """Raise SceneError where the unbalance changes during the run."""
         if self.operation.unbalance_changes:
             raise SceneError(
-                f"{self.name}: operation.unbalance_changes: {what} is that of one unbalance: use "
+                f"{self.label}: operation.unbalance_changes: {what} is that of one unbalance: use "
                 "run, or leave the changes out"
             )
 
@@ -344,7 +343,7 @@ class Scene(Described):
         self.refuse_changes(what)
         if self.operation.gravity and self.assembly().weights:
             raise SceneError(
-                f"{self.name}: operation.gravity = {self.operation.gravity:g} m/s^2: {what} "
+                f"{self.label}: operation.gravity = {self.operation.gravity:g} m/s^2: {what} "
                 "requires weights at rest in the rotor, and gravity swings them once per "
                 "revolution: use run, or map --method cosim-run, or remove gravity"
             )
@@ -353,7 +352,7 @@ class Scene(Described):
         """Raise SceneError where nothing holds the machine, for what judges it by its extent."""
         if self.rotor.is_free:
             raise SceneError(
-                f"{self.path or self.name}: rotor.on: nothing holds {self.rotor.on!r}, and its "
+                f"{self.label}: rotor.on: nothing holds {self.rotor.on!r}, and its "
                 f"drift would count as vibration: {what} requires feet; use run or rotor instead"
             )
 
@@ -410,7 +409,7 @@ class Scene(Described):
         """
         if self.guests:
             raise SceneError(
-                f"{self.name}: {', '.join(self.guests)}: {what} requires equations, and those of "
+                f"{self.label}: {', '.join(self.guests)}: {what} requires equations, and those of "
                 "an FMU of any origin are not known: `run` takes it"
             )
 

@@ -87,7 +87,6 @@ def tolerances(text: str, scene: Scene) -> tuple[Change, ...]:
         if not 0.0 <= size < 1e60:
             raise UserError(f"within {item!r}: {size:g} must be 0 or more")
         kind = "relative" if percent != amount else "added"
-        path = in_full(path, scene.body_names)
         count = len(Tables(scene).numbers(path))
         changes += [Change(path, -size, size, kind, k) for k in range(count) if size]
     return tuple(changes)
@@ -156,9 +155,14 @@ class Tables:
             UserError: it names no number of the rotor or of a balancer, or one that shapes a table
                 over the speed.
         """
+        return self._find(path)[2]
+
+    def _find(self, path: str) -> tuple[Any, Any, dict[int, Number]]:
+        """What holds a path's value, its key or index there, and the value's different numbers."""
         path = in_full(path, self.scene.body_names)
         self._refuse_shaping(path)
         known: dict[int, Number] = {}
+        holder = key = None
         with suppress(KeyError, IndexError, TypeError):
             holder, key = self._place(path)
             _mapped(holder[key], known)
@@ -167,7 +171,7 @@ class Tables:
                 f"{path}: an interval needs a number that the scene gives the rotor or a balancer, "
                 f"such as rotor.stiffness or {next(iter(self.balancers), 'balls')}.mass"
             )
-        return known
+        return holder, key, known
 
     def _refuse_shaping(self, path: str) -> None:
         """Raise UserError for a number on which the rows of a bearing's table depend."""
@@ -185,8 +189,8 @@ class Tables:
                 )
 
     def _place(self, path: str) -> tuple[Any, Any]:
-        """What holds a path's value, and its key or index."""
-        first, *rest = in_full(path, self.scene.body_names).split(".")
+        """What holds the value of a path in full, and its key or index."""
+        first, *rest = path.split(".")
         keys: list[Any] = []
         for part in rest:
             keys += [re.sub(r"\[.*", "", part), *(int(n) - 1 for n in re.findall(r"\d+", part))]
@@ -202,10 +206,9 @@ class Tables:
             UserError: a path names no number of the rotor or of a balancer.
         """
         for place, change in enumerate(changes):
-            known = self.numbers(change.path)
+            holder, key, known = self._find(change.path)
             one = list(known)[change.number]
             known[one] = change(known[one], place, len(changes))
-            holder, key = self._place(change.path)
             holder[key] = _mapped(holder[key], known)
 
     def damp(self) -> None:

@@ -113,10 +113,10 @@ class MainMotion(Closing):
         try:
             rest[self._angles] = balanced_angles(scene.assembly())
         except (CannotBalance, ArithmeticError) as error:
-            raise NoMainMotion(f"{scene.name}: {error}") from error
+            raise NoMainMotion(f"{scene.label}: {error}") from error
         if not self._rests(rest):
             raise NoMainMotion(
-                f"{scene.name}: the rotor does not rest for a revolution at "
+                f"{scene.label}: the rotor does not rest for a revolution at "
                 f"{self._speed:g} rad/s with its weights at the balanced angles"
             )
         return rest
@@ -190,7 +190,7 @@ class MainMotion(Closing):
         error = np.abs(ends - self.neutral).max()
         if not error <= NEUTRAL_RETURN:
             raise SimulationError(
-                f"{self.units.scene.name}: weights that turn without a change of their moment "
+                f"{self.units.scene.label}: weights that turn without a change of their moment "
                 f"should stay turned, but change by {error:.2g} of the turn in one revolution at "
                 f"{self._speed:g} rad/s: a unit acts by more than its static moment, or the "
                 "coupling is too coarse: use more coupling.steps_per_rev"

@@ -155,7 +155,7 @@ class Revolution(Closing):
         values = np.hstack([np.tile([*changed.values()], (len(states), 1)), states])
         found, reasons = runs(values, np.full(len(states), math.tau / abs(speed)))
         for reason in filter(None, reasons):
-            raise SimulationError(f"{self.scene.name}: {reason}")
+            raise SimulationError(f"{self.scene.label}: {reason}")
         return found[:, -1]
 
     def _turned(self, state: Vector, speed: float) -> Vector:

@@ -15,7 +15,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from functools import partial
+from functools import cache, partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -61,13 +61,13 @@ def half_turn(
         held: which rows (d,) are the same at every node, and these (b, d - s, d): their stages
             are eliminated, once for all steps.  The others are those of `at_nodes`.
     """
-    coefficients = math.pi / steps * COEFFICIENTS
+    coefficients = _coefficients(steps)
     rows = at_nodes(0)
     batch, _, _, size = rows.shape
     mask, constant = held
     p, s = np.flatnonzero(mask), np.flatnonzero(~mask)
     # stages of p from p at the begin and the stages of s
-    kept = _eliminated(constant[..., p], constant[..., s], coefficients)
+    kept = _eliminated(constant[..., p], constant[..., s], steps)
     width = kept.shape[-1]
     right = np.zeros((batch, STAGES, len(s), size))
     right[..., len(p) :] = np.eye(len(s))
@@ -91,7 +91,24 @@ def half_turn(
     return total[:, back][:, :, back]
 
 
-def _eliminated(own: NDArray, others: NDArray, coefficients: NDArray) -> NDArray[np.float64]:
+def _coefficients(steps: int) -> NDArray[np.float64]:
+    """Collocation's coefficients for a step of a half turn of so many."""
+    scaled: NDArray = math.pi / steps * COEFFICIENTS
+    return scaled
+
+
+@cache
+def _eigenvectors(steps: int) -> tuple[NDArray, NDArray, NDArray]:
+    """Eigenvalues of `_coefficients` above the real axis, and the vectors from and to these parts.
+
+    The other eigenvalues are their conjugates.
+    """
+    values, vectors = np.linalg.eig(_coefficients(steps))
+    above = values.imag > 0.0
+    return values[above], np.linalg.inv(vectors)[above], 2.0 * vectors[:, above]
+
+
+def _eliminated(own: NDArray, others: NDArray, steps: int) -> NDArray[np.float64]:
     """Stages (b, `STAGES`, p, p + `STAGES` s) of p' = own p + others s by p and the stages of s.
 
     In the eigenvectors of the coefficients stages are apart: a few small systems in place of a
@@ -100,10 +117,8 @@ def _eliminated(own: NDArray, others: NDArray, coefficients: NDArray) -> NDArray
     """
     batch, p, s = others.shape
     width = p + STAGES * s
-    values, vectors = np.linalg.eig(coefficients)
-    above = values.imag > 0.0  # the others are their conjugates
-    values, inwards = values[above], np.linalg.inv(vectors)[above]
-    outwards = 2.0 * vectors[:, above]
+    coefficients = _coefficients(steps)
+    values, inwards, outwards = _eigenvectors(steps)
     inverse = np.linalg.inv(np.eye(p) - values[:, None, None, None] * own)
 
     def together(apart: NDArray) -> NDArray:

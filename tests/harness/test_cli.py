@@ -172,7 +172,7 @@ def test_run_names_the_engine_and_refuses_separate_fmus_for_one_file(invoke):
 def test_an_implausible_value_is_one_line_of_check(invoke, recwarn):
     outcome = invoke("check", "sommerfeld")
     assert outcome.exit_code == 0, outcome.output
-    assert outcome.stderr.count("WARNING: sommerfeld.toml: unbalance: 10 g m to balance") == 1
+    assert outcome.stderr.count("WARNING: sommerfeld: unbalance: 10 g m to balance") == 1
     assert not recwarn
 
 
@@ -213,6 +213,12 @@ def test_a_missing_file_of_the_program_is_an_internal_error_to_report(
         (["build", "--set", "rotor.mass=3"], "--set: give the scene"),
         (["map", "two_balls", "--x", "speed=1:x:3", "--y", "speed=1:2:2"], "speed=1:x:3: must be"),
         (["run", "two_balls", "--fmus", "/nowhere"], "is not a directory with FMUs"),
+        (["check", "two_balls"], "two_balls: nothing to check"),
+        (
+            ["speeds", "two_balls", "--range", "100-2000"],
+            "2 values, with spaces between: --range L",
+        ),
+        (["motions", "two_balls", "--speeds", "1", "2", "--sweep"], "between: --speeds LOW HIGH N"),
     ],
 )
 def test_wrong_input_ends_with_two_and_one_line(invoke, arguments, message):
@@ -221,6 +227,20 @@ def test_wrong_input_ends_with_two_and_one_line(invoke, arguments, message):
     assert message in outcome.stderr
     assert len(outcome.stderr.splitlines()) == 1
     assert "Traceback" not in outcome.output
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ["check", "two_balls"],
+        ["run", "two_balls", "--fmus", "/nowhere"],
+        ["fit", "two_balls", "--measured", "/nowhere.csv", "--free", "rotor.mass"],
+    ],
+)
+def test_a_command_that_is_refused_leaves_no_folder_for_its_report(invoke, tmp_path, arguments):
+    outcome = invoke(*arguments, "--report", tmp_path / "made" / "report")
+    assert outcome.exit_code == 2, outcome.output
+    assert not list(tmp_path.iterdir())
 
 
 def modules_after(statement: str) -> set[str]:

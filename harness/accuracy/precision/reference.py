@@ -33,7 +33,7 @@ def refuse_without_reference(scene: Scene) -> None:
     scene.refuse_friction("the error cannot be measured: the reference is that")
     if scene.rotor.stops:
         raise SceneError(
-            f"{scene.path or scene.name}: rotor.stops: the error cannot be measured: the "
+            f"{scene.label}: rotor.stops: the error cannot be measured: the "
             "reference has no stops; `run` states its error"
         )
     for balancer in scene.balancer:
@@ -44,7 +44,7 @@ def refuse_without_reference(scene: Scene) -> None:
             lacks = "operation.motor with weight_radius"
         if lacks:
             raise SimulationError(
-                f"{scene.name}: the error cannot be measured: the reference does not support "
+                f"{scene.label}: the error cannot be measured: the reference does not support "
                 f"{lacks} of {balancer.label!r}"
             )
 
@@ -73,7 +73,7 @@ def right_motion(
             signals=[n for n in states if not n.startswith(("rotor.angle", "motor."))] or None,
         )
     except ReferenceDisagreement as error:
-        raise SimulationError(f"{scene.name}: the error cannot be measured: {error}") from error
+        raise SimulationError(f"{scene.label}: the error cannot be measured: {error}") from error
     _refuse_contacts(scene, right)
     return right, own
 
@@ -92,7 +92,7 @@ def _refuse_contacts(scene: Scene, right: Trajectory) -> None:
             touches = (gaps < apart).any(axis=0)
             if touches.any():
                 raise SimulationError(
-                    f"{scene.name}: the error cannot be measured: weights of {balancer.label!r} "
+                    f"{scene.label}: the error cannot be measured: weights of {balancer.label!r} "
                     f"touch at t = {right.time[touches.argmax()]:g} s, which the reference does "
                     "not support"
                 )

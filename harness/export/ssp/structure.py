@@ -70,12 +70,12 @@ def separate(scene: Scene, slopes: bool = True) -> Structure:
     """
     if scene.operation.motor:
         raise SceneError(
-            f"{scene.name}: operation.motor: SSP: torques on its shaft add up, and a connection "
+            f"{scene.label}: operation.motor: SSP: torques on its shaft add up, and a connection "
             "has one source: use --one-file --ssp"
         )
     if scene.operation.unbalance_changes:
         raise SceneError(
-            f"{scene.name}: operation.unbalance_changes: SSP sets parameters at the start alone: "
+            f"{scene.label}: operation.unbalance_changes: SSP sets parameters at the start alone: "
             "--one-file --ssp has the changes"
         )
     planned, shown = plan(scene), by_unit(recorded(scene))
@@ -140,7 +140,7 @@ def _wires(scene: Scene, planned: Plan, slopes: bool) -> list[Wire]:
         if len(sources) > 1:
             units = ", ".join(source.unit for source in sources)
             raise SceneError(
-                f"{scene.name}: SSP: forces of {units} on one plane add up, and a connection has "
+                f"{scene.label}: SSP: forces of {units} on one plane add up, and a connection has "
                 "one source: use --one-file --ssp"
             )
         for order in (0, 1) if slopes else (0,):
