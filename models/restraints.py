@@ -23,7 +23,7 @@ from scipy.optimize import root
 from .arrays import Numbers
 from .assembly import Assembly
 from .rotor import LinearRotor
-from .supports import CubicSpring, Slider, Stop, Support
+from .supports import CubicSpring, Slider, Stop, Support, spread
 
 _SOLVED = 1e-12  # of the weight: what a sag leaves
 
@@ -129,7 +129,5 @@ def _force(spring: CubicSpring, q: Numbers) -> Numbers:
 
 def _as_support(spring: CubicSpring, stiffness: Numbers) -> Support:
     """A support of two rows with a stiffness (2, 2), which is no bearing of its own."""
-    k = np.zeros((2, 2, 2, 2))
-    pair = np.array([0, 1])
-    k[pair[:, None], pair, pair[:, None], pair] = stiffness
+    k = spread(stiffness, 2)
     return Support(spring.rows, k, np.zeros_like(k), across=0)

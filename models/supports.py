@@ -219,7 +219,7 @@ class Support:
 
     def with_matrices(self, stiffness: Numbers, damping: Numbers) -> Support:
         """The support with matrices (2, 2) in the place of its table."""
-        k, c = (_spread(each, self.across) for each in (stiffness, damping))
+        k, c = (spread(each, self.across) for each in (stiffness, damping))
         return replace(self, stiffness=k, damping=c, table=None)
 
     @classmethod
@@ -283,11 +283,11 @@ def two_ways(support: Support, x: Numbers, y: Numbers) -> Support:
     """A bearing or foot across which displacement is x (n,) along x and y (n,) along y."""
     if np.array_equal(x, y):
         return replace(support, rows=x[None])
-    k, c = (_spread(each[..., 0, 0], 2) for each in (support.stiffness, support.damping))
+    k, c = (spread(each[..., 0, 0], 2) for each in (support.stiffness, support.damping))
     return replace(support, rows=np.array([x, y]), stiffness=k, damping=c, across=2)
 
 
-def _spread(square: Numbers, across: int) -> Numbers:
+def spread(square: Numbers, across: int) -> Numbers:
     """(2, 2, across, across) of a bearing's (2, 2)."""
     if across == 1:
         return square.reshape(2, 2, 1, 1)

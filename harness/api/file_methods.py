@@ -37,7 +37,7 @@ class FileMethods(OfScene):
         """Write the FMUs of the scene.
 
         Args:
-            output: folder; with `ssp` also a file.
+            output: folder; with `one_file` or `ssp` also a file.
             fmi: version, 2 or 3.
             platforms: such as "x86_64-linux"; default: all.
             python: units that run Python instead of native ones.

@@ -166,8 +166,9 @@ def correct(
     >>> ab.correct("runs.csv", angles=[[0.0, 2.0, 4.0]]).rms < 1e-9
     True
     """
+    place = ""
     if not isinstance(measured, MeasuredRuns):
-        measured = read_measured(Path(measured))
+        place, measured = f"{measured}: ", read_measured(Path(measured))
     circles, initial = None, measured.responses[0]
     try:
         if measured.has_phase:
@@ -176,14 +177,21 @@ def correct(
             circles = from_amplitudes(np.abs(measured.responses), measured.mounted)
             coefficients, initial = circles.coefficients, circles.responses.astype(complex)
     except ValueError as error:
-        raise UserError(str(error)) from error
+        raise UserError(f"{place}{error}") from error
     readings, planes = coefficients.shape
     condition = condition_number(coefficients)
+    for plane, moved in zip(measured.planes, np.abs(coefficients).T, strict=True):
+        if not moved.any():
+            raise UserError(
+                f"{place}the trial masses of plane {plane or 1} change no reading: check "
+                "them, or add a sensor or a speed"
+            )
     if readings < planes or not condition < _LARGEST_CONDITION:
         raise UserError(
-            f"{readings} readings, condition number {condition:.3g}: do not determine corrections "
-            f"in {planes} planes; needs at least {planes} readings and a condition number below "
-            f"{_LARGEST_CONDITION:g}: leave out a plane, or add a sensor or a speed"
+            f"{place}the readings in each run ({readings}) do not determine corrections "
+            f"in all planes ({planes}): condition number {condition:.3g}, must be below "
+            f"{_LARGEST_CONDITION:g}, with a reading for every plane: leave out a plane, or add a "
+            "sensor or a speed"
         )
     if len(largest) not in (0, 1, planes) or not all(0.0 < mass < math.inf for mass in largest):
         raise UserError(

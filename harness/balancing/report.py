@@ -153,7 +153,7 @@ def _readings(result: Correction) -> Sheet:
             f"{abs(b):.4g}",
             f"{_degrees(b) % 360:.1f}",
             f"{_size(abs(a), result):.3g}",
-            f"{_degrees(a) % 360:.1f}",
+            f"{_degrees(a) % 360:.1f}" if _size(abs(a), result) else "-",
         ]
         for name, (b, a) in zip(result.measured.sensors, both, strict=True)
     ]

@@ -110,8 +110,8 @@ def limits(data: Captured) -> list[str]:
     strongest = max((n.damping_ratio for n in found.natural), default=0.0)
     if strongest >= STRONG_DAMPING:
         said.append(
-            f"Damping ratio {strongest:.2g}: at {STRONG_DAMPING:g} weights were let go between "
-            "0.95 and 1.03 times the release speed."
+            f"The largest damping ratio is {strongest:.2g}: in trials with {STRONG_DAMPING:g} "
+            "weights were let go at 0.95 to 1.03 times the release speed."
         )
     if found.unbalance_share >= SHARE_OF_CAPACITY:
         said.append(

@@ -18,7 +18,8 @@ def command(
         typer.Argument(metavar="SCENE", help="Build exactly the units that this scene needs."),
     ] = None,
     output: Annotated[
-        Path, typer.Option("--output", "-o", metavar="DIR", help="Folder for the files.")
+        Path,
+        typer.Option("--output", "-o", metavar="PATH", help="Folder; of one file also its name."),
     ] = Path(),
     fmi: Annotated[int, typer.Option("--fmi", metavar="2|3", help="Version of FMI.")] = 2,
     platform: Annotated[

@@ -64,6 +64,10 @@ def build_files(
     """
     if (plain or flat or reference) and (ssp or not one_file):
         raise UserError("--plain, --flat-names, --reference: give --one-file and leave out --ssp")
+    kind = ".ssp" if ssp else ".fmu" if one_file else ""
+    if output.suffix in (".fmu", ".ssp") and output.suffix != kind:
+        file = f", or a file that ends in {kind}" if kind else ""
+        raise UserError(f"{output}: must be a folder{file}; --one-file writes an FMU, --ssp an SSP")
     form: dict[str, Any]
     if ssp:
         if scene is None or (python and (one_file or fmi != 2)):
@@ -128,7 +132,8 @@ def _wanted(
 def _build_one_file(scene: Scene, output: Path, form: dict[str, Any]) -> Built:
     from .one_file import build_one_file
 
-    path = written(output / f"{scene.name}.fmu", lambda to: build_one_file(scene, to, **form))
+    path = output if output.suffix == ".fmu" else output / f"{scene.name}.fmu"
+    written(path, lambda to: build_one_file(scene, to, **form))
     parts = ", ".join(["rotor", *(balancer.label for balancer in scene.balancer)])
     return Built("Scene built", ("units", "coupling"), (path,), ((parts, scene.coupling.scheme),))
 
@@ -136,9 +141,7 @@ def _build_one_file(scene: Scene, output: Path, form: dict[str, Any]) -> Built:
 def _build_ssp(scene: Scene, output: Path, one_file: bool, form: dict[str, Any]) -> Built:
     from .ssp.build import build_ssp
 
-    path = output
-    if output.suffix != ".ssp":
-        path = output / f"{scene.name}.ssp"
+    path = output if output.suffix == ".ssp" else output / f"{scene.name}.ssp"
     written(path, lambda to: build_ssp(scene, to, one_file=one_file, **form))
     units = "coupled inside" if one_file else "connected, with slopes"
     return Built("System structure package built", ("units",), (path,), ((units,),))

@@ -178,5 +178,8 @@ def value_at(scene: Scene, path: str) -> float:
     if isinstance(found, tuple) and found and all(one == found[0] for one in found):
         found = found[0]  # one number for both axes
     if not isinstance(found, float):
-        raise UserError(f"{path}: must be a number; the scene has {found!r} there")
+        raise UserError(
+            f"{path}: must be a number with a unit or a share, not a whole number or text; the "
+            f"scene has {found!r} there"
+        )
     return found

@@ -29,6 +29,7 @@ from .verdict import Verdict
 
 MOST_REVOLUTIONS = 1e6  # that are advised
 SPARE = 2.0  # revolutions that are advised on top
+TURN_POINTS = 96  # of a revolution, for a mean
 
 
 class Run:
@@ -123,6 +124,8 @@ class Run:
         except NoResponse as error:
             return replace(bare, outcome=Outcome.NO_RESPONSE, reason=str(error))
         after = _after(record, known, size) if found.outcome is Outcome.BALANCED else None
+        if found.left_behind is not None:  # weights that turn in the rotor hold no unbalance
+            bare = replace(bare, used=(), left=None)
         reason = found.reason + self._motor_stays(stretch, found)
         bare = replace(
             bare,
@@ -188,11 +191,20 @@ class Run:
         return max(float(self.ran.velocity[name][upto][-1]) for name in names)
 
     def _held(self, upto: Mask) -> dict[str, float] | None:
-        """What the weights hold, by its signals [kg m]; None where it is not known."""
+        """What the weights hold, by its signals [kg m]; None where it is not known.
+
+        Weights that gravity swings once per revolution hold their mean: what swings with the
+        revolution shakes at 0 and twice the rotor's frequency.
+        """
         names = moments(self.scene)
         if names is None or any(name not in self.ran.signals for name in names):
             return None
-        return {name: float(self.ran.signals[name][upto][-1]) for name in names}
+        values = {name: np.asarray(self.ran.signals[name])[upto] for name in names}
+        angle = self.angle[upto]
+        if not self.scene.operation.gravity or not angle[-1] - angle[0] > math.tau:
+            return {name: float(each[-1]) for name, each in values.items()}
+        turn = angle[-1] - math.tau * np.linspace(0.0, 1.0, TURN_POINTS, endpoint=False)
+        return {name: float(np.interp(turn, angle, each).mean()) for name, each in values.items()}
 
 
 def _after(record: Record, known: Known, size: Array) -> float:

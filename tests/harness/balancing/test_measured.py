@@ -144,7 +144,7 @@ def test_mistakes_in_the_file_are_named(tmp_path, text, message):
 def test_what_readings_do_not_determine_is_refused_with_the_condition_number(tmp_path):
     both = {**COMPRESSOR, ("both", "3.7", "135", "11.1", "35"): [(1.31, 1), (1.25, 75)]}
     measured = read_measured(written(tmp_path / "alike.csv", sensors=1))
-    with pytest.raises(UserError, match=r"1 readings, .* needs at least 2 readings"):
+    with pytest.raises(UserError, match=r"readings in each run \(1\) .* planes \(2\)"):
         correct(measured)
     together = {k: v for k, v in both.items() if k[0] != "aft"}
     together = {k: v[:2] for k, v in together.items()}
@@ -153,6 +153,15 @@ def test_what_readings_do_not_determine_is_refused_with_the_condition_number(tmp
     good = read_measured(written(tmp_path / "good.csv"))
     with pytest.raises(UserError, match="needs the radius of every plane"):
         correct(good, grade="G2.5", mass=1.0, service_speed=100.0)
+
+
+def test_a_trial_mass_without_effect_is_named_with_its_file_and_plane(tmp_path):
+    path = tmp_path / "runs.csv"
+    path.write_text(GOOD.replace("t,a,2", "t,a,1"))
+    with pytest.raises(
+        UserError, match=r"runs\.csv: the trial masses of plane 1 change no reading"
+    ):
+        correct(path)
 
 
 @pytest.mark.parametrize("text", ["0", "1.5", "a", "10,x", ""])

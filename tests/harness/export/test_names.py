@@ -6,7 +6,7 @@ import pytest
 from fmpy import platform_tuple, read_model_description, simulate_fmu
 from fmpy.validation import validate_fmu
 
-from autobalancer.harness import Scene, SceneError, cosimulate, load_scene
+from autobalancer.harness import Scene, SceneError, UserError, cosimulate, load_scene
 from autobalancer.harness.master.one_file import composition
 from autobalancer.harness.show.content import content
 
@@ -96,3 +96,25 @@ def test_a_change_of_engine_is_said_with_its_reason():
     assert not [event for event in cosimulate(scene).events if "separate FMUs ran" in event]
     asked = cosimulate(scene.replace(python), separate=True)
     assert not [event for event in asked.events if "separate FMUs ran" in event]
+
+
+@pytest.mark.parametrize(
+    ("name", "form", "message"),
+    [
+        ("two.fmu", {"ssp": True}, r"two\.fmu: must be a folder, or a file that ends in \.ssp"),
+        ("two.ssp", {"one_file": True}, r"two\.ssp: .* or a file that ends in \.fmu"),
+        ("two.fmu", {}, r"two\.fmu: must be a folder; --one-file writes an FMU"),
+    ],
+)
+def test_a_file_named_for_another_kind_is_refused(tmp_path, name, form, message):
+    with pytest.raises(UserError, match=message):
+        load_scene("two_balls").build(tmp_path / name, **form)
+    assert not list(tmp_path.iterdir())
+
+
+def test_one_file_can_be_named(tmp_path):
+    built = load_scene("two_balls").build(
+        tmp_path / "mine.fmu", one_file=True, platforms=[platform_tuple]
+    )
+    assert built.files == (tmp_path / "mine.fmu",)
+    assert built.files[0].is_file()
