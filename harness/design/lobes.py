@@ -16,7 +16,7 @@ from ...models.weights import Weights
 from ..errors import UserError
 from ..output.outcome import Outcome
 from ..output.table import Sheet
-from ..result.verdict.known import vibration_alone
+from ..result.verdict import vibration_alone
 from ..scene import Scene
 from ..units import si_number
 

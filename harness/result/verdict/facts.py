@@ -8,8 +8,9 @@ import numpy as np
 
 from ...units import brief, in_both, readable_unbalance
 from .case import MARGIN, OFFSETS_TELL, SAFE, Case, Ruling
-from .known import SURELY_BEYOND, Known, size_of
+from .known import SURELY_BEYOND, Known
 from .outcome import Outcome
+from .steady import size_of
 from .words import millimetres, percent
 
 

@@ -10,11 +10,12 @@ from ...master.names import OF_STOPS, stations
 from ...scene import Scene
 from .ahead import look_ahead
 from .case import DOUBT
-from .known import BALANCED, Known
+from .known import Known
 from .outcome import Outcome
 from .passages import passages
 from .plateau import MOST_REVOLUTIONS, SPARE, Run
 from .ran import Ran
+from .steady import BALANCED
 from .stretches import SHORTEST, Stretch
 from .verdict import Stopped, Verdict
 
