@@ -30,7 +30,8 @@ from .machine import program_version
 from .terminal import how_far, is_quiet, say
 
 _SECONDS = {"s": 1.0, "m": 60.0, "h": 3600.0, "d": 86400.0, "": 1.0}
-_Misuse = typer.BadParameter.__mro__[1]  # of the command line; its home differs between releases
+# of the command line; its home differs between releases of typer
+_Misuse: type[Exception] = typer.BadParameter.__mro__[1]
 _OPTION = re.compile(r"--?[a-zA-Z]")
 _TIME = re.compile(r"(?P<number>\d+(?:\.\d*)?|\.\d+)\s*(?P<unit>[smhd]?)")
 
@@ -46,8 +47,8 @@ class Commands(TyperGroup):
         try:
             return super().invoke(ctx)
         except _Misuse as error:
-            command = self.commands.get(ctx.invoked_subcommand)
-            if not (words := _incomplete_option(command, options.typed.get())):
+            asked = self.commands.get(ctx.invoked_subcommand)
+            if not (words := _incomplete_option(asked, options.typed.get())):
                 raise
             say(words, error=True)
             raise typer.Exit(2) from error
