@@ -14,6 +14,7 @@ for each weight, and the rotor receives -sum m a.  At rest in the rotor
 
 from __future__ import annotations
 
+import contextlib
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -21,14 +22,20 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from .arrays import Array
-from .assembly import Assembly
-from .linear.on_race import NoRest, OnRace
+from .assembly import Assembly, weights_of
+from .linear.on_race import NoRest, OnRace, main_motion
 from .race import path
 from .weights import Lobes, Weights
 
 _STARTS = 60
 _MANY, _CREEPS = 3, 8  # weights from which on starts creep, and how many do
 _NEAR = 1e-6  # rad: the same motion
+_TURNS, _BETWEEN = (
+    12,
+    10,
+)  # angles of turned races: where weights creep, steps from each to the next
+_TURNED_CREEPS = 6  # random starts at each of them
+_SAME_SIZE = 1e-6  # of the vibration without weights: the same motion
 
 
 @dataclass(frozen=True)
@@ -130,7 +137,7 @@ class Race:
                 continue
             angles = np.sort(angles % math.tau)
             zeta = complex(machine.whirl(angles)[0])
-            if abs(zeta) > self.alone or self._overlap(angles):
+            if abs(zeta) > self.alone or _overlap(angles, self.half_angle):
                 continue
             key = tuple((angles / _NEAR / 10.0).round().astype(int).tolist())
             if key not in found:
@@ -139,13 +146,125 @@ class Race:
                 found[key] = Rest(zeta, tuple(angles.tolist()), growth)
         return sorted(found.values(), key=lambda rest: abs(rest.displacement))
 
-    def _overlap(self, angles: Array) -> bool:
-        """Whether weights of a size would be in one another's place."""
-        apart = np.diff(np.append(angles, angles[0] + math.tau))
-        return len(angles) > 1 and bool(apart.min() < 2.0 * self.half_angle * (1.0 - 1e-9))
+
+def _overlap(angles: Array, half_angle: float) -> bool:
+    """Whether weights of a size would be in one another's place."""
+    ordered = np.sort(angles % math.tau)
+    apart = np.diff(np.append(ordered, ordered[0] + math.tau))
+    return len(angles) > 1 and bool(apart.min() < 2.0 * half_angle * (1.0 - 1e-9))
+
+
+def _any_overlap(assembly: Assembly, angles: Array) -> bool:
+    first = 0
+    for mounted in assembly.weights:
+        own = angles[first : first + len(mounted.angles)]
+        first += len(own)
+        if _overlap(own, mounted.half_angle):
+            return True
+    return False
 
 
 def swing(speed: float, lobes: Lobes, radius: float, kappa: float) -> float:
     """Angular frequency at which a weight swings about a lobe of a balanced heavy rotor [rad/s], to
     first order in the amplitude over the radius."""
     return speed * math.sqrt(lobes.order**2 * lobes.amplitude / (kappa * radius))
+
+
+@dataclass(frozen=True)
+class Held:
+    """A stable motion in which all weights of a machine rest on their races.
+
+    Attributes:
+        size: largest vibration of a station [m].
+        angles: (K,) of the weights [rad].
+    """
+
+    size: float
+    angles: tuple[float, ...]
+
+
+def rests_over_turns(assembly: Assembly, speed: float, seed: int = 0) -> list[list[Held]]:
+    """Stable motions at rest, all races turned against the unbalance; the least vibration first.
+
+    Weights creep to them from random angles at 12 angles of the races over the period of the lobes,
+    and each is followed from there, both ways, to where it ends.
+
+    Returns:
+        one list for each of 120 angles, the races as they are first.
+
+    Raises:
+        ValueError, NoRest: see `OnRace`.
+        CannotBalance: the weights cannot undo the unbalance on round races.
+    """
+    rng, count = np.random.default_rng(seed), _TURNS * _BETWEEN
+    orders = {one.order for m in assembly.weights for one in weights_of(m).race}
+    turns = math.tau / math.gcd(*orders) / count
+    machines = [OnRace(turned_races(assembly, k * turns), speed) for k in range(count)]
+    found: list[list[Held]] = [[] for _ in machines]
+    for k in range(0, count, _BETWEEN):
+        starts: list[Array] = []
+        with contextlib.suppress(NoRest):
+            starts.append(main_motion(machines[k].assembly, speed)[1])
+        weights = sum(len(m.angles) for m in assembly.weights)
+        for start in rng.uniform(0.0, math.tau, (_TURNED_CREEPS, weights)):
+            try:
+                starts.append(machines[k].rest_near(start, "freely"))
+            except NoRest:
+                continue
+        for angles in starts:
+            _add(found[k], machines[k], angles)
+    for way in (1, -1):
+        for k in range(0, 2 * count * way, way):  # twice: what is found late goes on too
+            here, after = k % count, (k + way) % count
+            shift = way * turns
+            for held in list(found[here]):
+                _follow(found[after], machines[after], np.array(held.angles), shift)
+    return [sorted(rests, key=lambda held: held.size) for rests in found]
+
+
+def _follow(found: list[Held], machine: OnRace, angles: Array, turn: float) -> None:
+    """Add the rest next to `angles`, in which weights keep their place or turn with the races; or
+    the one to which they creep from there."""
+    for start in (angles, angles + turn):
+        try:
+            rest = machine.rest_near(start)
+        except NoRest:
+            continue
+        if np.abs(rest - start).max() < 2.0 * abs(turn) and _add(found, machine, rest):
+            return
+    with contextlib.suppress(NoRest):
+        _add(found, machine, machine.rest_near(angles, "freely"))
+
+
+def _add(found: list[Held], machine: OnRace, angles: Array) -> bool:
+    """Add a rest unless it is known.
+
+    Returns:
+        False where it is unstable, leaves more than no weights do, or where weights overlap.
+    """
+    alone = float(np.abs(machine.alone).max())
+    size = float(np.abs(machine.whirl(angles)).max())
+    if any(abs(size - held.size) <= _SAME_SIZE * alone for held in found):
+        return True
+    rates = np.linalg.eigvals(machine.linearised(angles).at_speed(machine.speed)).real
+    if size > alone or not rates.max() < 0.0 or _any_overlap(machine.assembly, angles):
+        return False
+    found.append(Held(size, tuple(angles.tolist())))
+    return True
+
+
+def turned_races(assembly: Assembly, by: float) -> Assembly:
+    """The same with all races turned by an angle [rad]."""
+    return replace(
+        assembly,
+        balancers=tuple(
+            replace(m, device=replace(m.device, race=_turned(m.device.race, by)))
+            if isinstance(m.device, Weights)
+            else m
+            for m in assembly.balancers
+        ),
+    )
+
+
+def _turned(race: Sequence[Lobes], by: float) -> tuple[Lobes, ...]:
+    return tuple(replace(one, angle=one.angle + by) for one in race)

@@ -7,12 +7,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
-import numpy as np
-
-from ...models.assembly import Assembly, weights_of
-from ...models.linear.on_race import has_lobes, main_motion
-from ...models.lobes import Lobes, Race, Rest
-from ...models.weights import Weights
+from ...models.assembly import weights_of
+from ...models.linear.on_race import has_lobes
+from ...models.lobes import Lobes, Race, Rest, rests_over_turns
 from ..errors import UserError
 from ..output.outcome import Outcome
 from ..output.table import Sheet
@@ -21,7 +18,8 @@ from ..scene import Scene
 from ..units import si_number
 
 _BALANCED = 1e-6  # of the vibration without weights
-_TURNS = 12  # angles of the race against the unbalance at which the worst is looked for
+_TURNS = 12  # angles of given lobes against the unbalance at which the worst is looked for
+_OTHERS = 1.01  # of the worst of the best rests: from there on other ones are told
 
 
 @dataclass(frozen=True, repr=False)
@@ -36,6 +34,8 @@ class OutOfRound(Outcome):
         left: of each lobe alone, and of all together last: vibration at the given angle and at
             the worst one [m]; None where no motion at rest in the rotor is stable.
         angles: of the weights with all lobes [rad].
+        most: largest vibration of all stable motions at rest, at any angle of all lobes together
+            [m]; None where there is none.
     """
 
     title: str
@@ -44,6 +44,7 @@ class OutOfRound(Outcome):
     lobes: tuple[Lobes, ...]
     left: tuple[tuple[float | None, float | None], ...]
     angles: tuple[float, ...]
+    most: float | None = None
 
     def table(self) -> Sheet:
         """A row for every lobe, and one for all."""
@@ -74,10 +75,17 @@ class OutOfRound(Outcome):
                 "the rotor; contacts are not counted."
             )
         share = "" if not self.alone else f", {worst / self.alone:.1%} of {1e3 * self.alone:.3g} mm"
-        return (
+        found = (
             f"The {self.called} leave {1e3 * here:.3g} mm on this race, and {1e3 * worst:.3g} mm "
             f"at the worst angle of the race to the unbalance{share} without {self.called}; "
             "on a round race nothing."
+        )
+        if self.most is None or self.most < _OTHERS * worst:
+            return found
+        part = "" if not self.alone else f" ({self.most / self.alone:.1%})"
+        return (
+            f"{found} These are the stable rests that leave least. Others leave up to "
+            f"{1e3 * self.most:.3g} mm{part}: the start decides where {self.called} come to rest."
         )
 
     def as_json(self) -> dict[str, Any]:
@@ -88,7 +96,7 @@ class OutOfRound(Outcome):
         ]
         left = [{"here": here, "worst": worst} for here, worst in self.left]
         return {"scene": self.title, "alone": self.alone, "lobes": lobes, "left": left,
-                "angles": list(self.angles)}  # fmt: skip
+                "angles": list(self.angles), "most": self.most}  # fmt: skip
 
 
 def _shown(value: float | None) -> float | str:
@@ -122,33 +130,19 @@ def _own_races(scene: Scene, speed: float) -> OutOfRound:
     """What the races of a scene leave, several balancers and planes together."""
     assembly = scene.assembly().at_speed(speed)
     lobes = tuple(one for m in assembly.weights for one in weights_of(m).race)
-    turned: list[float | None] = []
-    angles: tuple[float, ...] = ()
-    for k, by in enumerate(math.tau * k / _TURNS for k in range(_TURNS)):
-        try:
-            machine, rest = main_motion(_with_turned_races(assembly, by), speed)
-        except (ValueError, ArithmeticError) as error:
-            if k == 0:
-                raise UserError(f"{scene.label}: {error}") from error
-            turned.append(None)
-            continue
-        stable = np.linalg.eigvals(machine.linearised(rest).at_speed(speed)).real.max() < 0.0
-        turned.append(float(np.abs(machine.whirl(rest)).max()) if stable else None)
-        angles = angles or tuple(rest.tolist())
-    worst = max((size for size in turned if size is not None), default=None)
+    try:
+        over_turns = rests_over_turns(assembly, speed)
+    except (ValueError, ArithmeticError) as error:
+        raise UserError(f"{scene.label}: {error}") from error
+    here = over_turns[0]
+    worst = max((rests[0].size for rests in over_turns if rests), default=None)
+    most = max((rests[-1].size for rests in over_turns if rests), default=None)
     names = [getattr(balancer, "kind", "") for balancer in scene.balancer]
     called = names[0] if len(set(names)) == 1 else "weights"
     alone = vibration_alone(scene, speed, 0.0)
-    return OutOfRound(scene.heading, called, alone, lobes, ((turned[0], worst),), angles)
-
-
-def _with_turned_races(assembly: Assembly, by: float) -> Assembly:
-    balancers = list(assembly.balancers)
-    for k, mounted in enumerate(balancers):
-        if isinstance(mounted.device, Weights):
-            race = tuple(replace(one, angle=one.angle + by) for one in mounted.device.race)
-            balancers[k] = replace(mounted, device=replace(mounted.device, race=race))
-    return replace(assembly, balancers=tuple(balancers))
+    left = ((here[0].size if here else None, worst),)
+    angles = here[0].angles if here else ()
+    return OutOfRound(scene.heading, called, alone, lobes, left, angles, most)
 
 
 def out_of_round(scene: Scene, text: str = "", speed: float | None = None) -> OutOfRound:
@@ -176,16 +170,18 @@ def out_of_round(scene: Scene, text: str = "", speed: float | None = None) -> Ou
             "see `autobalancer speeds`, or take more or heavier weights"
         )
     each = [(one,) for one in lobes] + [lobes] * (len(lobes) > 1)
-    rows, rest = [], None
+    rows, rest, sizes = [], None, list[float]()
     for some in each:
         rest = _least(Race(assembly, w, some))
-        sizes = [_size(_least(Race(assembly, w, turned))) for turned in _turned(some)]
-        worst = max((s for s in sizes if s is not None), default=None)
+        over_turns = [_held(Race(assembly, w, turned)) for turned in _turned(some)]
+        sizes = [abs(held.displacement) for rests in over_turns for held in rests]
+        worst = max((_size(rests[0]) or 0.0 for rests in over_turns if rests), default=None)
         here = _size(rest)
         rows.append((here, None if here is None or worst is None else max(here, worst)))
     (kind,) = {balancer.kind for balancer in scene.balancer}
     angles = rest.angles if rest else ()
-    return OutOfRound(scene.heading, kind, race.alone, lobes, tuple(rows), angles)
+    most = max(sizes, default=None)
+    return OutOfRound(scene.heading, kind, race.alone, lobes, tuple(rows), angles, most)
 
 
 def _turned(lobes: Sequence[Lobes]) -> list[tuple[Lobes, ...]]:
@@ -195,10 +191,14 @@ def _turned(lobes: Sequence[Lobes]) -> list[tuple[Lobes, ...]]:
     return [tuple(replace(one, angle=one.angle + by) for one in lobes) for by in steps]
 
 
-def _least(race: Race) -> Rest | None:
-    """The stable motion at rest with the least vibration."""
+def _held(race: Race) -> list[Rest]:
+    """Stable motions at rest, that with the least vibration first."""
     slack = 1e-7 * race.speed  # neutral on a round race
-    return next((rest for rest in race.rests() if rest.growth < slack), None)
+    return [rest for rest in race.rests() if rest.growth < slack]
+
+
+def _least(race: Race) -> Rest | None:
+    return next(iter(_held(race)), None)
 
 
 def _size(rest: Rest | None) -> float | None:

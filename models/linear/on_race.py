@@ -137,6 +137,11 @@ class OnRace:
         rotor = self.assembly.loaded_rotor
         return np.asarray(rotor.unbalance + (mass * places.place) @ rotor.planes[plane])
 
+    @cached_property
+    def alone(self) -> Complex:
+        """Displacement (n,) of the stations by the rotor's own unbalance [m]."""
+        return np.asarray(self.assembly.loaded_rotor.unbalance @ self._stations)
+
     def whirl(self, angles: Array) -> Complex:
         """Displacement (n,) of the stations in the rotor's axes [m]."""
         found: Complex = self.unbalance(self.places(angles)) @ self._stations

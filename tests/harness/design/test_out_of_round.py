@@ -10,6 +10,7 @@ import pytest
 
 import autobalancer as ab
 from autobalancer.harness.errors import UserError
+from autobalancer.models.lobes import rests_over_turns
 
 WHEEL = {
     "rotor": {"kind": "planar", "mass": 10.0, "stiffness": 1e4, "damping": 60.0, "unbalance": 0.02},
@@ -53,12 +54,41 @@ def test_what_has_no_answer_is_refused_with_a_reason(changes, lobes, message):
         ab.Scene(**WHEEL).replace(changes).race(lobes)
 
 
-def test_a_run_ends_with_what_the_worst_angle_of_the_races_leaves():
+@pytest.fixture(scope="module")
+def turned_fan():
+    """The fan, its stable rests over the angle of the races, and the angle between two of them."""
     fan = ab.load("oval_fan")
-    ((_, worst),) = fan.race().left
-    by = math.tau * 3 / 12
-    turned = {f"{b.label}.race[{k}].angle": one.angle + by
-              for b in fan.balancer for k, one in enumerate(b.race, start=1)}  # fmt: skip
-    run = fan.replace(turned).run()
-    ends = [np.hypot(run[f"rotor.station[{k}].x"], run[f"rotor.station[{k}].y"]) for k in (1, 2)]
-    assert max(end[-40:].max() for end in ends) == pytest.approx(worst, rel=1e-4)
+    rests = rests_over_turns(fan.assembly(), fan.profile().end)
+    return fan, rests, math.tau / len(rests)
+
+
+def test_weights_rest_at_every_angle_of_the_races_to_the_unbalance(turned_fan):
+    _, rests, _ = turned_fan
+    assert all(rests)
+
+
+@pytest.mark.parametrize("which", [0, -1], ids=["best", "other"])
+def test_runs_stay_at_the_rests_that_leave_most_over_the_angle_of_the_races(turned_fan, which):
+    """Of the best rests and of all; weights start a little beside them, on a rotor at rest."""
+    fan, rests, by = turned_fan
+    k = max(range(len(rests)), key=lambda k: rests[k][which].size)
+    held = rests[k][which]
+    changes = {f"{b.label}.race[{j}].angle": one.angle + k * by
+               for b in fan.balancer for j, one in enumerate(b.race, start=1)}  # fmt: skip
+    left = list(np.add(held.angles, [0.01, -0.02, 0.0, 0.0, 0.01, -0.01]))
+    changes |= {f"{b.label}.angles": left[3 * j : 3 * j + 3] for j, b in enumerate(fan.balancer)}
+    run = fan.replace({**changes, "run.revolutions": 800}).run()
+    ends = [np.hypot(run[f"rotor.station[{j}].x"], run[f"rotor.station[{j}].y"]) for j in (1, 2)]
+    assert max(end[-40:].max() for end in ends) == pytest.approx(held.size, rel=1e-3)
+
+
+def test_what_race_states_is_what_rests_over_the_angle_leave(turned_fan, monkeypatch):
+    fan, rests, _ = turned_fan
+    monkeypatch.setattr("autobalancer.harness.design.lobes.rests_over_turns", lambda *_: rests)
+    found = fan.race()
+    ((here, worst),) = found.left
+    assert [1e6 * size for size in (here, worst, found.most)] == pytest.approx(
+        [5.147, 9.910, 18.416], abs=1e-3
+    )
+    assert "Others leave up to 0.0184 mm" in found.sentence()
+    assert found.as_json()["most"] == found.most
