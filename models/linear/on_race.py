@@ -354,8 +354,23 @@ def main_motion(
         try:
             return found, found.rest_near(at_rest, "balanced")
         except NoRest:
-            pass
+            crept = _better_than_none(found, at_rest)
+            if crept is not None:
+                return found, crept
     return found, found.rest_near(at_rest)
+
+
+def _better_than_none(machine: OnRace, near: Array) -> Array | None:
+    """Where weights creep to freely, if they leave less there than no weights do.
+
+    Below the critical speed they creep to the heavy side, which is no balance.
+    """
+    try:
+        angles = machine.rest_near(near, "freely")
+    except NoRest:
+        return None
+    left, alone = (np.abs(whirl).max() for whirl in (machine.whirl(angles), machine.alone))
+    return angles if left < alone else None
 
 
 def systems_at(assembly: Assembly, speeds: NDArray) -> tuple[list[Linearised], NDArray[np.int_]]:

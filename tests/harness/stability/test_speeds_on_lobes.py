@@ -12,7 +12,8 @@ from autobalancer.harness.show import window as strip
 from autobalancer.harness.stability.speeds import Speeds
 from autobalancer.models.linear.on_race import NoRest, main_motion
 from autobalancer.models.linear.regions import Crossing
-from autobalancer.models.stability import growth_map
+from autobalancer.models.lobes import turned_races
+from autobalancer.models.stability import find_growth, growth_map
 
 
 @pytest.fixture(scope="module")
@@ -28,6 +29,15 @@ def test_a_band_without_a_rest_is_undecided_and_what_is_beside_it_is_known(found
         main_motion(assembly.at_speed(0.99 * limit.speed), 0.99 * limit.speed)
     machine, angles = main_motion(assembly.at_speed(1.01 * limit.speed), 1.01 * limit.speed)
     assert np.abs(machine.missing(angles)).max() < 1e-12
+
+
+def test_a_rest_to_which_weights_creep_freely_is_found_where_balanced_ones_creep_without_end():
+    scene = ab.load("oval_fan")
+    assembly = turned_races(scene.assembly(), 5.0 * np.pi / 3.0)
+    for speed in (80.0, scene.profile().end):
+        machine, angles = main_motion(assembly, speed)
+        assert np.abs(machine.missing(angles)).max() < 1e-12
+        assert find_growth(assembly, speed).state == "stable"
 
 
 def test_it_is_said_why_and_the_result_is_still_json(found):
