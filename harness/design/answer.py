@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     from .fitting import Fitting
 
 LIKELY = 0.9  # share of starts whose interval must reach above it: a candidate that balances
+ALTERNATIVES = 3  # named beside the best, at most
 ENOUGH = 35  # starts: so many that all balance show it
 
 
@@ -28,6 +29,16 @@ def sure(data: Fitting) -> list[Trial]:
     """
     good = [one for one in data.trials if one.interval[0] >= LIKELY]
     return sorted(good, key=preference)
+
+
+def alternatives(data: Fitting) -> list[Trial]:
+    """Other numbers and sizes that balance as surely, the best of them first.
+
+    Where the best vibrates no more in the run-up than the rotor without balancers, so do they.
+    """
+    good = sure(data)
+    quiet = bool(good) and good[0].peak_ratio <= WORSE_PEAK
+    return [one for one in good[1:] if not quiet or one.peak_ratio <= WORSE_PEAK][:ALTERNATIVES]
 
 
 def _recommendation(data: Fitting) -> list[str]:
@@ -56,8 +67,7 @@ def _recommendation(data: Fitting) -> list[str]:
             f"of the worst corner), without at most {brief(1e3 * best.peak_alone)} mm. If that "
             f"matters, {remedy}."
         )
-    for one in [t for t in good[1:] if t.total > best.total][:1]:
-        lines.append(f"Also good: {_named(one, data)}.")
+    lines += [_also(data, one) for one in alternatives(data)]
     failed = [t for t in data.trials if t.failure]
     lines += [f"{_named(t, data)}: a run failed: {t.failure}" for t in failed]
     if data.not_run:
@@ -89,7 +99,6 @@ def _none(data: Fitting) -> list[str]:
 
 def _take(data: Fitting, best: Trial) -> str:
     low, _ = best.interval
-    held = best.candidate.capacity / data.space.unbalance if data.space.unbalance else math.inf
     settled = f" within {best.settling:.3g} s at speed (median)" if best.settling else ""
     margin = f"drag is {brief(best.margin)} times the one that excludes weights left behind"
     if math.isinf(best.margin):
@@ -100,9 +109,23 @@ def _take(data: Fitting, best: Trial) -> str:
         f"Take {_named(best, data)}: it balances in {best.worst.balanced} of {best.worst.of} "
         f"starts of the worst corner (at least {100.0 * low:.0f} %, with 95 % confidence)"
         f"{settled}; "
-        f"capacity {held:.3g} times the largest unbalance; {margin}; vibration at speed "
+        f"{_capacity(data, best)}; {margin}; vibration at speed "
         f"{brief(100.0 * best.left)} % of that without."
     )
+
+
+def _also(data: Fitting, one: Trial) -> str:
+    settled = f", settled within {one.settling:.3g} s at speed" if one.settling else ""
+    return (
+        f"Also good: {_named(one, data)}: {_capacity(data, one)}{settled}, largest vibration "
+        f"{brief(100.0 * one.peak_ratio)} % of that without."
+    )
+
+
+def _capacity(data: Fitting, one: Trial) -> str:
+    largest = data.space.unbalance
+    held = one.candidate.capacity / largest if largest else math.inf
+    return f"capacity {held:.3g} times the largest unbalance"
 
 
 def _named(one: Trial, data: Fitting) -> str:

@@ -91,6 +91,16 @@ class Fitting(Outcome):
             rows.append([*size, one.worst.share, low, high, *cells, one.failure])
         return Sheet(columns, rows, "r" * (len(columns) - 1) + "l", self.title)
 
+    def as_json(self) -> dict[str, Any]:
+        """The rows of the table, and the numbers from 0 of those recommended and also good."""
+        from .answer import alternatives, sure
+
+        row = {id(one): k for k, one in enumerate(self.trials)}
+        recommended, also = (
+            [row[id(one)] for one in those] for those in (sure(self)[:1], alternatives(self))
+        )
+        return {**super().as_json(), "recommended": recommended, "also_good": also}
+
     def words(self) -> list[str]:
         """The recommendation with its reasons, after what was assumed."""
         from .answer import words

@@ -64,6 +64,40 @@ def test_lightest_of_the_candidates_that_always_balance_is_taken(found):
         assert f"{best.count} balls of {2e3 * best.radius:.3g} mm" in " ".join(found.words())
 
 
+def of_peaks(found, ratios):
+    """The same trials, all of which balance, with peaks so many times those without balancers."""
+    trials = []
+    for one, ratio in zip(found.trials, ratios, strict=False):
+        corners = [
+            replace(c, settled=np.ones(40), left=np.zeros(40), peak=np.full(40, ratio),
+                    peak_alone=1.0, failure="")
+            for c in one.corners
+        ]  # fmt: skip
+        trials.append(Trial(one.candidate, tuple(corners)))
+    return replace(found, trials=tuple(trials))
+
+
+@pytest.mark.parametrize(
+    ("ratios", "best", "also"),
+    [
+        ([1.0, 1.0, 1.0, 1.0, 1.0], 0, [1, 2, 3]),
+        ([1.5, 1.0, 1.2, 1.0, 1.3], 1, [3]),
+        ([2.5, 1.5, 2.0], 1, [2, 0]),
+        ([1.0], 0, []),
+    ],
+)
+def test_up_to_three_others_that_balance_as_surely_are_named(found, ratios, best, also):
+    data = of_peaks(found, ratios)
+    document = data.as_json()
+    assert (document["recommended"], document["also_good"]) == ([best], also)
+    assert len(document["rows"]) == len(ratios)
+    lines = [line for line in data.words() if line.startswith("Also good: ")]
+    for line, row in zip(lines, also, strict=True):
+        c = data.trials[row].candidate
+        assert line.startswith(f"Also good: {c.count} balls of {2e3 * c.radius:.3g} mm")
+        assert f"largest vibration {100 * ratios[row]:.3g} % of that without" in line
+
+
 def test_share_of_starts_is_that_of_single_runs(found, fan):
     """Each start again as a run of its own, judged by its last tenth."""
     from autobalancer.harness.design.trials import corner_scenes
