@@ -142,6 +142,7 @@ void machine_take_weights(Machine *machine, const double *row, const Track *trac
         }
     }
     machine->weight_count = made->end;
+    machine->from_rotor &= !made->lobes;
     machine->width = machine->stations + (made->end + 1) / 2;
     machine_take_liquid(machine, row, made->mass);
     for (k = 0; k < own && made->is_off; k++) {
@@ -162,6 +163,7 @@ void machine_take_carried(Machine *machine, Carried *carried, double rate)
     machine->mass[0] = 0.0;
     machine->unbalance[0] = machine->gravity = pair_zero();
     machine->carried = carried;
+    machine->from_rotor = true;
 }
 
 void machine_take_mobility(Machine *machine, double mobility)

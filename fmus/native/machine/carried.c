@@ -19,7 +19,8 @@ CarriedWeights *carried_allocate(Unit *unit, int count, int lobes)
     c->rates = unit_allocate(unit, n, sizeof(double));
     return !c->phase || !c->impact || !c->scratch || !c->rates || machine_allocate(unit, &c->step, 1, count, 1, lobes) ||
                    machine_allocate(unit, &c->at, 1, count, 1, lobes) ||
-                   collocation_allocate(unit, &c->collocation, 1, count)
+                   collocation_allocate(unit, &c->collocation, 1, count) ||
+                   relaxation_allocate(unit, &c->relaxation, count)
                ? NULL
                : c;
 }
@@ -51,11 +52,13 @@ void carried_take(CarriedWeights *c, const Track *track)
     c->track = track;
     c->step.rate = 0.0; /* of other weights */
     c->fastest = 0.0;
+    c->slowest = infinity();
     c->phase->grain = 1.0;
     c->phase->slider_count = 0;
     for (k = 0; k < track->weights.count; k++) {
         const Weights one = weights_single(&track->weights, k);
         c->fastest = larger(c->fastest, weights_damping_rate(&one));
+        c->slowest = smaller(c->slowest, weights_damping_rate(&one));
     }
 }
 

@@ -5,15 +5,17 @@
 #include "contact/ring.h"
 #include "machine/collocation.h"
 #include "machine/phase.h"
+#include "machine/relaxation.h"
 
 typedef struct {
     Machine step, at;                 /* series of a step; accelerations that a collocation asks for */
     Carried start, step_now, at_now;  /* how the plane moves: over the whole step, and where the machines stand */
     struct Phase *phase;
     Collocation collocation;
+    Relaxation relaxation;
     double *impact, *scratch, *rates; /* of impacts; of weights in order; (N,) */
     const Track *track;
-    double fastest;                   /* rate of drag, the fastest of any weight [1/s] */
+    double fastest, slowest;          /* rate of drag, the fastest and the slowest of any weight [1/s] */
 } CarriedWeights;
 
 /* State at the end of a step. */

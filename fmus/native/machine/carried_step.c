@@ -8,39 +8,47 @@ enum { LEAST_CARRIED_ORDER = 5, MOST_CARRIED_ORDER = 24, MOST_TRIALS = 6, MOST_A
 #define CARRIED_TERM 1e-13  /* rad: the last terms of a step by series */
 #define CARRIED_ERROR 1e-11 /* rad: of a step by collocation */
 #define STIFF_TURN 16.0     /* of the drag's rate by a step: from here on collocation is worth it */
+#define LEAST_FALL 3.0      /* of the slowest drag's rate by a step: from here on relaxation is worth it */
 #define LEAST_ADVANCE 1e-13 /* of a step, where events follow each other at once */
 
 /* -- how the motion goes on and how far that is right ----------------------------------------------------------- */
 
-/* The first terms of the angles' series over a length that are no uniform motion, about, [rad], and what the later ones
-   grow by with each order, times it. */
-static double first_term(const CarriedWeights *c, double length, double *turn)
+/* What begins the terms of the angles of order k + 2 over a length [rad]: the signal's and w' of order k, about; and
+   what they grow by with each order, times it. */
+static double first_terms(const CarriedWeights *c, double length, double *begun)
 {
     const Machine *m = &c->step;
     const Carried *now = m->carried;
-    const double lever = weights_lever(&c->track->weights), drag = c->fastest * m->per_rate;
-    double a = 0.0, rate = 0.0, power = 1.0;
-    int k, w;
+    const double lever = weights_lever(&c->track->weights), drag = c->fastest * m->per_rate, w = absolute(now->speed[0]);
+    double rate = 0.0, power = length * length, sum = 0.0;
+    int k;
+    for (k = 0; k < m->weight_count; k++) {
+        rate = larger(rate, absolute(phase_rate(m, k)));
+    }
     for (k = 0; k < SIGNAL_ORDERS; k++, power *= length) {
-        a += power * (lever * (absolute(pair_x(now->signal[k])) + absolute(pair_y(now->signal[k]))) +
-                      (k + 1) * absolute(now->speed[k + 1]));
+        begun[k] = power * (lever * (absolute(pair_x(now->signal[k])) + absolute(pair_y(now->signal[k]))) +
+                            (k + 1) * absolute(now->speed[k + 1]));
+        sum += begun[k];
     }
-    for (w = 0; w < m->weight_count; w++) {
-        rate = larger(rate, absolute(phase_rate(m, w)));
-    }
-    *turn = length * (absolute(now->speed[0]) + rate + drag + square_root(a));
-    return 0.5 * (a + drag * rate) * length * length;
+    power = length * length;
+    begun[0] += power * (lever * magnitude(c->track->offset) * w * w + drag * rate);
+    return length * (rate + drag + (m->from_rotor ? 0.0 : w)) +
+           square_root(sum + power * lever * magnitude(c->track->offset) * w * w);
 }
 
 /* The order from which on terms are nothing. */
 static int order_of(const CarriedWeights *c, double length)
 {
-    double turn, term = first_term(c, length, &turn);
+    double begun[SIGNAL_ORDERS], term = 0.0;
+    const double turn = first_terms(c, length, begun);
     int k;
-    for (k = 3; k < MOST_CARRIED_ORDER && !(term < CARRIED_TERM); k++) {
-        term *= turn / k;
+    for (k = 2; k < MOST_CARRIED_ORDER; k++) {
+        term = term * turn / k + (k - 2 < SIGNAL_ORDERS ? begun[k - 2] / (k * (k - 1)) : 0.0);
+        if (term < CARRIED_TERM && k >= LEAST_CARRIED_ORDER) {
+            return k + 1;
+        }
     }
-    return k < LEAST_CARRIED_ORDER ? LEAST_CARRIED_ORDER : k;
+    return k;
 }
 
 /* A step of at most this length by collocation, in place of a series; 0: none is found. */
@@ -56,6 +64,21 @@ static double collocate(CarriedWeights *c, double angle, double length)
             return length;
         }
         length *= smaller(collocation_factor(&c->collocation, error), 0.5);
+    }
+    return 0.0;
+}
+
+/* Move weights that can neither touch nor stick under heavy drag over a step of at most this length; 0: that is not
+   worth it. */
+static double relax(CarriedWeights *c, double length)
+{
+    Machine *m = &c->step;
+    int k;
+    for (k = 0; k < MOST_TRIALS && length * c->slowest * m->per_rate >= LEAST_FALL && !m->phase && m->from_rotor; k++) {
+        if (relaxation_step(&c->relaxation, m, length, CARRIED_ERROR) <= 1.0) {
+            return length;
+        }
+        length *= 0.5;
     }
     return 0.0;
 }
@@ -100,8 +123,9 @@ static int meet_carried(CarriedWeights *c, double angle, Moved *moved, Failure *
     for (w = 0; w < m->weight_count; w++) {
         const SeriesWeight *weight = m->weights + w;
         const double jump = (phase_rate(m, w) - c->rates[w]) * m->rate;
-        const Pair blow = weight->race ? pair_scaled(weight->race->tangent[0], -weight->race->mass * jump)
+        const Pair seen = weight->race ? pair_scaled(weight->race->tangent[0], -weight->race->mass * jump)
                                        : pair_scaled(pair_turned_back(weight->unit[0]), weight->moment * jump);
+        const Pair blow = m->from_rotor ? pair_product(seen, pair_direction(angle)) : seen;
         moved->impulse = complex_sum(moved->impulse, complex_of(pair_x(blow), pair_y(blow)));
     }
     return FINE;
@@ -211,8 +235,10 @@ int carried_advance(CarriedWeights *c, const CentreMotion *plane, double step, b
     for (whole = step * m->rate; time < whole;) {
         PhaseEvent event = {NO_EVENT, 0};
         const double left = whole - time;
-        int order;
-        double length = expand_carried(c, angle, left, &order);
+        int order = 0;
+        double length = relax(c, left);
+        const bool relaxed = length > 0.0;
+        length = relaxed ? length : expand_carried(c, angle, left, &order);
         if (!(length > 0.0) || ++steps > (m->phase ? MOST_WITH_EVENTS : MAX_SUBSTEPS)) {
             return refuse_many(c, plane, moved->speeds, step, MAX_SUBSTEPS, failure);
         }
@@ -221,7 +247,9 @@ int carried_advance(CarriedWeights *c, const CentreMotion *plane, double step, b
         }
         at_once = length > LEAST_ADVANCE * whole ? 0 : at_once + 1;
         length = at_once > MOST_AT_ONCE ? smaller(left, LEAST_ADVANCE * whole) : length;
-        stand_at(m, order, length);
+        if (!relaxed) {
+            stand_at(m, order, length);
+        }
         time = length < left ? time + length : whole;
         angle = machine_carry(m, &c->start, time);
         if (event.kind != NO_EVENT) {

@@ -109,6 +109,8 @@ typedef struct {
     struct MachineRing *rings; /* of rings.h */
     double *root;        /* (K + 1,) series of the root of the speed, where a wave is damped by viscosity */
     Carried *carried;    /* NULL: the stations move as forces make them */
+    bool from_rotor;     /* whether series are in axes that turn with the rotor, so that E = 1: of weights that are
+                            carried on a round race; 'unit' and 'rate' are then by their angles in the rotor */
     struct Restraints *restraints; /* of restraints.h: cubic springs and stops; NULL: there are none */
     struct Phase *phase; /* of phase.h, where weights can touch or stick, or supports stick or have stops; NULL: they cannot */
 } Machine;
@@ -150,6 +152,8 @@ int machine_results(const Machine *machine, int order, NumberBlock *blocks);
 void machine_expand(Machine *machine, Number angle, int order);
 /* The part of it before the first coefficients: directions, and the factors of the matrix. */
 void machine_start(Machine *machine, Number angle);
+/* Coefficient k of E'' in axes that turn with the rotor, i w' - w^2, where w is known. */
+Pair machine_turn_twice(const Machine *machine, int k);
 /* Coefficient k of w times a series whose elements stand `stride` apart, up to that order. */
 Pair machine_times_speed(const Machine *machine, const Pair *series, int stride, int k);
 /* The unknowns of an order in place of their right-hand sides. */

@@ -130,6 +130,8 @@ void phase_hold(const Machine *machine, const PhaseGroup *group, int count, int 
 int phase_decide(Machine *machine, double angle);
 /* Acceleration of a weight on its track, behind that. */
 double phase_acceleration(const Machine *machine, int weight);
+/* phi' of a weight, of order k. */
+double phase_turning(const Machine *machine, const SeriesWeight *weight, int k);
 
 /* -- phase_impact.c -------------------------------------------------------------------------------- */
 

@@ -13,7 +13,7 @@ double phase_slack(const Machine *m, const PhaseGroup *group)
 double phase_load_slack(const Machine *m, int weight)
 {
     const PhaseWeight *own = m->phase->weights + weight;
-    const double turning = pair_x(m->weights[weight].rate[0]);
+    const double turning = phase_turning(m, m->weights + weight, 0);
     const Pair pull = m->tracks[own->track].pull[0];
     return PULL_ROUNDING * (own->radius * turning * turning + hypotenuse(pair_x(pull), pair_y(pull)));
 }

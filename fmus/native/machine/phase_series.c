@@ -157,13 +157,19 @@ void phase_solve(const Machine *m, double *b)
 
 /* -- right-hand sides -------------------------------------------------------------------------- */
 
+double phase_turning(const Machine *m, const SeriesWeight *weight, int k)
+{
+    const double rate = pair_x(weight->rate[k]);
+    return m->from_rotor && k <= m->speed_order ? rate + m->speed[k] : rate;
+}
+
 /* Load of order k, in so far as it does not wait for the acceleration of that order. */
-static double known_load(const MachineTrack *track, const SeriesWeight *weight, double radius, int k)
+static double known_load(const Machine *m, const MachineTrack *track, const SeriesWeight *weight, double radius, int k)
 {
     double turning = 0.0, pulled = pair_crossed(pair_turned_back(track->known), weight->unit[0]);
     int j;
     for (j = 0; j <= k; j++) {
-        turning += pair_x(weight->rate[j]) * pair_x(weight->rate[k - j]);
+        turning += phase_turning(m, weight, j) * phase_turning(m, weight, k - j);
     }
     for (j = 0; j < k; j++) {
         pulled += pair_crossed(track->pull[j], weight->unit[k - j]);
@@ -210,7 +216,7 @@ void phase_push_weights(Machine *m, int k, Pair spun_twice)
             machine_advance_weight(m, track, w, k, carried);
             own->free = weight->free;
             if (own->grip > 0.0) {
-                own->load[k] = known_load(track, weight, own->radius, k);
+                own->load[k] = known_load(m, track, weight, own->radius, k);
                 own->free -= own->slip * own->side * own->grip * weight->lever * own->load[k];
             }
         }

@@ -2,9 +2,16 @@
 #include "machine/phase.h"
 
 /* y'' of order k, a weight at y = e E + R p from its plane's centre, without that of e E. */
-static Pair second_of(const SeriesWeight *weight, const Weights *one, int k)
+static Pair second_of(const Machine *m, const SeriesWeight *weight, const Weights *one, int k)
 {
-    return pair_scaled(weight->unit[k + 2], one->track_radius * ((k + 1.0) * (k + 2.0)));
+    Pair second = pair_scaled(weight->unit[k + 2], (k + 1.0) * (k + 2.0));
+    int j;
+    for (j = 0; j <= k && m->from_rotor; j++) {
+        const double speed = j <= m->speed_order ? 2.0 * m->speed[j] : 0.0;
+        second = pair_add_scaled(second, pair_turned(weight->unit[k - j + 1]), speed * (k - j + 1));
+        second = pair_sum(second, pair_product(machine_turn_twice(m, j), weight->unit[k - j]));
+    }
+    return pair_scaled(second, one->track_radius);
 }
 
 /* Torque on the rotor of what resists a weight's rolling, of order k: it slides, or rests. */
@@ -16,7 +23,7 @@ static double resistance_of(const Machine *m, int w, int k)
         return 0.0;
     }
     if (m->phase->groups[own->group].rests) {
-        return weight->moment / weight->lever * (own->alone[k] - pair_x(weight->rate[k + 1]) * (k + 1));
+        return weight->moment / weight->lever * (own->alone[k] - phase_turning(m, weight, k + 1) * (k + 1));
     }
     return own->slip * own->side * own->grip * weight->moment * own->load[k];
 }
@@ -27,13 +34,13 @@ static double torque_of(const Machine *m, const MachineTrack *track, int w, cons
 {
     const SeriesWeight *weight = m->weights + w;
     const double spun = k < m->speed_order ? m->speed[k + 1] * (k + 1) : 0.0;
-    const double turned = pair_x(weight->rate[k + 1]) * (k + 1) - spun;
+    const double turned = phase_turning(m, weight, k + 1) * (k + 1) - spun;
     const double speed = pair_at(m->velocity[k * m->width + m->stations + w / 2], w % 2);
     double sum = weight->torque * speed +
                  one->mass * weight->roll * (one->track_radius * turned - one->radius * spun);
     int j;
     for (j = 0; j <= k && track->is_off; j++) {
-        const Pair felt = pair_sum(pair_turned(track->pull[k - j]), second_of(weight, one, k - j));
+        const Pair felt = pair_sum(pair_turned(track->pull[k - j]), second_of(m, weight, one, k - j));
         sum -= one->mass * pair_crossed(pair_product(track->offset, m->spin[j]), felt);
     }
     return m->phase ? sum + resistance_of(m, w, k) : sum;

@@ -99,6 +99,18 @@ static Pair spun(const Machine *m, int k)
     return pair_scaled(pair_turned(sum), number_of(k + 1));
 }
 
+#ifndef SIDE_BY_SIDE
+Pair machine_turn_twice(const Machine *m, int k)
+{
+    double square = 0.0;
+    int j;
+    for (j = 0; j <= k && j <= m->speed_order; j++) {
+        square += k - j <= m->speed_order ? m->speed[j] * m->speed[k - j] : 0.0;
+    }
+    return pair_of(-square, k < m->speed_order ? m->speed[k + 1] * (k + 1) : 0.0);
+}
+#endif
+
 /* What bearings that change with the speed pull by w, of order k. */
 static Pair sloped(Machine *m, int i, int k)
 {
@@ -238,13 +250,19 @@ void machine_start(Machine *m, Number angle)
 {
     const int n = m->stations;
     int i, t, w;
+    Number turning = m->speed[0];
+#ifndef SIDE_BY_SIDE
+    if (m->from_rotor) {
+        angle = turning = 0.0;
+    }
+#endif
     m->spin[0] = pair_direction(angle);
-    m->spin[1] = pair_scaled(pair_turned(m->spin[0]), m->speed[0]);
+    m->spin[1] = pair_scaled(pair_turned(m->spin[0]), turning);
     for (t = 0; t < m->track_count; t++) {
         for (w = m->tracks[t].first; w < m->tracks[t].end; w++) {
             SeriesWeight *weight = m->weights + w;
             const Number turned = pair_at(m->motion[n + w / 2], w % 2), rate = pair_at(m->velocity[n + w / 2], w % 2);
-            weight->rate[0] = pair_both(m->speed[0] + rate);
+            weight->rate[0] = pair_both(turning + rate);
             series_weight_start(weight, angle + turned);
             if (weight->race) {
                 series_race_start(weight, turned, rate, m->speed[0]);
@@ -274,9 +292,9 @@ void machine_start(Machine *m, Number angle)
 /* A of order k where it is told. */
 static void carry_station(Machine *m, int k)
 {
-    Pair sum = pair_zero();
+    Pair sum = m->from_rotor && k < SIGNAL_ORDERS ? m->carried->signal[k] : pair_zero();
     int j;
-    for (j = 0; j <= k && j < SIGNAL_ORDERS; j++) {
+    for (j = 0; j <= k && j < SIGNAL_ORDERS && !m->from_rotor; j++) {
         sum = pair_sum(sum, pair_product(m->carried->signal[j], m->spin[k - j]));
     }
     m->right[0] = pair_x(sum);
@@ -312,6 +330,31 @@ static void push_events(Machine *m, int k)
 #endif
 }
 
+static bool is_carried(const Machine *m)
+{
+#ifdef SIDE_BY_SIDE
+    return false;
+#else
+    return m->carried;
+#endif
+}
+
+static bool sees_from_rotor(const Machine *m)
+{
+    return is_carried(m) && m->from_rotor;
+}
+
+/* E'' of order k without what waits for w'. */
+static Pair turn_twice(const Machine *m, int k)
+{
+#ifndef SIDE_BY_SIDE
+    if (m->from_rotor) {
+        return m->tracks->is_off ? machine_turn_twice(m, k) : pair_zero();
+    }
+#endif
+    return spun(m, k);
+}
+
 void machine_expand(Machine *m, Number angle, int order)
 {
     int k;
@@ -328,9 +371,11 @@ void machine_expand(Machine *m, Number angle, int order)
     }
 #endif
     for (k = 0; k <= order - 2; k++) {
-        Pair spun_twice = spun(m, k);
+        Pair spun_twice = turn_twice(m, k);
         Number gained = !m->drive.motor && k < m->speed_order ? m->speed[k + 1] : number_of(0.0);
-        push_stations(m, k, spun_twice);
+        if (!is_carried(m)) {
+            push_stations(m, k, spun_twice);
+        }
         push_weights(m, k, spun_twice);
         if (m->drive.motor) {
             shaft_push(m, k);
@@ -346,7 +391,7 @@ void machine_expand(Machine *m, Number angle, int order)
         if (m->drive.motor) {
             spun_twice = pair_add_scaled(spun_twice, pair_turned(m->spin[0]), gained * (double)(k + 1));
         }
-        m->spin[k + 2] = pair_scaled(spun_twice, number_of(m->per[k + 1] * m->per[k + 2]));
+        m->spin[k + 2] = sees_from_rotor(m) ? pair_zero() : pair_scaled(spun_twice, number_of(m->per[k + 1] * m->per[k + 2]));
     }
     for (k = m->stations; k < m->width; k++) { /* the last of the weights' angles */
         m->motion[order * m->width + k] = pair_scaled(m->velocity[(order - 1) * m->width + k], number_of(m->per[order]));

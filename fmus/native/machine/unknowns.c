@@ -69,6 +69,12 @@ Pair machine_take_pull(Machine *m, MachineTrack *track, int k)
 void machine_take_weight(Machine *m, int w, int k, Number acceleration, Number speed_gained, Pair pull)
 {
     SeriesWeight *weight = m->weights + w;
+#ifndef SIDE_BY_SIDE
+    if (m->from_rotor) {
+        acceleration -= speed_gained * (k + 1);
+        speed_gained = 0.0;
+    }
+#endif
     series_weight_finish(weight, k, acceleration, m->per + k + 1);
     if (weight->race) {
         const Number spun = speed_gained * (double)(k + 1);
