@@ -31,7 +31,9 @@ _FARTHEST_POLE = 1.5  # of the rotor's speed: weights lag below a natural freque
 LAGS = 0.02  # of the rotor's speed: weights that lag by more are left behind
 WITH = 0.004  # of it: weights that lag by less turn with the rotor
 _FARTHEST_PEAK = 3.0  # half widths between a pole and its peak
-_WORTH_A_GRID, _WORTH_REFINING = 0.25, 0.4  # limit of the drag over the drag that can be 1
+# limit of the drag over the drag that can be 1; near the rotor's speed phases turn over so quickly
+# that a fine grid finds several times that of a coarse one
+_WORTH_A_GRID, _WORTH_REFINING = 0.25, 0.15
 _FEW = 40  # rows that are not worth a first look
 NEARLY = 0.8  # the same, at a drag beside which it can be 1
 _NOT_HELD = 0.5  # at most, where no motion belongs to it

@@ -170,13 +170,21 @@ def test_the_drag_limit_is_a_limit_when_it_is_set(kind, number):
     assert above.drag_ratio == pytest.approx(1.0 / 1.02, rel=3e-3)
 
 
-def near_its_speed():
-    """A gyroscopic rotor with a natural frequency 4 % below its speed, and the speed."""
-    random = np.random.default_rng([77, 4, 59])
-    drawn = draw("gyroscopic", random)
+def near_its_speed(kind="gyroscopic", seed=(77, 4, 59)):
+    """A rotor with a natural frequency a few per cent below its speed, and the speed."""
+    random = np.random.default_rng(list(seed))
+    drawn = draw(kind, random)
     lowest = float(modes(drawn.assembly.loaded_rotor, 0.0).natural_frequencies.min())
     drawn = drawn.with_drag(float(np.exp(random.uniform(np.log(0.1), np.log(10.0)))))
     return drawn, lowest * random.uniform(2.0, 5.0)
+
+
+@pytest.mark.parametrize(("kind", "seed"), [("gyroscopic", (77, 4, 10)), ("flexible", (12, 5, 25))])
+def test_no_weights_are_left_behind_near_the_rotors_speed_above_the_drag_limit(kind, seed):
+    drawn, speed = near_its_speed(kind, seed)
+    limit = capture(drawn.assembly, speed).drag_ratio
+    for part in (1.01, 1.03, 1.06, 1.12, 1.18):
+        assert not capture(drawn.with_drag(part * limit).assembly, speed).motions
 
 
 def test_the_drag_limit_covers_drags_beyond_a_gap():
