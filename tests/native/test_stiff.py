@@ -13,7 +13,7 @@ from autobalancer.harness.master.one_file import composition
 from autobalancer.harness.master.schedule import end_time
 from autobalancer.models.monolith import simulate
 from tests.native.packaging import Host
-from tests.studies import radau
+from tests.studies import one_piece, radau
 from tests.studies.stiff import NAMES, TOLERANCE, cases, true_error
 
 CASES = dict(cases())
@@ -32,6 +32,24 @@ def test_a_stiff_machine_errs_by_less_than_it_states(name, collocates):
     assert (run.collocated_steps > 0) == collocates
     assert run.error_known
     assert true_error(scene, run) <= run.estimated_error <= TOLERANCE
+
+
+@pytest.mark.parametrize(
+    ("number", "drag", "tolerance"),
+    [(77, 1.0, 1e-2), (77, 1.0, 1e-3), (13, 300.0, 1e-3), (17, 300.0, 1e-5)],
+)
+def test_the_speed_that_fast_weights_leave_a_rotor_errs_by_what_is_stated(number, drag, tolerance):
+    """Heavy drag takes the weights along at once; the rotor under a motor keeps what that gives.
+
+    A bound on places alone lets its speed err by the bound over so short a step.
+    """
+    scene = one_piece.drawn("motor", number)
+    [weights] = scene.balancer
+    changes = {"weights.drag": drag * weights.drag, "coupling.tolerance": tolerance}
+    found = one_piece.compared(scene.replace({**changes, "run.revolutions": 4.0}))
+    assert found.own < 1e-10
+    assert found.estimate <= tolerance
+    assert not found.is_understated
 
 
 def stiff(changes):

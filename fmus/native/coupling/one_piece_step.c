@@ -128,7 +128,8 @@ static int choose_length(Unit *unit, double *length)
         if (one_piece_expand(unit)) {
             return 1;
         }
-        *length = machine_length(m, one_piece_order(c), one_piece_step_tolerance(unit), one_piece->largest);
+        *length = machine_length(m, one_piece_order(c), one_piece_step_tolerance(unit), one_piece->largest,
+                                 c->pieces.is_stiff);
         if (c->pieces.rings) {
             *length = rings_length(m, *length);
         }

@@ -98,7 +98,7 @@ static double expand_carried(CarriedWeights *c, double angle, double left, int *
     }
     *order = order_of(c, left);
     machine_expand(m, angle, *order);
-    return smaller(left, machine_length(m, *order, CARRIED_TERM, infinity()));
+    return smaller(left, machine_length(m, *order, CARRIED_TERM, infinity(), false));
 }
 
 /* -- who touches, and what sticks -------------------------------------------------------------------------- */

@@ -406,10 +406,11 @@ static double first_slope(const Collocation *c, const double *values, double len
 }
 
 /* Error of the polynomial, from its slopes at the start, which are not those of the equations there, and damped as
-   stiff motions are. */
+   stiff motions are.  Speeds of the rotor and its shaft count by where they lead within the step, or the unit of time:
+   they last, while those of weights in heavy drag die down. */
 static double error_of_points(const Collocation *c, double length, double largest)
 {
-    const int d = c->unknowns;
+    const int d = c->unknowns, stations = numbers_of_stations(c->at), shaft = c->at->drive.motor ? d - 1 : d;
     const double own = length * c->rule->values[0].re;
     double *off = c->scratch, *error = off + d;
     int i, k;
@@ -425,7 +426,10 @@ static double error_of_points(const Collocation *c, double length, double larges
     }
     solve_mode(c, 0);
     for (k = 0; k < d; k++) {
-        error[k] = off[k] + own * c->right[k].re;
+        error[k] = absolute(off[k] + own * c->right[k].re);
+        if (k < stations || k == shaft) {
+            error[k] = larger(error[k], smaller(length, 1.0) * absolute(c->right[k].re));
+        }
     }
     return size_of_motion(c, error, largest);
 }

@@ -197,8 +197,10 @@ Number shaft_take(Machine *machine, int k);
 /* Order that keeps a tolerance of a step with least work. */
 int machine_order(double tolerance);
 /* Length of a step, in the machine's time, over which the last two terms of displacements are at most so much of
-   `largest`, those of angles of 1 rad; NaN where they are not finite. */
-double machine_length(const Machine *machine, int order, double tolerance, double largest);
+   `largest`, those of angles of 1 rad; NaN where they are not finite.  Of a stiff machine's rotor they are at most the
+   length times that where it is below 1: a bound on places alone leaves a speed wrong by the bound over the length, and
+   a rotor keeps the speed that weights in heavy drag give it within very short steps. */
+double machine_length(const Machine *machine, int order, double tolerance, double largest, bool is_stiff);
 /* (tolerance/term)^(1/k), within 6 %. */
 double machine_root(double term, double tolerance, int k);
 /* Of a column of the motion at a time of the step: the place and the velocity. */

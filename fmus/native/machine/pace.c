@@ -33,19 +33,39 @@ double machine_root(double term, double tolerance, int k)
     return root;
 }
 
-/* The largest coefficient of an order: of displacements over `largest`, of angles over 1; NaN where one is
-   not finite. */
-static double term_of(const Machine *m, int k, double per_largest)
+/* The largest coefficients of an order: of the rotor, its displacements over `largest` and its angle over 1, and of the
+   weights' angles over 1; NaN where one is not finite. */
+typedef struct {
+    double rotor, weights;
+} Terms;
+
+static Terms terms_of(const Machine *m, int k, double per_largest)
 {
     const Pair *motion = m->motion + k * m->width;
-    double most = 0.0, finite = 0.0;
+    Terms most = {0.0, 0.0};
+    double finite = 0.0;
     int i;
     for (i = 0; i < m->width; i++) {
         const double x = absolute(pair_x(motion[i])), y = absolute(pair_y(motion[i]));
-        most = larger(most, (i < m->stations ? per_largest : 1.0) * larger(x, y));
+        if (i < m->stations) {
+            most.rotor = larger(most.rotor, per_largest * larger(x, y));
+        } else {
+            most.weights = larger(most.weights, larger(x, y));
+        }
         finite += 0.0 * x + 0.0 * y; /* a comparison with NaN is false: `larger` does not see it */
     }
-    return finite + (m->drive.motor ? larger(most, absolute(m->speed[k - 1]) / k) : most);
+    if (m->drive.motor) {
+        most.rotor = larger(most.rotor, absolute(m->speed[k - 1]) / k);
+    }
+    most.rotor += finite;
+    most.weights += finite;
+    return most;
+}
+
+/* The length of a step, at most `length`, over which a term of this order is so much. */
+static double shortened(double length, double term, double tolerance, int order)
+{
+    return term > SMALLEST_TERM * tolerance ? smaller(length, machine_root(term, tolerance, order)) : length;
 }
 
 /* A step in which the rotor turns at most `most` [rad], where its speed is far beyond that of the unit of time. */
@@ -57,16 +77,16 @@ static double length_of_turn(const Machine *m, int order, double length, double 
     return length;
 }
 
-double machine_length(const Machine *m, int order, double tolerance, double largest)
+double machine_length(const Machine *m, int order, double tolerance, double largest, bool is_stiff)
 {
     double length = LONGEST_STEP, finite = 0.0;
     int k;
     for (k = order - 1; k <= order; k++) {
-        const double term = term_of(m, k, 1.0 / largest);
-        finite += term;
-        if (term > SMALLEST_TERM * tolerance) {
-            length = smaller(length, machine_root(term, tolerance, k));
-        }
+        const Terms term = terms_of(m, k, 1.0 / largest);
+        const bool is_short = is_stiff && term.rotor > tolerance; /* in a step of 1 it is more */
+        finite += term.rotor + term.weights;
+        length = shortened(length, term.weights, tolerance, k);
+        length = shortened(length, term.rotor, tolerance, is_short ? k - 1 : k);
     }
     return is_finite(finite) ? length_of_turn(m, order, length, MOST_TURN) : not_a_number();
 }
