@@ -147,6 +147,20 @@ def test_a_row_of_resting_weights_holds_until_one_end_can_move(track_of):
     assert not held(1.0)
 
 
+@pytest.mark.parametrize("x", [0.01, -0.01])
+def test_a_weight_pressed_to_the_inner_wall_rests_within_its_dead_zone(track_of, x):
+    """Its track falls away faster than it turns: the load w^2 - a cos(x) is below 0."""
+    w, mu = 3.0, 0.02
+    track = track_of(Weights(1, 0.1, 1.0, 0.0, 1.4), rolling_resistance=mu)
+    rests = []
+    for pull in (12.0, 15.0, 17.0, 19.0, 25.0, 40.0):
+        signal = (complex(pull), 0j, 0j, 0j)
+        rests.append(mu * abs(w**2 - pull * math.cos(x)) > pull * abs(math.sin(x)))
+        angles, speeds, *_ = run(track, [x], [0.0], lambda t, s=signal: s, w, 0.1, 4)
+        assert (angles == [x], speeds == [0.0]) == (rests[-1], rests[-1])
+    assert rests == [False, False, False, True, True, True]
+
+
 @pytest.mark.parametrize(("offset", "resistance", "rates", "packed"), [
     (0.03 - 0.02j, 0.08, STEADY, False), (0.03 - 0.02j, 0.0, CHANGING, False),
     (0j, 0.0, CHANGING, False), (0.03 - 0.02j, 0.0, STEADY, True),
