@@ -137,7 +137,8 @@ def speeds(
         result = _by_proof(scene, result, narrowest, within, progress)
     finding, why = _why_no_rest(scene) if "floquet" in wanted else ("", "")
     if "cosim" in wanted:
-        _by_units(scene, result, why, narrowest, separate, progress)
+        refused = "" if has_lobes(scene.assembly()) else why  # there weights rest on lobes
+        _by_units(scene, result, refused, narrowest, separate, progress)
     if not (why and whirl):
         return result
     return replace(result, whirl=whirls(scene, result.range, why, finding))

@@ -4,6 +4,10 @@ Main motion.  The rotor rests, and the weights turn with it where they undo its 
 of statics, which does not depend on the speed (`models.linear.balanced`).  The units confirm it:
 one revolution leaves that state as it is.
 
+On races with lobes the weights rest elsewhere at each speed, and the rotor whirls by what they
+leave (`models.linear.on_race`): the state after a revolution, at the same angle, is that at its
+begin.  There no direction is neutral.
+
 Neutral directions.  Weights act on the rotor through their static moment alone.  Turns that change
 the moment of no station (N - 2 for N >= 3 weights in a plane) meet no reaction, lead to another
 main motion and have multiplier 1 by structure.  The map is taken modulo them, so that no multiplier
@@ -29,6 +33,7 @@ from ...models.linear.balanced import (
     moment_slopes,
 )
 from ...models.linear.growth import Growth, eigenvalues_with_errors, largest
+from ...models.linear.on_race import has_lobes, main_motion
 from ..errors import SimulationError
 from ..master.closing import Closing
 from ..scene import Scene
@@ -79,7 +84,7 @@ class MainMotion(Closing):
         separate: as of `Revolution`.
 
     Attributes:
-        state: (n,) states of the units in the main motion.
+        state: (n,) states of the units in the main motion; with lobes at the last speed asked for.
         neutral: (n, m) turns of the weights with multiplier 1 by structure.
 
     Raises:
@@ -89,7 +94,8 @@ class MainMotion(Closing):
 
     def __init__(self, scene: Scene, *, separate: bool = False) -> None:
         scene.refuse_unrest("a main motion")
-        scene.refuse_lobes("main motions are those")
+        if scene.assembly().rings:
+            scene.refuse_lobes("main motions beside a ring of liquid are those")
         self.units = Revolution(scene, separate=separate)
         try:
             self._accuracy = SEPARATE if self.units.is_separate else IN_ONE_FILE
@@ -98,7 +104,10 @@ class MainMotion(Closing):
             self._speed = abs(scene.profile().end)  # any will do for what follows
             states = enumerate(self.units.states)
             self._angles = [i for i, s in states if s.start.startswith("weight[") and not s.is_rate]
-            self.state = self._balanced()
+            self._on_lobes = has_lobes(scene.assembly())
+            self._rests_at: dict[float, Vector] = {}  # by speed, where weights rest on lobes
+            self.state = self._on_race(self._speed) if self._on_lobes else self._balanced()
+            self._rests_at.clear()  # speeds are followed from the first that is asked for
             self._rows, self._columns, self.neutral = self._split()
             self._refuse_false_neutral()
         except BaseException:
@@ -114,17 +123,42 @@ class MainMotion(Closing):
             rest[self._angles] = balanced_angles(scene.assembly())
         except (CannotBalance, ArithmeticError) as error:
             raise NoMainMotion(f"{scene.label}: {error}") from error
-        if not self._rests(rest):
+        if not self._rests(rest, self._speed):
             raise NoMainMotion(
                 f"{scene.label}: the rotor does not rest for a revolution at "
                 f"{self._speed:g} rad/s with its weights at the balanced angles"
             )
         return rest
 
-    def _rests(self, state: Vector) -> bool:
+    def _on_race(self, speed: float) -> Vector:
+        """The rotor whirls by what weights at rest on races with lobes leave.
+
+        Raises:
+            NoMainMotion: no rest was found, or the units do not stay there.
+        """
+        scene, known = self.units.scene, self._rests_at
+        near = known[min(known, key=lambda other: abs(other - speed))] if known else None
+        try:
+            machine, angles = main_motion(scene.assembly().at_speed(speed), speed, near)
+        except (ValueError, ArithmeticError) as error:
+            raise NoMainMotion(f"{scene.label}: {error}") from error
+        whirl = machine.whirl(angles) * np.exp(1j * scene.run.initial.angle)
+        rate = 1j * speed * whirl
+        state = np.zeros(len(self.units.states))
+        state[: 4 * len(whirl)] = np.concatenate([whirl.real, whirl.imag, rate.real, rate.imag])
+        state[self._angles] = angles
+        if speed not in known and not self._rests(state, speed):
+            raise NoMainMotion(
+                f"{scene.label}: the motion at rest on the races does not come back after a "
+                f"revolution at {speed:g} rad/s"
+            )
+        known[speed] = angles
+        return state
+
+    def _rests(self, state: Vector, speed: float) -> bool:
         """Whether a revolution leaves a state as it is."""
-        end = self._resolved(lambda: self.units(state[None], self._speed)[0])
-        moved = (end - state) / self.units.scale(self._speed)
+        end = self._resolved(lambda: self.units(state[None], speed)[0])
+        moved = (end - state) / self.units.scale(speed)
         return bool(np.abs(moved).max() <= AT_REST)
 
     def _split(self) -> tuple[Matrix, Matrix, Matrix]:
@@ -133,7 +167,7 @@ class MainMotion(Closing):
         L keeps every state but the angles; of those it keeps what the stations' moments see.
         """
         count = len(self.units.states)
-        if not self._angles:
+        if self._on_lobes or not self._angles:
             return np.eye(count), np.eye(count), np.zeros((count, 0))
         assembly = self.units.scene.assembly()
         table = WeightTable.of(assembly)
@@ -158,6 +192,8 @@ class MainMotion(Closing):
 
         `moved` and `order` are those of `derivative`.
         """
+        if self._on_lobes:
+            self.state = self._on_race(speed)
         scale = self.units.scale(speed)[:, None]
         turned = derivative(
             lambda s: self.units(s, speed), self.state, columns * scale, scale[:, 0], moved, order

@@ -6,8 +6,11 @@ import re
 
 import pytest
 
+import autobalancer as ab
 from autobalancer.harness.stability import boundaries
+from autobalancer.harness.stability.main_motion import MainMotion
 from autobalancer.models.linear.on_race import NoRest
+from autobalancer.models.stability import find_growth
 from tests.harness.master.test_races import balls, machine
 
 
@@ -21,15 +24,35 @@ def test_speeds_say_what_is_left_and_runs_leave_it():
     (crossing,) = found.methods["floquet"]
     assert crossing.above == "stable"
     assert crossing.speed == pytest.approx(43.934254, abs=1e-4)
-    assert set(found.refused) == {"criterion", "proved", "cosim"}
+    (by_units,) = found.methods["cosim"]
+    assert by_units.above == "stable"
+    assert by_units.speed == pytest.approx(crossing.speed, abs=1e-5)
+    assert set(found.refused) == {"criterion", "proved"}
     assert all("round" in why or "lobes" in why for why in found.refused.values())
     (said, *_) = found.whirl.lines()
     assert said.startswith("The weights do not balance fully: the race is not round (balls): ")
     assert "0.0448 mm of 2.22 mm are left at 100 rad/s" in said
-    assert found.refused["cosim"] in said
     at = {round(one.speed): one for one in found.whirl.at}
     assert at[105].amplitude[0] == pytest.approx(4.4837e-5, rel=1e-3)
     assert at[10].amplitude[0] > 5e-4  # below the critical speed
+
+
+def test_growth_of_the_units_is_that_of_the_equations_on_several_races():
+    scene = ab.load("oval_fan")
+    with MainMotion(scene) as motion:
+        for speed in (50.0, 157.0):
+            found, expected = motion.find_growth(speed).growth, find_growth(scene.assembly(), speed)
+            assert found.state == expected.state
+            assert found.rate == pytest.approx(expected.rate, rel=1e-3)
+
+
+def test_where_weights_have_no_rest_the_units_are_refused_with_the_speed(monkeypatch):
+    def fail(_assembly, speed, *_):
+        raise NoRest(f"no rest of weights on their race was found at {speed:g} rad/s")
+
+    monkeypatch.setattr("autobalancer.harness.stability.main_motion.main_motion", fail)
+    found = fan(2e-5).speeds(90.0, 120.0, "cosim,floquet")
+    assert "no rest of weights on their race was found at 100 rad/s" in found.refused["cosim"]
 
 
 def test_a_rest_that_does_not_hold_is_said_to_be_unstable():
