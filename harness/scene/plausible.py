@@ -48,12 +48,14 @@ def understood(scene: Scene) -> str:
         parts.append(
             f"unbalance {readable_unbalance(unbalance)}, eccentricity {engineers(e, 'm', 3)}"
         )
+    several = sum(isinstance(one, WeightBalancer) for one in scene.balancer) > 1
     for one in scene.balancer:
         if isinstance(one, WeightBalancer):
+            name = f"{one.label}: " * several
             most = readable_unbalance(one.capacity)
             each = each_of(one.mass) or (one.mass,)
             grams = " to ".join(rounded(1e3 * m, 3) for m in sorted({min(each), max(each)}))
-            parts.append(f"{one.count} {one.kind} of {grams} g hold {most}")
+            parts.append(f"{name}{one.count} {one.kind} of {grams} g hold {most}")
             if one.weight_radius and one.kind == "balls" and not one.unequal:
                 parts[-1] += f", density {_density(one) / 1e3:.3g} g/cm^3"
     return "; ".join(parts)

@@ -102,7 +102,11 @@ class Proof:
                 yield f"stable below {_enclosed(upper)}"
         else:
             boxes = f" and up to {self.boxes} boxes of parameters" if self.boxes > 1 else ""
-            yield f"{self.certificates} certificates{boxes}; {self.undecided:.2g} of it undecided"
+            several = "s" * (self.certificates != 1)
+            yield (
+                f"{self.certificates} certificate{several}{boxes}; "
+                f"{100.0 * self.undecided:.3g} % of the range undecided"
+            )
 
     def as_json(self) -> dict[str, Any]:
         """The certificate's data."""
