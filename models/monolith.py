@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
+import itertools
 import warnings
 from collections.abc import Callable, Sequence
-from itertools import pairwise
 from types import SimpleNamespace
 from typing import Any
 
@@ -22,6 +22,7 @@ from .reference.phases import integrate_phases
 from .reference.trajectory import Trajectory, differences
 
 _POINTS = 1001  # at which a run by odeint is read where nothing else is asked for
+_TOLD_EVERY = 500  # evaluations
 _MOST = 1_000_000  # steps of odeint between two of them
 NON_STIFF = ("DOP853", "LSODA")
 STIFF = ("Radau", "LSODA")
@@ -40,6 +41,7 @@ def simulate(
     initial: Start = REST,
     method: str = "DOP853",
     rtol: float = 1e-9,
+    progress: Callable[[float], None] | None = None,
 ) -> Trajectory:
     """Integrate from time 0 and give the motion at `times`.
 
@@ -48,6 +50,7 @@ def simulate(
         times: (T,) ascending, from 0 on [s].
         method: of `scipy.integrate.solve_ivp`, or "odeint".
         rtol: relative tolerance.
+        progress: told the finished fraction; not where something sticks or collides.
 
     Raises:
         ValueError: weights can collide as well as stick, or something sticks under a motor.
@@ -65,7 +68,7 @@ def simulate(
         bodies = Dry(system) if isinstance(system, Monolith) and system.dry else Colliding(system)
         states, solved = integrate_phases(bodies, time, initial, method=method, rtol=rtol)
     else:
-        _, states, _ = integrate(system, time, initial, method=method, rtol=rtol)
+        _, states, _ = integrate(system, time, initial, method=method, rtol=rtol, progress=progress)
     return trajectory(system, time, states, solved)
 
 
@@ -85,6 +88,7 @@ def integrate(
     *,
     method: str,
     rtol: float,
+    progress: Callable[[float], None] | None = None,
 ) -> tuple[Array, Array, int]:
     """Times, states there (T, size), and how often the right-hand side was evaluated.
 
@@ -92,6 +96,7 @@ def integrate(
 
     Args:
         time: ascending times [s], or the end alone: then the times are those of the method's steps.
+        progress: told the finished fraction.
 
     Raises:
         ArithmeticError: the method gave up, or the motion is not finite.
@@ -111,9 +116,8 @@ def integrate(
             at = listed[(listed > begin) & (listed <= stop)]
             shown = slice(len(at))
             at = at if stop in at else np.append(at, stop)
-        solved = _solve(
-            system.between(begin, stop).rhs, begin, stop, state, method, at, rtol, absolute
-        )
+        rhs = _watched(system.between(begin, stop).rhs, end, progress)
+        solved = _solve(rhs, begin, stop, state, method, at, rtol, absolute)
         if not solved.success or not np.isfinite(solved.y).all():
             where = solved.t[-1] if len(solved.t) else begin
             raise ArithmeticError(f"{method} stopped after {where:g} s: {solved.message}")
@@ -122,6 +126,22 @@ def integrate(
         state, begin = solved.y[:, -1], stop
         evaluations += solved.nfev
     return np.concatenate(times), np.concatenate(states), evaluations
+
+
+def _watched(
+    rhs: Callable[[float, Array], Any], end: float, progress: Callable[[float], None] | None
+) -> Callable[[float, Array], Any]:
+    """The same that tells at every `_TOLD_EVERY`th evaluation how far it is."""
+    if progress is None:
+        return rhs
+    count = itertools.count()
+
+    def watched(t: float, state: Array) -> Any:
+        if next(count) % _TOLD_EVERY == 0:
+            progress(t / end)
+        return rhs(t, state)
+
+    return watched
 
 
 def _solve(
@@ -173,7 +193,7 @@ def trajectory(
     if solved is None:
         columns = angle[:, None], speed[:, None], angular_acceleration[:, None]
         cuts = [0, *np.searchsorted(time, [start for start, _ in system.assembly.later]), len(time)]
-        parts = [slice(i, j) for i, j in pairwise(cuts) if j > i]
+        parts = [slice(i, j) for i, j in itertools.pairwise(cuts) if j > i]
         found = [
             system.after(time[p][0]).accelerations_of(
                 (columns[0][p], columns[1][p], columns[2][p]), states[p]
@@ -199,6 +219,11 @@ def trajectory(
     )  # fmt: skip
 
 
+def _half(progress: Callable[[float], None] | None, number: int) -> Callable[[float], None] | None:
+    """Progress of the first or second of two equal parts."""
+    return None if progress is None else lambda share: progress(0.5 * (number + share))
+
+
 def reference(
     assembly: Assembly,
     profile: SpeedProfile | MotorDriven,
@@ -209,6 +234,7 @@ def reference(
     rtol: float = 1e-12,
     bound: float = 1e-7,
     signals: Sequence[str] | None = None,
+    progress: Callable[[float], None] | None = None,
 ) -> tuple[Trajectory, float]:
     """The motion by two independent methods, and the reference's own error.
 
@@ -219,6 +245,7 @@ def reference(
         signals: what the reference is for; by default every state signal.  Weights that heavy drag
             all but fixes move so little that their absolute angles leave few digits of that range:
             2e-7 at a drag of 1e5 m w, where x and y still agree to 2e-10.
+        progress: told the finished fraction.
 
     Returns:
         The first method's trajectory, and the largest difference between the two relative to each
@@ -233,9 +260,12 @@ def reference(
         stiff = equations(assembly, profile).fastest_mode > _STIFF_RATIO * turning
         methods = STIFF if stiff else NON_STIFF
     runs = [
-        simulate(assembly, profile, times, initial=initial, method=method, rtol=rtol)
-        for method in methods
-    ]
+        simulate(
+            assembly, profile, times, initial=initial, method=method, rtol=rtol,
+            progress=_half(progress, number),
+        )
+        for number, method in enumerate(methods)
+    ]  # fmt: skip
     every = differences(*runs)
     chosen = {name: every[name] for name in (every if signals is None else signals)}
     worst = max(chosen, key=chosen.__getitem__)

@@ -83,7 +83,7 @@ def command(
         show(archive.table())
         say(f"Left out as SSP of separate units: {'; '.join(archive.left_out) or 'none'}")
         return
-    with progress_bar("building") as progress:
+    with progress_bar("integrating the reference" if reference else "building") as progress:
         form["progress"] = progress
         if loaded is None:
             built = build_files(None, output, fmi, platform, **form)

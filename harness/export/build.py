@@ -83,7 +83,7 @@ def build_files(
         if python:
             raise UserError("--one-file: has no Python units; leave out --python")
         form = {"fmi": fmi, "platforms": platforms, "plain": plain, "flat": flat}
-        form["reference"] = reference
+        form |= {"reference": reference, "progress": progress}
         return _build_one_file(scene, output, form)
     from ...fmus.build import build
 

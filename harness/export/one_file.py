@@ -10,6 +10,7 @@ from ...fmus.composite.build import build_composite
 from ...models.harmonic_balance import NoResponse
 from ..master.one_file import composition, model_name
 from ..master.schedule import end_time
+from ..output.workers import Progress
 from ..result.verdict import BALANCED, vibration_alone
 from ..scene import Scene
 from .reference_files import reference_files
@@ -32,6 +33,7 @@ def build_one_file(
     plain: bool = False,
     flat: bool = False,
     reference: bool = False,
+    progress: Progress | None = None,
 ) -> Path:
     """Build a scene's composite FMU; its model is named after the scene.
 
@@ -39,6 +41,7 @@ def build_one_file(
         fmi, platforms: as `build_composite`.
         plain, flat: as `Composition`.
         reference: with `reference_files`.
+        progress: told the finished fraction of these.
 
     Raises:
         SceneError: as `composition`.
@@ -56,7 +59,7 @@ def build_one_file(
     )
     extra = None
     if reference:
-        extra = reference_files(scene, made.described(scene.name).label)
+        extra = reference_files(scene, made.described(scene.name).label, progress)
     return build_composite(
         made, path, name=model_name(scene), fmi=fmi, platforms=platforms, extra=extra
     )

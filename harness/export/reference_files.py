@@ -13,8 +13,10 @@ from ...models.arrays import Array
 from ..accuracy.precision.reference import refuse_without_reference, right_motion
 from ..master.recorder import recorded
 from ..master.schedule import end_time, step_size
+from ..output.workers import Progress
 from ..scene import Scene
 
+RTOL = 1e-12  # tighter ones take twice the time; what two methods differ by is stated
 NAME = "org.fmi-standard.fmi-ls-ref"
 FOLDER = f"extra/{NAME}"
 _MANIFEST = {
@@ -26,11 +28,14 @@ _MANIFEST = {
 }
 
 
-def reference_files(scene: Scene, label: Callable[[str], str]) -> dict[str, bytes]:
+def reference_files(
+    scene: Scene, label: Callable[[str], str], progress: Progress | None = None
+) -> dict[str, bytes]:
     """The motion of a scene by an integration of all equations in one piece, and a manifest.
 
     Args:
         label: from a signal to the name of its variable.
+        progress: told the finished fraction: a long run is integrated for minutes.
 
     Raises:
         SceneError, SimulationError: nobody knows the motion that exactly; the message says why.
@@ -38,7 +43,7 @@ def reference_files(scene: Scene, label: Callable[[str], str]) -> dict[str, byte
     refuse_without_reference(scene)
     step, names = step_size(scene), recorded(scene)
     times: Array = np.arange(1.0, round(end_time(scene) / step) + 1.0) * step
-    right, error = right_motion(scene, names, [times])
+    right, error = right_motion(scene, names, [times], RTOL, progress)
     columns = [right.time.tolist(), *(right.signal(name).tolist() for name in names)]
     lines = [",".join(["time", *map(label, names)])]
     lines += [",".join(map(repr, row)) for row in zip(*columns, strict=True)]

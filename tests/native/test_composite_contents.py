@@ -174,9 +174,14 @@ def test_the_documentation_shows_this_machine(tmp_path, name):
 def test_the_reference_inside_is_what_the_file_computes(tmp_path, form):
     """By FMI-LS-REF: the manifest names a table, and a tight run has its values."""
     scene = load_scene("two_balls")
+    told = []
     path = build_one_file(
-        scene, tmp_path / "one.fmu", platforms=[platform_tuple], reference=True, **form
-    )
+        scene, tmp_path / "one.fmu", platforms=[platform_tuple], reference=True,
+        progress=told.append, **form,
+    )  # fmt: skip
+    assert told[0] == 0.0
+    assert 0.9 < told[-1] <= 1.0
+    assert any(0.4 < share < 0.6 for share in told)
     assert validate_fmu(str(path)) == []
     with zipfile.ZipFile(path) as archive:
         manifest = etree.fromstring(archive.read(f"{FOLDER}/fmi-ls-manifest.xml"))

@@ -22,6 +22,8 @@ from pathlib import Path
 import numpy as np
 
 import autobalancer as ab
+from autobalancer.harness.master.names import station_residuals
+from autobalancer.harness.result.many import cosimulate_many
 
 # scene: what is varied and fitted with its value, and what is drawn over
 VALUES = {
@@ -47,11 +49,11 @@ def measured(scene: ab.Scene, folder: Path) -> Path:
         top = scene.profile().end
         for ratio in READINGS:
             changed = scene.replace({"operation.run_up": None, "operation.speed": ratio * top})
-            run = changed.run()
-            late = run.time > 0.9 * run.time[-1]
-            names = [n[:-2] for n in run.signals if n.startswith("rotor.") and n.endswith(".x")]
-            sizes = [np.hypot(run[f"{n}.x"], run[f"{n}.y"])[late].max() for n in names]
-            table.writerow([ratio * top * 30.0 / math.pi, 1e3 * float(np.mean(sizes))])
+            names = station_residuals(len(scene.rotor.points))
+            at = [names[number - 1] for number in scene.rotor.supports]
+            found = cosimulate_many(changed, {"speed": [ratio * top]}, results=at)
+            size = float(np.mean([found[name][0] for name in at]))
+            table.writerow([ratio * top * 30.0 / math.pi, 1e3 * size])
     return path
 
 

@@ -14,6 +14,7 @@ from ....models.spacing import touching
 from ...errors import SceneError, SimulationError
 from ...master.names import weight
 from ...master.plan import plan
+from ...output.workers import Progress
 from ...scene import Scene
 from ...scene.balancer import WeightBalancer
 from ...scene.begin import motion_at_start
@@ -50,12 +51,18 @@ def refuse_without_reference(scene: Scene) -> None:
 
 
 def right_motion(
-    scene: Scene, names: Sequence[str], times: Sequence[Array]
+    scene: Scene,
+    names: Sequence[str],
+    times: Sequence[Array],
+    rtol: float = RTOL,
+    progress: Progress | None = None,
 ) -> tuple[Trajectory, float]:
     """The motion at every point that any run has, and its own error.
 
     Args:
         times: of every run [s].
+        rtol: relative tolerance of both methods.
+        progress: told the finished fraction.
 
     Raises:
         SimulationError: the two methods of the reference disagree, or weights touch.
@@ -68,8 +75,9 @@ def right_motion(
             scene.operation.drive(),
             every,
             initial=motion_at_start(scene),
-            rtol=RTOL,
+            rtol=rtol,
             bound=BOUND,
+            progress=progress,
             signals=[n for n in states if not n.startswith(("rotor.angle", "motor."))] or None,
         )
     except ReferenceDisagreement as error:
