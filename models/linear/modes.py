@@ -14,7 +14,6 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import eigh, eigvals, eigvalsh
-from scipy.optimize import brentq
 
 from ..rotor import LinearRotor, as_real
 from ..supports import SHAFT
@@ -221,6 +220,8 @@ def at_frequency(rotor: LinearRotor, speed: float) -> LinearRotor:
 def _critical_over_speed(rotor: LinearRotor) -> NDArray[np.float64]:
     """`critical_speeds` where the stiffness changes with the speed: those at which one of the
     rotor of that speed is the speed itself, of a table those within it."""
+    from scipy.optimize import brentq  # most rotors do without
+
     low, high = rotor.table_speeds
     if not rotor.varies:  # rubber alone: softest at rest, stiffest at a high speed
         least, most = (critical_speeds(at_frequency(rotor, w)) for w in (0.0, _STIFF))
