@@ -8,6 +8,7 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ...models.papers.capacity import weight_mass
 from ..units import engineers, in_both, readable_unbalance, rounded
@@ -23,6 +24,7 @@ FASTEST_TRACK = 100.0  # m/s of balls along their track: steel wheels burst at s
 FARTHEST = 0.1  # eccentricity over the track's radius
 FARTHEST_ALONE = 0.01  # m: eccentricity of a rotor without balancers
 LIGHTEST, DENSEST = 500.0, 20_000.0  # kg/m^3 of a ball: wood to tungsten
+OVERDAMPED = 1e-6  # of an eigenvalue: with less of it imaginary nothing swings
 STIFF = 1e-6  # of the highest frequency: lower ones are those of a free body
 MODES_OF_INTEREST = 1.5  # times the speed: slower ones are passed or near
 MOST_CHANGE_BY_SIZE = 0.05  # of a natural frequency, by the inertia that a disc must have
@@ -41,8 +43,14 @@ def understood(scene: Scene) -> str:
     """One line: speed, rotor, balancers."""
     profile, rotor = scene.profile(), scene.rotor
     parts = [f"{scene.name}: {rounded(rotor.mass, 3)} kg at {in_both(profile.end, 'rad/s')}"]
-    frequencies = sorted({rounded(w / math.tau, 3) for w in natural_frequencies(scene)}, key=float)
-    parts.append(f"natural frequencies {', '.join(frequencies)} Hz")
+    rates = _rates_at_rest(scene)
+    swings = np.abs(rates.imag) > OVERDAMPED * np.abs(rates)  # the others creep back, as rubber
+    found = np.abs(rates[swings]).tolist()
+    frequencies = sorted({rounded(w / math.tau, 3) for w in found}, key=float)
+    if frequencies:
+        parts.append(f"natural frequencies {', '.join(frequencies)} Hz")
+    else:
+        parts.append("no natural frequency: overdamped")
     if unbalance := _unbalance(scene):
         e = unbalance / rotor.mass
         parts.append(
@@ -209,11 +217,20 @@ def _discs_without_size(scene: Scene) -> Iterator[str]:
 
 
 def natural_frequencies(scene: Scene) -> list[float]:
-    """Natural frequencies of the rotor with its balancers at standstill [rad/s]."""
-    rates = np.abs(scene.assembly().resting_rotor.at_bottom.free_rates(0.0)).round(9)
-    if scene.rotor.is_free:
-        rates = rates[rates > STIFF * rates.max()]
+    """Natural frequencies of the rotor with its balancers at standstill [rad/s].
+
+    With the rates at which overdamped motions creep back.
+    """
+    rates = np.abs(_rates_at_rest(scene)).round(9)
     return sorted(set(rates.tolist()))  # np.unique loads masked arrays
+
+
+def _rates_at_rest(scene: Scene) -> NDArray:
+    """Eigenvalues [1/s] at standstill, without the drift of a machine that nothing holds."""
+    rates = scene.assembly().resting_rotor.at_bottom.free_rates(0.0)
+    if scene.rotor.is_free:
+        rates = rates[np.abs(rates) > STIFF * np.abs(rates).max()]
+    return rates
 
 
 def _unbalance(scene: Scene, time: float = 0.0) -> float:

@@ -12,7 +12,7 @@ from autobalancer.fmus.catalogue import sized_unit
 from autobalancer.harness import cosimulate
 from autobalancer.harness.master.names import stations
 from autobalancer.harness.master.plan import plan
-from autobalancer.harness.scene.plausible import implausible
+from autobalancer.harness.scene.plausible import implausible, understood
 from autobalancer.models.monolith import reference
 from autobalancer.models.papers.influence import influence
 from tests.studies.built import FAMILIES, compare, first_words, growth_word
@@ -144,6 +144,14 @@ def test_rigid_motions_of_a_free_machine_are_no_natural_frequencies_that_a_disc_
     elastic = (points > 1.0) & (points < 1.5 * 377.0)
     change = np.abs(discs[: len(points)][elastic] / points[elastic] - 1.0).max()
     assert _warned_change(scenes[0]) == f"{change:.0%}"
+
+
+def test_rates_at_which_rubber_and_oil_creep_back_are_no_natural_frequencies():
+    """Of the turbine in rad/s: undamped 206 to 300; its oil creeps at 9500 and more."""
+    assert "natural frequencies 19.1, 22.1, 311, 359 Hz;" in understood(ab.load("rubber_drive"))
+    assert "natural frequencies 32.8, 35.7, 44.3, 47.8 Hz;" in understood(ab.load("small_turbine"))
+    heavy = ab.Scene(rotor=PLANAR | {"stiffness": 1e5, "damping": 1e4}, speed=100.0)
+    assert "no natural frequency: overdamped" in understood(heavy)
 
 
 def test_a_change_beyond_the_cap_is_told_as_more_than_it(monkeypatch):
