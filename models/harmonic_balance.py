@@ -45,9 +45,11 @@ def unbalance_response(rotor: LinearRotor, speeds: ArrayLike) -> Complex:
     across = rows.reshape(len(sliders), 2 * rotor.stations).T
     spring, limit = np.array([(s.stiffness, s.limit) for s in sliders]).reshape(-1, 2).T
     if not spring.all():
-        raise NoResponse("sliders: harmonic balance takes those behind a spring alone")
+        raise NoResponse(
+            "rotor.friction: harmonic balance requires a stiffness (N/m) of every slider"
+        )
     if any(slider.free_stroke for slider in sliders):
-        raise NoResponse("sliders: harmonic balance takes those without a free stroke alone")
+        raise NoResponse("rotor.friction: harmonic balance does not support a free_stroke")
     w = np.asarray(speeds, float)[:, None, None]
     mass, damping, stiffness = rotor.real_coefficients(0.0)
     _, with_speed, followed = rotor.real_coefficients(1.0)  # both are linear in it

@@ -63,7 +63,10 @@ def understood(scene: Scene) -> str:
             most = readable_unbalance(one.capacity)
             each = each_of(one.mass) or (one.mass,)
             grams = " to ".join(rounded(1e3 * m, 3) for m in sorted({min(each), max(each)}))
-            parts.append(f"{name}{one.count} {one.kind} of {grams} g hold {most}")
+            hold = f"{one.kind} of {grams} g hold"
+            if one.count == 1:
+                hold = f"{one.kind.removesuffix('s')} of {grams} g holds"
+            parts.append(f"{name}{one.count} {hold} {most}")
             if one.weight_radius and one.kind == "balls" and not one.unequal:
                 parts[-1] += f", density {_density(one) / 1e3:.3g} g/cm^3"
     return "; ".join(parts)
