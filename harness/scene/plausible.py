@@ -32,6 +32,7 @@ MOST_SHOWN = 10.0  # times it: a change beyond is told as more than that
 _warnings_given: set[str] = set()  # warnings that this process has given
 HELD = 3.0  # times gravity: centrifugal acceleration that surely keeps a liquid at its wall
 RING_RADIUS, RING_GAP = 0.15, 0.005  # m: chambers with a float are smaller or their gap is
+MOST_GROWTH = 25.0  # of the logarithm of a motion: its weights then need a million short steps
 WIDEST = 4.0 * math.pi  # rad: an angle beyond two turns is in degrees
 
 
@@ -129,6 +130,7 @@ def _implausible(scene: Scene) -> Iterator[str]:
     yield from _collapsing_rings(scene)
     yield from _short_of_capacity(scene)
     yield from _discs_without_size(scene)
+    yield from _growing(scene)
     films = bool(scene.rotor.bearings)  # which damp as they do
     if not films and (ratio := scene.rotor.largest_damping_ratio()) > 1.0:
         yield (
@@ -185,6 +187,26 @@ def _short_of_capacity(scene: Scene) -> Iterator[str]:
                 f"the weights hold at most {readable_unbalance(most)}: take more or heavier "
                 "weights, or a larger track"
             )
+
+
+def _growing(scene: Scene) -> Iterator[str]:
+    """Rotors with weights that whirl by themselves beyond any bound."""
+    speed, rotor = scene.operation.speed, scene.rotor
+    if speed is None or rotor.is_restrained or rotor.friction or not scene.assembly().weights:
+        return
+    try:
+        rates = scene.assembly().at_speed(speed).loaded_rotor.free_rates(speed)
+    except ValueError:  # the run is refused: a bearing's table does not hold the speed
+        return
+    rate = float(rates.real.max())
+    seconds = scene.run.duration or math.tau * scene.run.revolutions / speed
+    if rate * seconds > MOST_GROWTH:
+        yield (
+            f"speed = {in_both(speed, 'rad/s')}: the rotor itself is unstable there, by internal "
+            f"damping or its bearings: its motion grows by {rate:.3g} 1/s, e^{rate * seconds:.0f} "
+            f"in {seconds:.3g} s, and the run takes ever shorter steps: run it for at most "
+            f"{MOST_GROWTH / rate:.2g} s, or slower (`autobalancer rotor` states its modes)"
+        )
 
 
 def _discs_without_size(scene: Scene) -> Iterator[str]:

@@ -106,6 +106,24 @@ def test_unbalance_out_of_reach_is_found_in_two_planes():
     assert any("the weights hold at most" in line for line in implausible(scene))
 
 
+@pytest.mark.parametrize(("internal", "grows"), [(20.0, False), (120.0, True)])
+def test_a_rotor_that_whirls_by_itself_beyond_any_bound_is_warned_of(internal, grows):
+    """The limit is w0 (1 + c/ci) = 139 and 62 rad/s, the speed 120 rad/s."""
+    rotor = {"kind": "planar", "mass": 14.0, "stiffness": 30e3, "damping": 40.0,
+             "internal_damping": internal, "unbalance": 5e-3}  # fmt: skip
+    balls = {"kind": "balls", "count": 5, "mass": 0.02, "track_radius": 0.12, "drag": 0.05}
+    scene = Scene(rotor=rotor, balancer=[balls], speed=120.0, run={"revolutions": 300})
+    found = [line for line in implausible(scene) if "the rotor itself is unstable" in line]
+    assert bool(found) == grows
+    if grows:
+        (line,) = found
+        rate = float(re.search(r"grows by (\S+) 1/s", line)[1])
+        assert rate == pytest.approx(5.18, rel=0.01)
+        assert not implausible(
+            scene.replace({"run.revolutions": 0.9 * 25.0 / rate * 120.0 / 6.283})
+        )
+
+
 def test_a_scene_made_in_python_can_be_judged():
     rotor = {"kind": "planar", "mass": 8.0, "stiffness": 2e4, "unbalance": 1.0}
     found = implausible(Scene(rotor=rotor, operation={"speed": 150.0}))
