@@ -52,6 +52,8 @@ def _without(scatter: Scatter) -> dict[str, Any]:
         known = scatter.ran & ~np.isnan(other) & ~np.isnan(own)
         found[name] = int((own[known] > other[known] * (1.0 + _SAME)).sum())
         found[f"{name}_of"] = int(known.sum())
+    more = scatter.residual > scatter.alone * (1.0 + _SAME)
+    found["vibrate_more_unsettled"] = int((scatter.ran & more & (scatter.settled == 0.0)).sum())
     return found
 
 
@@ -103,9 +105,11 @@ def lines(said: Mapping[str, Any]) -> list[str]:
     ]
     compared = said["without_balancers"]
     if compared["vibrate_more_of"]:
+        early = compared["vibrate_more_unsettled"]
+        unsettled = f" at the end, {early} of them before they have settled" * bool(early)
         lines.append(
             f"{compared['vibrate_more']} of {compared['vibrate_more_of']} machines vibrate more "
-            f"with balancers than without; in {compared['larger_peak']} of "
+            f"with balancers than without{unsettled}; in {compared['larger_peak']} of "
             f"{compared['larger_peak_of']} the run's largest amplitude is larger with them"
         )
     if said["left_behind"]:

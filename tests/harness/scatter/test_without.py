@@ -75,6 +75,15 @@ def test_the_command_compares_with_the_machines_without_balancers(invoke, tmp_pa
     assert "left behind" not in outcome.output
 
 
+def test_a_machine_that_has_not_settled_is_said_to_vibrate_more_for_the_time_being(invoke):
+    """Its ring leaves 76 % of the vibration in the steady motion, with a time constant of 24 s."""
+    outcome = invoke("scatter", "washing_machine_ring", "--vary", "ring.fill=normal(0.5,1%)",
+                     "-n", "2")  # fmt: skip
+    said = " ".join(outcome.output.split())
+    assert "2 of 2 machines vibrate more with balancers than without at the end, 2 of them " in said
+    assert "before they have settled" in said
+
+
 def test_weights_that_swing_between_two_frequencies_are_neither_settled_nor_left_behind():
     """Between two natural frequencies; an integration calls 16 to 29 of 100 starts so."""
     rotor = {**GREEN, "damping": [0.1, 0.2], "stiffness": [1.0, 4.0]}
