@@ -13,7 +13,7 @@ from ..errors import SceneError
 from ..output.outcome import Outcome
 from ..output.table import Sheet
 from ..scene import Scene
-from ..scene.balancer import WeightBalancer
+from ..scene.balancer import Ring, WeightBalancer
 from .words import limits, sentence
 
 
@@ -184,6 +184,8 @@ def captured(scene: Scene, speed: float | None = None) -> Captured:
         if scene.balancer:
             there = "only liquid, which turns with its chamber"
             remedy = "`autobalancer speeds` states at which speeds liquid lowers the vibration"
+        if any(isinstance(b, Ring) for b in scene.balancer):
+            remedy = "`autobalancer speeds` states at which speeds the waves of a ring grow"
         raise SceneError(
             f"{scene.label}: {there}: only balls, rollers and pendulums can be left behind; "
             f"{remedy}"

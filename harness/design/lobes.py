@@ -160,6 +160,8 @@ def out_of_round(scene: Scene, text: str = "", speed: float | None = None) -> Ou
     try:
         race = Race(assembly, w, lobes)
     except ValueError as error:
+        if not assembly.weights:
+            raise UserError(f"{scene.label}: {error}") from error
         raise UserError(
             f"{scene.label}: {error}; on supports alike in x and y give the lobes as the key race "
             "of each balancer, and leave them out here"

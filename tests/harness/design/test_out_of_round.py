@@ -93,3 +93,13 @@ def test_what_race_states_is_what_rests_over_the_angle_leave(turned_fan, monkeyp
     )
     assert "Others leave up to 0.0184 mm" in found.sentence()
     assert found.as_json()["most"] == found.most
+
+
+@pytest.mark.parametrize("command", ["capture", "race"])
+def test_a_ring_of_liquid_is_sent_to_what_answers_of_it(invoke, command):
+    extra = ["--lobes", "2=5 um"] if command == "race" else []
+    outcome = invoke(command, "washing_machine_ring", *extra)
+    said = " ".join(outcome.output.split())
+    assert outcome.exit_code == 2
+    assert ("the waves of a ring grow" in said) == (command == "capture")
+    assert "give the lobes as the key" not in said
