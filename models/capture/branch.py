@@ -98,12 +98,33 @@ def ratios_at_drags(
 
     0 where it is far below 1.  From `NEARLY` on only where a motion belongs to it.
     """
+    # below a natural frequency above the rotor's speed weights can be held far from its peak
+    above = branches.poles.frequency[branches.pole[rows]] > branches.speed
+    everywhere = np.full(len(rows), len(rows) <= _FEW) | above
+    found = np.zeros(len(rows))
+    for which in (True, False):
+        part = np.flatnonzero(everywhere == which)
+        if len(part):
+            some = rows[part], factors[part]
+            found[part] = _ratios(branches, receptance, lag, *some, everywhere=which)
+    return found
+
+
+def _ratios(
+    branches: Branches,
+    receptance: Receptance,
+    lag: Lag,
+    rows: Indices,
+    factors: Array,
+    *,
+    everywhere: bool,
+) -> Array:
+    """The same along the whole grid, or where a first look finds it worth while."""
     poles, pole, numbers = branches.poles, branches.pole[rows], branches.numbers[rows]
     speed = branches.speed
     own = near_poles(receptance, lag, poles.select(pole), speed, numbers, factors)
-    many = len(rows) > _FEW
     at = np.arange(len(rows))
-    if many:
+    if not everywhere:
         kept = _worth_a_grid(receptance, lag, speed, poles, pole, numbers, own, factors)
         at = np.flatnonzero(kept)
 
@@ -112,13 +133,13 @@ def ratios_at_drags(
         return _coarse(receptance, lag, speed, *near, first)
 
     found = np.zeros(len(rows))
-    near = along(_POINTS_BELOW - 1 if many else 0)  # no peak is as far below
+    near = along(0 if everywhere else _POINTS_BELOW - 1)  # no peak is as far below
     if len(lag.groups) > 1:
         worth = np.flatnonzero(drag_ratios(near) > _WORTH_REFINING)
         _refine(near, receptance, lag, worth, factors[at[worth]])
     found[at] = ratios = drag_ratios(near)
     if len(high := np.flatnonzero(ratios > NEARLY)):
-        if many:
+        if not everywhere:
             at = at[high]
             near = replace(along(0), peak=near.peak[high], lag=near.lag[high])
             ratios = drag_ratios(near)

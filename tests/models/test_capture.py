@@ -179,7 +179,10 @@ def near_its_speed(kind="gyroscopic", seed=(77, 4, 59)):
     return drawn, lowest * random.uniform(2.0, 5.0)
 
 
-@pytest.mark.parametrize(("kind", "seed"), [("gyroscopic", (77, 4, 10)), ("flexible", (12, 5, 25))])
+@pytest.mark.parametrize(
+    ("kind", "seed"),
+    [("gyroscopic", (77, 4, 10)), ("flexible", (12, 5, 25)), ("flexible", (31, 47))],
+)
 def test_no_weights_are_left_behind_near_the_rotors_speed_above_the_drag_limit(kind, seed):
     drawn, speed = near_its_speed(kind, seed)
     limit = capture(drawn.assembly, speed).drag_ratio
