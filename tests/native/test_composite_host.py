@@ -140,6 +140,28 @@ def test_a_force_that_goes_on_as_it_was_told_costs_no_steps(hosted):
     assert found[-1] == pytest.approx(whole.get("rotor.x", "rotor.y"), rel=1e-5)
 
 
+def test_a_force_that_varies_within_long_steps_moves_a_stiff_machine_as_in_pieces(hosted):
+    """By collocation: a cubic over the whole step of the host, or told anew in 300 of them."""
+
+    def cubic(order, t):
+        x = (
+            0.3 + 0.2 * t - 0.09 * t**2 + 0.01 * t**3,
+            0.2 - 0.18 * t + 0.03 * t**2,
+            0.06 * t - 0.18,
+            0.06,
+        )
+        return x[order], -3e4 * x[order]
+
+    supports = {"rotor.stiffness": [1.0, 1e7], "rotor.damping": [0.5, 0.14 * 1e7**0.5]}
+    own = {"coupling.steps_per_rev": None, "coupling.corrections": None, "coupling.scheme": "auto"}
+    scene = load_scene("two_balls").replace({**supports, **own, "coupling.tolerance": 1e-6})
+    whole, pieces = hosted(scene), hosted(scene)
+    [_, end] = pushed(whole, cubic, 6.0, 1)
+    found = pushed(pieces, cubic, 0.02, 300)
+    assert whole.get("coupling.steps")[0] < 400
+    assert np.abs(found[-1] - end).max() < 1e-5 * np.abs(found).max()
+
+
 @pytest.mark.parametrize("fmi", [2, 3])
 def test_derivatives_of_a_force_are_inputs_in_both_versions(tmp_path, fmi):
     path = one_file(tmp_path, sprung(), fmi)
