@@ -35,15 +35,23 @@ def test_a_stiff_machine_errs_by_less_than_it_states(name, collocates):
 
 
 @pytest.mark.parametrize(
-    ("number", "drag", "tolerance"),
-    [(77, 1.0, 1e-2), (77, 1.0, 1e-3), (13, 300.0, 1e-3), (17, 300.0, 1e-5)],
+    ("family", "number", "drag", "tolerance"),
+    [
+        ("motor", 77, 1.0, 1e-2),
+        ("motor", 77, 1.0, 1e-3),
+        ("motor", 13, 300.0, 1e-3),
+        ("motor", 17, 300.0, 1e-5),
+        ("run_up", 38, 300.0, 1e-3),
+    ],
 )
-def test_the_speed_that_fast_weights_leave_a_rotor_errs_by_what_is_stated(number, drag, tolerance):
-    """Heavy drag takes the weights along at once; the rotor under a motor keeps what that gives.
+def test_the_speed_that_fast_weights_leave_a_rotor_errs_by_what_is_stated(
+    family, number, drag, tolerance
+):
+    """Heavy drag takes the weights along at once; the rotor keeps what that gives it.
 
     A bound on places alone lets its speed err by the bound over so short a step.
     """
-    scene = one_piece.drawn("motor", number)
+    scene = one_piece.drawn(family, number)
     [weights] = scene.balancer
     changes = {"weights.drag": drag * weights.drag, "coupling.tolerance": tolerance}
     found = one_piece.compared(scene.replace({**changes, "run.revolutions": 4.0}))
