@@ -20,7 +20,7 @@ from ...models.proof.rotors import RingBalls, Unproved, rotor_balls
 from ...models.proof.slopes import Exact, Number, Sloped, ball
 from ...models.proof.window import WindowBalls
 from ...models.weights import KAPPA
-from ..errors import UserError
+from ..errors import SceneError, UserError
 from ..scene import Scene
 from ..scene.replace import in_full
 from ..units import si_number
@@ -73,7 +73,8 @@ def tolerances(text: str, scene: Scene) -> tuple[Change, ...]:
     """PATH=5%, PATH=0.2 N/m, several with commas: tolerances on both sides of the scene's values.
 
     Raises:
-        UserError: it is not written like that, or a path names no number of the machine.
+        UserError: it is not written like that, a path names no number of the machine, or a band
+            reaches values that the scene does not allow.
     """
     changes = []
     for item in text.split(","):
@@ -88,8 +89,30 @@ def tolerances(text: str, scene: Scene) -> tuple[Change, ...]:
             raise UserError(f"within {item!r}: {size:g} must be 0 or more")
         kind = "relative" if percent != amount else "added"
         count = len(Tables(scene).numbers(path))
+        _refuse_beyond(scene, path, size, kind, amount)
         changes += [Change(path, -size, size, kind, k) for k in range(count) if size]
     return tuple(changes)
+
+
+def _refuse_beyond(scene: Scene, path: str, size: float, kind: str, amount: str) -> None:
+    """Raise UserError where an end of a band is a value that the scene does not allow."""
+    value = Tables(scene).value(path)
+    for way in (-1.0, 1.0):
+        end = _moved(value, way * size, kind)
+        try:
+            scene.replace({path: end})
+        except SceneError as error:
+            raise UserError(
+                f"within {path}={amount}: the band reaches a value that the scene does not allow: "
+                f"{error}"
+            ) from error
+
+
+def _moved(value: Any, amount: float, kind: str) -> Any:
+    """A value with all its numbers moved by an amount, or by that share of themselves."""
+    if isinstance(value, list):
+        return [_moved(each, amount, kind) for each in value]
+    return value * (1.0 + amount) if kind == "relative" else value + amount
 
 
 def _exact(value: float) -> arb:
@@ -156,6 +179,15 @@ class Tables:
                 over the speed.
         """
         return self._find(path)[2]
+
+    def value(self, path: str) -> Any:
+        """A path's value in SI units: a number, or lists of numbers.
+
+        Raises:
+            UserError: as of `numbers`.
+        """
+        holder, key, _ = self._find(path)
+        return _floats(holder[key])
 
     def _find(self, path: str) -> tuple[Any, Any, dict[int, Number]]:
         """What holds a path's value, its key or index there, and the value's different numbers."""
@@ -254,6 +286,11 @@ def _mapped(value: Any, known: dict[int, Number]) -> Any:
     if not isinstance(value, arb | Sloped):
         raise TypeError
     return known.setdefault(id(value), value)
+
+
+def _floats(value: Any) -> Any:
+    """The middles of balls, in lists as these are."""
+    return [_floats(each) for each in value] if isinstance(value, list) else float(value.mid())
 
 
 def _angles(scene: Scene) -> Iterator[float]:

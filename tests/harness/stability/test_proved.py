@@ -238,6 +238,25 @@ def test_wrong_tolerances_are_refused(within, words):
         speeds(load_scene("filimonikhina"), (1.0, 2.0), ["floquet"], within="rotor.mass=1%")
 
 
+@pytest.mark.parametrize(
+    ("within", "words"),
+    [
+        ("rotor.mass=5", r"within rotor.mass=5: .* rotor.mass = -4.01 kg: must be greater than 0"),
+        ("rotor.mass=100%", r"within rotor.mass=100%: .* rotor.mass = 0.0 kg"),
+        ("rotor.stiffness=2 N/m", r"rotor.stiffness\[1\] = -1.0 N/m: must be greater than 0"),
+        ("rotor.mass=1%, weights.drag=0.01", r"drag = -0.0075 N s/m: must be 0 or more"),
+    ],
+)
+def test_bands_that_reach_values_the_scene_does_not_allow_are_refused(within, words):
+    with pytest.raises(UserError, match=words):
+        tolerances(within, load_scene("filimonikhina"))
+
+
+def test_a_band_may_reach_the_end_of_what_the_scene_allows():
+    found = tolerances("weights.drag=100%", load_scene("filimonikhina"))
+    assert [(one.low, one.high) for one in found] == [(-1.0, 1.0)]
+
+
 def test_a_check_s_row_holds_where_floquet_lies_in_the_proved_bracket_alone():
     scene, w_x = variant(load_scene("filimonikhina_tables"), TABLES[17])
     found = speeds(scene, (8.5 * w_x, 9.0 * w_x), ["floquet"])
