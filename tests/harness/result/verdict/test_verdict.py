@@ -8,7 +8,7 @@ import re
 
 import pytest
 
-from autobalancer.harness import Scene, cosimulate
+from autobalancer.harness import Scene, cosimulate, load_scene
 from autobalancer.harness.result.verdict import Outcome
 from autobalancer.harness.result.verdict.sentence import sentences
 from autobalancer.harness.result.verdict.verdict import Verdict
@@ -184,6 +184,20 @@ def test_weights_left_behind_are_named_beside_an_unstable_balance():
     assert found.outcome is Outcome.UNSTABLE
     assert found.left_behind[0] == pytest.approx(3.0285, rel=2e-3)
     assert "left behind, all balls of a and all balls of b turn at 3.0" in found.reason
+
+
+def test_no_capacity_in_use_is_stated_where_weights_turn_in_an_unstable_machine():
+    """Pendulums with a tenth of the drag turn in the rotor, and none is left behind steadily."""
+    found = verdict(
+        load_scene("two_balls").replace(
+            {"operation.speed": 5.5, "weights.drag": 0.001, "run.revolutions": 200}
+        )
+    )
+    assert found.outcome is Outcome.UNSTABLE
+    assert found.left_behind is None
+    assert found.used == ()
+    assert found.left is None
+    assert "capacity" not in str(found)
 
 
 def test_a_transient_of_unknown_length_has_the_least_that_it_takes():
