@@ -13,6 +13,7 @@ if TYPE_CHECKING:
 
 LIKELY = 0.9  # share of starts whose interval must reach above it: a candidate that balances
 ALTERNATIVES = 3  # named beside the best, at most
+NO_RESERVE, SMALL_RESERVE = 0.005, 0.05  # of the largest unbalance: less capacity beyond it
 ENOUGH = 35  # starts: so many that all balance show it
 
 
@@ -125,7 +126,10 @@ def _also(data: Fitting, one: Trial) -> str:
 def _capacity(data: Fitting, one: Trial) -> str:
     largest = data.space.unbalance
     held = one.candidate.capacity / largest if largest else math.inf
-    return f"capacity {held:.3g} times the largest unbalance"
+    said = f"capacity {held:.3g} times the largest unbalance"
+    if held < 1.0 + NO_RESERVE:
+        return f"{said}, without reserve"
+    return said if held >= 1.0 + SMALL_RESERVE else f"{said}, hardly any reserve"
 
 
 def _named(one: Trial, data: Fitting) -> str:

@@ -12,6 +12,7 @@ from ..output.outcome import Outcome
 from ..output.table import Sheet
 from ..output.workers import Progress, Workers, in_order
 from ..scene import Scene
+from ..units import readable_unbalance
 from .candidates import Candidate, candidates, largest_capacity
 from .drags import DragRange
 from .scenes import unbalance_of, weights_of
@@ -197,6 +198,6 @@ def _assumed(scene: Scene, start: str, unbalances: Sequence[float]) -> list[str]
         )
         said.append(f"Starts: {run_up_begins(driven)}; {word}.")
     if len(unbalances) > 1:
-        low, high = (f"{1e6 * u:.4g}" for u in unbalances)
-        said.append(f"Unbalance: tried at {low} and at {high} g mm.")
+        low, high = map(readable_unbalance, unbalances)
+        said.append(f"Unbalance: tried at {low} and at {high}.")
     return said

@@ -10,9 +10,10 @@ import numpy as np
 import pytest
 
 import autobalancer as ab
-from autobalancer.harness.design.answer import _none
+from autobalancer.harness.design.answer import _capacity, _none
 from autobalancer.harness.design.candidates import STANDARD, Candidate
 from autobalancer.harness.design.drags import drag_range
+from autobalancer.harness.design.fitting import _assumed
 from autobalancer.harness.design.trials import Corner, Trial, _margin
 from autobalancer.harness.drag.estimate import find_drag
 from autobalancer.harness.errors import SceneError, UserError
@@ -211,6 +212,24 @@ def test_wrong_values_are_refused_by_name(fan, given, word):
 def test_motor_is_refused_with_what_to_give_instead():
     with pytest.raises(SceneError, match=r"operation\.motor: give operation\.speed or run_up"):
         ab.load("sommerfeld").design("1 g m", race="0.1 m", width="20 mm")
+
+
+@pytest.mark.parametrize(
+    ("capacity", "words"),
+    [
+        (1.0, "capacity 1 times the largest unbalance, without reserve"),
+        (1.03, "capacity 1.03 times the largest unbalance, hardly any reserve"),
+        (1.3, "capacity 1.3 times the largest unbalance"),
+    ],
+)
+def test_a_capacity_without_reserve_is_called_so(capacity, words):
+    one = SimpleNamespace(candidate=SimpleNamespace(capacity=capacity * 2e-4))
+    assert _capacity(SimpleNamespace(space=SimpleNamespace(unbalance=2e-4)), one) == words
+
+
+def test_unbalances_that_are_tried_are_written_without_exponents():
+    (*_, line) = _assumed(SimpleNamespace(), "turning", (2e-4, 0.02))
+    assert line == "Unbalance: tried at 200 g mm and at 20 g m."
 
 
 def test_few_starts_that_all_balance_are_no_recommendation_and_no_refusal():
