@@ -64,11 +64,13 @@ class StabilityMap(Map):
         failed = self.failure[self.failure != ""]
         none = int(np.isnan(self.growth).sum()) - failed.size
         known, unknown = ~self.undecided, int(self.undecided.sum())
-        yield (
-            f"{self.growth.size} points: {int((known & (self.growth <= 0.0)).sum())} balanced, "
-            f"{int((known & (self.growth > 0.0)).sum())} not, {none} where the weights cannot "
-            "balance"
-        )
+        grows = int((known & (self.growth > 0.0)).sum())
+        decays, points = int((known & (self.growth <= 0.0)).sum()), f"{self.growth.size} points"
+        if self.scene.assembly().weights:
+            unable = f"{none} where the weights cannot balance"
+            yield f"{points}: {decays} balanced, {grows} not, {unable}"
+        else:
+            yield f"{points}: {decays} stable, {grows} not; the scene has no weights that balance"
         if unknown:
             most = float((np.abs(self.growth) + self.error)[self.undecided].max())
             yield f"{unknown} undecided or neutral: growth below {most:.2g} 1/s"

@@ -48,7 +48,8 @@ def plot_map(data: StabilityMap, path: Path | None) -> Path | Drawing:
     bar.set_ticks([*(-end for end in ends), 0.0, *ends[::-1]])
     bar.ax.yaxis.set_major_formatter("{x:g}")
     bar.ax.yaxis.set_minor_locator(NullLocator())
-    bar.set_label("largest growth rate [1/s]: below 0 balanced, above 0 not")
+    word = "balanced" if data.scene.assembly().weights else "stable"
+    bar.set_label(f"largest growth rate [1/s]: below 0 {word}, above 0 not")
     handles: list[Artist] = [_boundary(axes, x, y, data.growth, "black", "-", "Floquet boundary")]
     if data.undecided.any():
         shown = np.where(data.undecided, 1.0, np.nan)

@@ -50,6 +50,17 @@ def test_an_unknown_path_of_an_axis_is_named_before_its_units():
         Axis.parse("wights.drag=0.1 N s/m:1 N s/m:3", load_scene("two_balls"))
 
 
+def test_machines_without_weights_are_called_stable_and_not_balanced():
+    weights, ring = load_scene("filimonikhina"), load_scene("washing_machine_ring")
+    speed = Axis.parse("speed=20:60:2")
+    (line, *_) = stability_map(ring, speed, Axis.parse("rotor.mass=1:2:2", ring)).lines()
+    assert "balanced" not in line
+    assert "stable, " in line
+    assert "no weights" in line
+    (line, *_) = stability_map(weights, speed, Axis.parse("rotor.mass=1:2:2", weights)).lines()
+    assert " balanced, " in line
+
+
 def test_labels_carry_units():
     scene = load_scene("filimonikhina")
     texts = {
