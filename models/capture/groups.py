@@ -20,6 +20,7 @@ as internal damping does.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -116,6 +117,8 @@ class Lag:
     Attributes:
         used: (p,) planes of the rotor that have weights.
         planes: (c,) of each group, an index among these.
+        turned_over: w/Om from which on a weight without drag that turns with the rotor pulls its
+            plane the other way than its mass does: 1 = w^2/(2 kappa v^2) of the force above.
     """
 
     def __init__(self, groups: tuple[Group, ...], drags: Array) -> None:
@@ -127,6 +130,8 @@ class Lag:
         self._have_size = any(one.half_angle for one in groups)
         self._shares = np.array([one.mass / one.kappa for one in groups])
         rates = drags / np.array([one.kappa * one.mass for one in groups])
+        root = math.sqrt(2.0 * min(one.kappa for one in groups))
+        self.turned_over = root / (1.0 + root)
         place = np.eye(len(self.used))[self.planes]
         self._rates = [(rate, place * (rates == rate)[:, None]) for rate in set(rates.tolist())]
 

@@ -21,7 +21,6 @@ from .receptance import Receptance
 _LADDER = np.concatenate([np.linspace(0.0, 0.8, 17), np.linspace(0.9, 2.0, 12)])  # log of drags
 _LADDERS = 4  # at most, each from the end of the one before
 _HOPELESS = 0.3  # L(d)/d, by the damping of the natural frequency at d, that is never 1
-_NEAR = 0.7  # of the rotor's speed: peaks and natural frequencies above it move with the drag
 _FINER = np.linspace(0.0, 1.0, 9)  # between two drags
 _STEEPEST, _AT_JUMP = 10.0, 2e-3  # slope of the logarithms that is a jump, and how near it is found
 _FAR_BELOW = 0.8  # of the limit of k = N, which is exact: k < N of one group do not decide
@@ -110,7 +109,9 @@ class _Search:
     def _can_be_high(self, drags: Array, which: Indices) -> NDArray[np.bool_]:
         """Whether L(d)/d can be 1, (d, r) of some rows: where the damping at d does not exclude it.
 
-        L(d) is in proportion to one over the damping while the peak stays where it is.
+        L(d) is in proportion to one over the damping while the peak stays where it is.  It nearly
+        does below `turned_over`.  Above, weights that turn with the rotor pull one way at much drag
+        and the other way at little.  L(d)/d can then be tenfold: nothing is excluded there.
         """
         rows, branches = self._rows[which], self._branches
         poles = branches.poles.select(np.tile(branches.pole[rows], len(drags)))
@@ -121,6 +122,7 @@ class _Search:
         ).decay.reshape(len(drags), -1)
         with np.errstate(divide="ignore", invalid="ignore"):
             high = self._now[which] * branches.own.decay[rows] > _HOPELESS * there * drags[:, None]
-            far = np.maximum(branches.peak, branches.poles.frequency[branches.pole])[rows]
-            unknown = ~(far < _NEAR * branches.speed)
+            pole, own = branches.poles.frequency[branches.pole], branches.own.frequency
+            far = np.maximum(np.maximum(pole, own), branches.peak)[rows]
+            unknown = ~(far < self._lag.turned_over * branches.speed)
         return np.asarray((there > 0.0) & (high | unknown))

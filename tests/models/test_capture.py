@@ -181,13 +181,32 @@ def near_its_speed(kind="gyroscopic", seed=(77, 4, 59)):
 
 @pytest.mark.parametrize(
     ("kind", "seed"),
-    [("gyroscopic", (77, 4, 10)), ("flexible", (12, 5, 25)), ("flexible", (31, 47))],
+    [
+        ("gyroscopic", (77, 4, 10)),
+        ("flexible", (12, 5, 25)),
+        ("flexible", (31, 47)),
+        ("gyroscopic", (53, 34)),  # peaks at 0.69 and 0.68 of the speed
+        ("gyroscopic", (1002, 4, 270)),
+    ],
 )
 def test_no_weights_are_left_behind_near_the_rotors_speed_above_the_drag_limit(kind, seed):
     drawn, speed = near_its_speed(kind, seed)
     limit = capture(drawn.assembly, speed).drag_ratio
     for part in (1.01, 1.03, 1.06, 1.12, 1.18):
         assert not capture(drawn.with_drag(part * limit).assembly, speed).motions
+
+
+@pytest.mark.parametrize("kappa", [1.0, 1.4, 1.5])
+def test_weights_without_drag_pull_the_other_way_where_the_lag_says(kappa):
+    device = Weights(2, 0.03, 1.0, 0.01, kappa)
+    rotor = LinearRotor.planar(1.0, 1.0, 0.1)
+    groups = groups_of(Assembly(rotor, (Mounted("balls", device, 0, (0.0, 0.0)),)))
+    lag, speed = Lag(groups, np.array([0.01])), 4.0
+    w = lag.turned_over * speed * np.array([[0.999, 1.0, 1.001]])
+    beyond_mass = lag.others(w, speed, np.array([[1.0]]), 1, 1e-6)[0, 0].real
+    force = 0.03 * w[0] ** 2 + beyond_mass
+    assert force[0] > 0.0 > force[2]
+    assert force[1] == pytest.approx(0.0, abs=1e-9)
 
 
 def test_the_drag_limit_covers_drags_beyond_a_gap():
