@@ -48,6 +48,12 @@ def of_angles(outputs: Iterable[str], what: str) -> dict[str, str]:
     return {f"{found[1]}{what}": name for name in outputs if (found := angle.match(name))}
 
 
+def of_moments(outputs: Iterable[str]) -> dict[str, str]:
+    """What many runs call the means of weights' moments, `mean_moment_xi`: moments by it."""
+    moment = re.compile(r"^(.*\.)(moment_(?:xi|eta))$")
+    return {f"{found[1]}mean_{found[2]}": name for name in outputs if (found := moment.match(name))}
+
+
 def plane(number: int, what: str) -> str:
     """A variable of a rotor's plane, such as `plane[1].a`."""
     return f"plane[{number}].{what}"

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from ..errors import UserError
 from ..master.merged import merged_runs, names_of_states
-from ..master.names import of_angles, station_residuals, stations, turning_parts
+from ..master.names import of_angles, of_moments, station_residuals, stations, turning_parts
 from ..master.one_file import composition
 from ..master.plan import plan
 from ..master.schedule import end_time
@@ -59,8 +59,9 @@ def cosimulate_many(
             rotor's only one [m]; at constant speed `rotor.x.in_phase` and `.quadrature_lead`, also
             of `y` and of a station: x = in_phase cos theta - quadrature_lead sin theta in the last
             revolution [m], with the rotor's angle theta; `balls.weight[1].mean_angle` of the last
-            revolution [rad], and `.mean_lag` behind the rotor in the last ten [rad/s]; or outputs
-            of the FMU, which are taken at the end of a run.
+            revolution [rad], and `.mean_lag` behind the rotor in the last ten [rad/s];
+            `balls.mean_moment_xi` and `_eta` of the last revolution [kg m]; or outputs of the FMU,
+            which are taken at the end of a run.
         threads: default: one a core.
 
     Returns:
@@ -79,8 +80,9 @@ def cosimulate_many(
     inputs = [v.name for v in layout.variables if v.causality != "output"]
     outputs = [v.name for v in layout.reals if v.causality == "output"]
     residuals = station_residuals(len(scene.rotor.points))
-    angles, lags = (of_angles(outputs, what) for what in ("mean_angle", "mean_lag"))
-    means, profile = angles | lags, scene.profile()
+    averages, lags = (of_angles(outputs, what) for what in ("mean_angle", "mean_lag"))
+    averages |= of_moments(outputs)
+    means, profile = averages | lags, scene.profile()
     is_steady = not (profile.changes or scene.operation.motor)
     parts_of = turning_parts(len(scene.rotor.points)) if is_steady else {}
     _refuse_unknown(results, [*RESULTS, *residuals, *parts_of, *means, *outputs])
@@ -125,7 +127,7 @@ def cosimulate_many(
         reduced = _reduced(motion, turns, ends[part], residuals, heavy)
         reduced |= dict(zip(["error", *ending[1:]], at_end.T, strict=True))
         late = signals[:, -((signals.shape[1] - 1) // turns) :]
-        for name in set(angles).intersection(results):
+        for name in set(averages).intersection(results):
             reduced[name] = late[:, :, asked.index(means[name])].mean(axis=1)
         for name in set(lags).intersection(results):
             turned = signals[:, :, asked.index(means[name])]

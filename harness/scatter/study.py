@@ -43,8 +43,9 @@ class Scatter(Drawn):
 
     Attributes:
         residual: (n,) largest amplitude in the last revolution [m]; NaN where the run failed.
-        grade: (n,) of ISO 21940-11 that the residual unbalance at the end just meets [mm/s]; NaN
-            where the run failed or the scene's balancers do not tell their unbalance.
+        grade: (n,) of ISO 21940-11 that the residual unbalance at the end just meets [mm/s], under
+            gravity that of the weights' mean moment in the last revolution; NaN where the run
+            failed or the scene's balancers do not tell their unbalance.
         settled: (n,) 1 where the last two revolutions are alike and the machine is in no other
             motion: no weights are left behind, and with weights it vibrates less than without.
         merged: (n,) 1 where identical weights cannot part though they would, `master.merged`.
@@ -165,8 +166,13 @@ def _outcomes(machines: list[Scene]) -> Columns:
         for k in range(1, b.count + 1)
     ]
     speeds, lags = [f"{w}speed" for w in weights], [f"{w}mean_lag" for w in weights]
+    heavy = any(machine.operation.gravity for machine in machines)  # swings once per revolution
+    held_by = {
+        name: name.replace(".moment_", ".mean_moment_" if heavy else ".moment_")
+        for name in asked or ()
+    }
     motor = ["motor.speed"] if first.operation.motor else []
-    wanted = ["residual", "settled", "largest", *(asked or ()), *states, *speeds, *lags, *motor]
+    wanted = ["residual", "settled", "largest", *held_by.values(), *states, *speeds, *lags, *motor]
     results = list(dict.fromkeys(wanted))
     outcomes = cosimulate_many(first, table_of(machines), results=results, threads=1)
     bare = [one.without_balancers() for one in machines]
@@ -178,7 +184,7 @@ def _outcomes(machines: list[Scene]) -> Columns:
         ends = {name: float(outcomes[name][k]) for name in states}
         grade = math.nan
         if asked is not None:
-            held = {name: outcomes[name][k] for name in asked}
+            held = {name: outcomes[by][k] for name, by in held_by.items()}
             grade = residual_unbalance(machine, held, end_time(machine))[1]
         at_end = machine.profile().speed(end_time(machine))
         speed = float(outcomes["motor.speed"][k]) if motor else at_end

@@ -14,6 +14,18 @@ from autobalancer.harness.scatter.study import scatter
 from autobalancer.harness.scatter.vary import Variation
 from autobalancer.harness.scene.grade import residual_unbalance
 
+GRAVITY = {
+    "rotor.mass": 8.0,
+    "rotor.stiffness": [20e3, 30e3],
+    "rotor.damping": [80.0, 100.0],
+    "rotor.unbalance": 0.02,
+    "weights.mass": 0.1,
+    "weights.track_radius": 0.2,
+    "weights.drag": 0.2,
+    "operation.speed": 150.0,
+    "operation.gravity": 9.81,
+    "run.revolutions": 200,
+}
 MASS, STIFFNESS, DAMPING, SPEED = 2.0, 800.0, 12.0, 50.0
 
 
@@ -111,6 +123,19 @@ def test_a_two_plane_grade_is_judged_at_either_support():
     assert residual_unbalance(scene, held)[1] == pytest.approx(
         1e3 * second / 0.45 * 125 / 40, rel=1e-12
     )
+
+
+def test_under_gravity_the_grade_is_that_of_the_mean_over_the_last_revolution():
+    """As the run's verdict; the moment at the end alone is off by a multiple."""
+    scene = load_scene("two_balls").replace(GRAVITY)
+    found = scatter(scene, vary("rotor.mass=uniform(7.9,8.1)"), 2)
+    for (mass,), grade in zip(found.values, found.grade, strict=True):
+        machine = scene.replace({"rotor.mass": mass})
+        run = cosimulate(machine)
+        ends = {f"weights.moment_{a}": run[f"weights.moment_{a}"][-1] for a in ("xi", "eta")}
+        mean, end = run.summary().left[1], residual_unbalance(machine, ends)[1]
+        assert abs(end - mean) > 0.2 * mean
+        assert grade == pytest.approx(mean, rel=0.02)
 
 
 def test_a_liquid_has_no_grade_and_that_is_said():
