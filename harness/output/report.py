@@ -19,7 +19,7 @@ from .files import write_whole
 from .machine import machine, program_version
 from .table import Sheet
 from .terminal import keeping, ready_to_fill, say
-from .words import printable
+from .words import in_html, printable
 
 NAME = "report.html"
 _TEMPLATE = Path(__file__).with_name(NAME)
@@ -99,8 +99,10 @@ class Report:
     def page(self) -> str:
         """As HTML."""
         from jinja2 import Environment
+        from markupsafe import Markup
 
         environment = Environment(autoescape=True, trim_blocks=True, finalize=_harmless)
+        environment.filters["coded"] = lambda text: Markup(in_html(text))  # it escapes
         scenes = [(scene.heading, scene.toml) for scene in self.scenes]
         pictures = [(path.stem, b64encode(path.read_bytes()).decode()) for path in self.pictures]
         return environment.from_string(_TEMPLATE.read_text(encoding="utf-8")).render(

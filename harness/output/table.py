@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from ..units import in_words, scaled, shown_in
 from .files import write_whole
-from .words import in_markdown, printable
+from .words import in_html, in_markdown, printable
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -95,7 +95,6 @@ class Sheet:
 
     def html(self) -> str:
         """As a table of HTML, every text escaped; cells are of class good, bad, short."""
-        from html import escape
 
         def cells(kind: str, texts: Sequence[Any]) -> str:
             made = []
@@ -103,11 +102,11 @@ class Sheet:
                 colour = _CLASSES.get(self.colours.get(name, {}).get(str(text), ""), "")
                 short = "short" if len(str(text)) <= _SHORT else ""
                 look = f'class="{colour} {short}" style="text-align:{_JUSTIFY[letter]}"'
-                made.append(f"<{kind} {look}>{escape(printable(str(text)))}</{kind}>")
+                made.append(f"<{kind} {look}>{in_html(str(text))}</{kind}>")
             return "".join(made)
 
         rows = "\n".join(f"<tr>{cells('td', row)}</tr>" for row in self.rows)
-        caption = f"<caption>{escape(printable(self.title))}</caption>" if self.title else ""
+        caption = f"<caption>{in_html(self.title)}</caption>" if self.title else ""
         head = f"<thead><tr>{cells('th', self.columns)}</tr></thead>"
         return f"<table>{caption}{head}<tbody>\n{rows}\n</tbody></table>"
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from html import escape
 from typing import Literal
 
-from ..output.words import printable
+from ..output.words import in_html, printable
 
 
 @dataclass(frozen=True)
@@ -18,7 +18,7 @@ class Heading:
 
     def html(self) -> str:
         """As HTML."""
-        return f"<h2>{escape(printable(self.text))}</h2>"
+        return f"<h2>{in_html(self.text)}</h2>"
 
 
 @dataclass(frozen=True)
@@ -30,7 +30,7 @@ class Lead:
 
     def html(self) -> str:
         """As HTML."""
-        return f'<p class="lead {self.look}">{escape(printable(self.text))}</p>'
+        return f'<p class="lead {self.look}">{in_html(self.text)}</p>'
 
 
 @dataclass(frozen=True)
@@ -41,7 +41,7 @@ class Note:
 
     def html(self) -> str:
         """As HTML."""
-        return f'<p class="note">{escape(printable(self.text))}</p>'
+        return f'<p class="note">{in_html(self.text)}</p>'
 
 
 @dataclass(frozen=True)
@@ -53,11 +53,11 @@ class Image:
 
     def html(self) -> str:
         """As HTML."""
-        shows = escape(printable(self.shows))
+        shows, said = escape(printable(self.shows)), in_html(self.shows)
         data = b64encode(self.png).decode("ascii")
         return (
             f'<figure><img src="data:image/png;base64,{data}" alt="{shows}">'
-            f"<figcaption>{shows}</figcaption></figure>"
+            f"<figcaption>{said}</figcaption></figure>"
         )
 
 
@@ -70,5 +70,5 @@ class Drawing:
 
     def html(self) -> str:
         """As HTML."""
-        caption = f"<figcaption>{escape(printable(self.shows))}</figcaption>"
+        caption = f"<figcaption>{in_html(self.shows)}</figcaption>"
         return f"<figure>{self.svg}{caption}</figure>"

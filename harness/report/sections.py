@@ -72,8 +72,7 @@ def switching_on(scene: Scene, started: SwitchedOn) -> Parts:
     found = captured_or_none(scene)
     if found is None:
         return [*parts, _why_not_judged(scene)]
-    parts.append(in_words(found.sentence()))
-    parts += _shares(started)
+    parts += _shares(started)  # the closed form's sentence stands among the verdicts
     if found.found.natural:
         parts.append(picture_of(found, "Brake and drag over the weights' speed."))
     return [*parts, *(Note(line) for line in found.limits())]

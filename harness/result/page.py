@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 from base64 import b64encode
-from html import escape
 from typing import TYPE_CHECKING
 
-from ..output.words import printable
+from ..output.words import in_html
 from .tables import summary
 
 if TYPE_CHECKING:
@@ -21,7 +20,7 @@ def html(result: Result) -> str:
         counts,
         *(f"NOTE: {event}" for event in result.events),
     ]
-    parts = [summary(result).html(), *(f"<p>{escape(printable(line))}</p>" for line in said)]
+    parts = [summary(result).html(), *(f"<p>{in_html(line)}</p>" for line in said)]
     if result.signals:
         png = b64encode(result.plot()._repr_png_()).decode()
         parts.append(

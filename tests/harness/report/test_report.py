@@ -13,6 +13,7 @@ import autobalancer as ab
 from autobalancer.harness.errors import UserError
 from autobalancer.harness.motions.kinds import Kind, Motion
 from autobalancer.harness.motions.outcome import Motions, Point, Share
+from autobalancer.harness.output.words import in_html
 from autobalancer.harness.report import answers
 from autobalancer.harness.report.drawing import machine_drawing
 from autobalancer.harness.report.runs import SwitchedOn, switched_on
@@ -45,6 +46,20 @@ def test_page_repeats_the_command_and_holds_the_scene(page):
     _, text = page
     assert "How to do it again" in text
     assert "[rotor]" in text
+
+
+def test_a_page_states_every_verdict_once_and_shows_commands_as_code(page):
+    written, text = page
+    before, *_ = text.split("How to do it again")
+    for said in written.verdicts:
+        assert before.count(in_html(said)) == 1
+    assert "<code>autobalancer speeds --method proved</code>" in before
+    assert "`" not in before
+
+
+def test_what_stands_in_backticks_is_code_and_everything_is_escaped():
+    assert in_html("see `a < b` & <c>") == "see <code>a &lt; b</code> &amp; &lt;c&gt;"
+    assert in_html("a lone ` stays") == "a lone ` stays"
 
 
 def test_run_up_of_the_page_is_the_median_of_random_starts(page):
