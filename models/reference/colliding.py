@@ -76,10 +76,22 @@ class Colliding:
         rates = self.rates(y)
         return float(rates[pair[0]] - rates[pair[1]])
 
-    def closing(self, y: Array) -> list[float]:
-        """Times in which gaps would be as far below 0 as they are above [s]: no step skips that."""
-        gaps = [(self.gap(pair, y) + MARGIN, self.approach(pair, y)) for pair in self.pairs]
-        return [2.0 * gap / rate for gap, rate in gaps if gap > 0.0 and rate > 0.0]
+    def closing(self, t: float, y: Array, joined: Sequence[Pair]) -> list[float]:
+        """Times in which gaps may close [s], so that no first step goes beyond.
+
+        A gap that closes would be as far below 0 as it is above.  One that opens may come back:
+        u t = p t^2 / 2 for weights that part by u and are pressed together by p.
+        """
+        turned = self.accelerations(t, y, joined)[1]
+        found = []
+        for pair in self.pairs:
+            gap, rate = self.gap(pair, y) + MARGIN, self.approach(pair, y)
+            pressed = float(turned[pair[0]] - turned[pair[1]])
+            if gap > 0.0 and rate > 0.0:
+                found.append(2.0 * gap / rate)
+            elif pair not in joined and rate < 0.0 and pressed > 0.0:
+                found.append(-2.0 * rate / pressed)
+        return found
 
     def pushes(self, t: float, y: Array, joined: Sequence[Pair]) -> tuple[Array, Array]:
         """Pushes of joined neighbours (J,) [N m], and by them on every weight (N,) [rad/s^2]."""
@@ -201,7 +213,7 @@ class Colliding:
             ArithmeticError: a collision was missed.
         """
         longest = LONGEST / self.fastest(y)
-        first = min([end - t, longest, *self.closing(y)])
+        first = min([end - t, longest, *self.closing(t, y, joined)])
         found = solve_to_event(self, t, end, y, joined, first_step=first, **options)
         dip = self._first_dip(joined, found)
         if dip is not None:  # it closed and opened within a step: stop between the two

@@ -139,6 +139,18 @@ def test_weights_that_collide_ever_faster_do_not_pass_through_each_other(
     assert gaps(run).min() > -5.0 * OVERLAP
 
 
+@pytest.mark.parametrize(("angle", "parting"), [(0.9, 7e-4), (0.966, 3e-5)])
+def test_weights_that_part_and_are_pressed_together_at_once_do_not_pass_through_each_other(
+    angle, parting
+):
+    """They come back in a tenth of a step or less, and what presses them ends within it."""
+    pair = assembly(2, 0.0, angles=(angle, angle + 2.0 * ALPHA), speeds=(0.0, parting))
+    times = np.linspace(0.0, 0.1, 101)
+    run = simulate(pair, SpeedProfile.constant(SPEED), times, initial=Start(x=0.3))
+    assert gaps(run).min() > -5.0 * OVERLAP
+    assert gaps(run)[-1].min() > 1e-6  # it opens again
+
+
 def test_a_track_off_centre_is_an_unbalance_to_weights_that_cannot_move():
     """All but fixed by drag, and evenly spread: they turn with the rotor as N m at the offset."""
     offset, count = 0.03 + 0.01j, 3
