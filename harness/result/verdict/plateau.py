@@ -104,6 +104,7 @@ class Run:
                 synchronous=now.size,
                 mean=float(np.hypot(*now.mean).max()),
                 other=now.largest_other if now.others else None,
+                other_change=now.changes.get(now.largest_other[0]),
             )
         if now is not None and self.scene.rotor.is_free:  # where it is and drifts is no vibration
             rate = None if bare.velocity is None else record.speed * now.size / math.sqrt(2.0)

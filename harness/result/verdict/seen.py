@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -17,6 +17,7 @@ LONGEST = 40.0  # revolutions of the window in which other frequencies are told 
 FEWEST_REVOLUTIONS = 2.0  # since the last change: in fewer nothing can be told from its transient
 FEWEST_POINTS = 60  # of the window; a rotor at rest is recorded in long steps
 APART = 1.5  # turns in the window by which two frequencies must differ to be told apart
+BEAT = 0.02  # turns in the window by which two frequencies differ so that they beat
 LATEST, FEW_POINTS = 4.0, 6  # revolutions, or points, that tell where weights are
 TURNING = 1.0  # turns in the rotor within the window: a weight that makes them does not rest
 STUCK = 1e-6  # rad that weights which stick may have turned by in the last revolution
@@ -33,6 +34,8 @@ class Vibration:
         rest: largest distance of a station from mean and synchronous part [m].
         largest: largest distance of a station from the middle in the window [m].
         known: whether there were points enough for a fit.
+        changes: by frequency [rad/s], its amplitude over that in the window before, where both
+            windows tell the frequency apart.
     """
 
     synchronous: Complex
@@ -41,6 +44,7 @@ class Vibration:
     rest: float
     largest: float
     known: bool
+    changes: Mapping[float, float] = field(default_factory=dict)
 
     @property
     def size(self) -> float:
@@ -99,7 +103,31 @@ def seen(record: Record) -> tuple[Vibration | None, Vibration | None, Weights | 
     longer = record.since(max(window, min(record.revolutions, LONGEST)))
     others = vibration_in(record, longer, frequencies).others
     others = {frequency: min(size, now.rest) for frequency, size in others.items()}
-    return replace(now, others=others), before, weights
+    changes = _changes(record, window, now, before, frequencies)
+    return replace(now, others=others, changes=changes), before, weights
+
+
+def _changes(
+    record: Record, window: float, now: Vibration, before: Vibration, frequencies: Array
+) -> dict[float, float]:
+    """Amplitudes in the last window over those before; of low frequencies in longer windows.
+
+    Without frequencies that beat with another one: their amplitude falls and rises again.
+    """
+    pairs = [(window, now, before)]
+    longer = min(record.revolutions / 2.0, LONGEST)
+    if longer > window and len(now.others) < len(frequencies):
+        late, both = record.since(longer), record.since(2.0 * longer)
+        new, old = (vibration_in(record, each, frequencies) for each in (late, both & ~late))
+        pairs.append((longer, new, old))
+    found: dict[float, float] = {}
+    for revolutions, new, old in pairs:
+        turns = np.abs(frequencies[:, None] - frequencies) * revolutions / record.speed
+        beats = ((turns > BEAT) & (turns < APART)).any(axis=1)
+        for frequency in new.others.keys() - set(frequencies[beats].tolist()):
+            if old.others.get(frequency, 0.0) > 0.0:
+                found.setdefault(frequency, new.others[frequency] / old.others[frequency])
+    return found
 
 
 def _frequencies(record: Record, weights: Weights | None) -> Array:

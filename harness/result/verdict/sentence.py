@@ -14,6 +14,7 @@ from .words import millimetres, percent, velocity
 if TYPE_CHECKING:
     from .verdict import Passage, Verdict
 
+DECAYS = 0.9  # times what it was one window before: a vibration that decays
 MATTERS = 0.1  # of the whole vibration: a smaller part is not stated
 
 
@@ -118,7 +119,9 @@ def _parts(verdict: Verdict) -> Iterator[str]:
     if verdict.other and verdict.other[1] > MATTERS * verdict.vibration:
         frequency, size = verdict.other
         kind = "a slow precession" if frequency < 0.5 * verdict.speed else "a vibration"
-        yield f"Beside it {kind} of {millimetres(size)} at {in_both(frequency, 'rad/s')}."
+        fades = verdict.other_change is not None and verdict.other_change < DECAYS
+        decay = ", which decays" if fades else ""
+        yield f"Beside it {kind} of {millimetres(size)} at {in_both(frequency, 'rad/s')}{decay}."
     if verdict.mean is not None and verdict.mean > MATTERS * verdict.vibration:
         yield f"Mean displacement {millimetres(verdict.mean)}."
 

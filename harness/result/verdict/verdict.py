@@ -64,6 +64,7 @@ class Verdict:
         drifts: whether nothing holds the machine: its vibration is that at the rotor's frequency.
         mean: largest distance of a station's mean from the middle, under gravity from the sag [m].
         other: frequency [rad/s] and vibration [m] of the largest part at another frequency.
+        other_change: its vibration over that one window before; None: not known.
         left_behind: speed of weights that turn slower than the rotor, and the nearest natural
             frequency [rad/s].
         growth, growth_error: of a small deviation from balance [1/s].
@@ -93,6 +94,7 @@ class Verdict:
     synchronous: float | None = None
     mean: float | None = None
     other: tuple[float, float] | None = None
+    other_change: float | None = None
     left_behind: tuple[float, float] | None = None
     growth: float | None = None
     growth_error: float | None = None
