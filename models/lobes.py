@@ -30,10 +30,7 @@ from .weights import Lobes, Weights
 _STARTS = 60
 _MANY, _CREEPS = 3, 8  # weights from which on starts creep, and how many do
 _NEAR = 1e-6  # rad: the same motion
-_TURNS, _BETWEEN = (
-    12,
-    10,
-)  # angles of turned races: where weights creep, steps from each to the next
+_TURNS, _BETWEEN = 12, 10  # angles at which weights creep, and steps from each to the next
 _TURNED_CREEPS = 6  # random starts at each of them
 _SAME_SIZE = 1e-6  # of the vibration without weights: the same motion
 
@@ -197,15 +194,14 @@ def rests_over_turns(assembly: Assembly, speed: float, seed: int = 0) -> list[li
         CannotBalance: the weights cannot undo the unbalance on round races.
     """
     rng, count = np.random.default_rng(seed), _TURNS * _BETWEEN
-    orders = {one.order for m in assembly.weights for one in weights_of(m).race}
-    turns = math.tau / math.gcd(*orders) / count
+    weights = sum(len(m.angles) for m in assembly.weights)
+    turns = period([one for m in assembly.weights for one in weights_of(m).race]) / count
     machines = [OnRace(turned_races(assembly, k * turns), speed) for k in range(count)]
     found: list[list[Held]] = [[] for _ in machines]
     for k in range(0, count, _BETWEEN):
         starts: list[Array] = []
         with contextlib.suppress(NoRest):
             starts.append(main_motion(machines[k].assembly, speed)[1])
-        weights = sum(len(m.angles) for m in assembly.weights)
         for start in rng.uniform(0.0, math.tau, (_TURNED_CREEPS, weights)):
             try:
                 starts.append(machines[k].rest_near(start, "freely"))
@@ -253,12 +249,17 @@ def _add(found: list[Held], machine: OnRace, angles: Array) -> bool:
     return True
 
 
+def period(race: Sequence[Lobes]) -> float:
+    """Angle by which a race is turned onto itself [rad]."""
+    return math.tau / math.gcd(*(one.order for one in race))
+
+
 def turned_races(assembly: Assembly, by: float) -> Assembly:
     """The same with all races turned by an angle [rad]."""
     return replace(
         assembly,
         balancers=tuple(
-            replace(m, device=replace(m.device, race=_turned(m.device.race, by)))
+            replace(m, device=replace(m.device, race=turned(m.device.race, by)))
             if isinstance(m.device, Weights)
             else m
             for m in assembly.balancers
@@ -266,5 +267,6 @@ def turned_races(assembly: Assembly, by: float) -> Assembly:
     )
 
 
-def _turned(race: Sequence[Lobes], by: float) -> tuple[Lobes, ...]:
+def turned(race: Sequence[Lobes], by: float) -> tuple[Lobes, ...]:
+    """The same lobes on a race that is turned by an angle [rad]."""
     return tuple(replace(one, angle=one.angle + by) for one in race)

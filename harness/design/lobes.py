@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
 from ...models.assembly import weights_of
 from ...models.linear.on_race import has_lobes
-from ...models.lobes import Lobes, Race, Rest, rests_over_turns
+from ...models.lobes import Lobes, Race, Rest, period, rests_over_turns, turned
 from ..errors import UserError
 from ..output.outcome import Outcome
 from ..output.table import Sheet
@@ -177,23 +175,16 @@ def out_of_round(scene: Scene, text: str = "", speed: float | None = None) -> Ou
     each = [(one,) for one in lobes] + [lobes] * (len(lobes) > 1)
     rows, rest, sizes = [], None, list[float]()
     for some in each:
-        rest = _least(Race(assembly, w, some))
-        over_turns = [_held(Race(assembly, w, turned)) for turned in _turned(some)]
+        turns = (period(some) * k / _TURNS for k in range(_TURNS))
+        over_turns = [_held(Race(assembly, w, turned(some, by))) for by in turns]
         sizes = [abs(held.displacement) for rests in over_turns for held in rests]
-        worst = max((_size(rests[0]) or 0.0 for rests in over_turns if rests), default=None)
-        here = _size(rest)
-        rows.append((here, None if here is None or worst is None else max(here, worst)))
+        worst = max((abs(rests[0].displacement) for rests in over_turns if rests), default=None)
+        rest = next(iter(over_turns[0]), None)  # of the race as it is given
+        rows.append((_size(rest), worst if rest else None))
     (kind,) = {balancer.kind for balancer in scene.balancer}
     angles = rest.angles if rest else ()
     most = max(sizes, default=None)
     return OutOfRound(scene.heading, kind, race.alone, lobes, tuple(rows), angles, most)
-
-
-def _turned(lobes: Sequence[Lobes]) -> list[tuple[Lobes, ...]]:
-    """The race turned in steps over what is different."""
-    period = math.tau / math.gcd(*(one.order for one in lobes))
-    steps = (period * k / _TURNS for k in range(_TURNS))
-    return [tuple(replace(one, angle=one.angle + by) for one in lobes) for by in steps]
 
 
 def _held(race: Race) -> list[Rest]:
