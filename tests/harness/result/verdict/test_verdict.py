@@ -207,17 +207,21 @@ def test_a_transient_of_unknown_length_has_the_least_that_it_takes():
     assert re.search(r"It takes (at least \d+|more than a million) revolutions", str(slow))
 
 
-def test_vibration_is_compared_at_the_rotors_frequency_and_a_precession_is_stated_apart():
-    """A push of 1 mm starts a slow precession that light damping keeps; balls start balanced."""
+def pushed(damping):
+    """A push of 1 mm starts a slow precession; balls start balanced."""
     places = [math.pi - math.acos(0.5), math.pi + math.acos(0.5)]
-    scene = Scene(
-        rotor={"kind": "planar", "mass": 5.0, "stiffness": 2e3, "damping": 0.2,
+    return Scene(
+        rotor={"kind": "planar", "mass": 5.0, "stiffness": 2e3, "damping": damping,
                "unbalance": 0.002},
         balancer=[BALLS | {"count": 2, "mass": 0.02, "track_radius": 0.1, "angles": places}],
         speed=300.0,
         run={"revolutions": 60, "initial": {"x": 1e-3}},
     )  # fmt: skip
-    found = verdict(scene)
+
+
+def test_vibration_is_compared_at_the_rotors_frequency_and_a_precession_is_stated_apart():
+    """Light damping keeps the precession."""
+    found = verdict(pushed(0.2))
     assert found.vibration > found.alone
     assert found.synchronous < 0.05 * found.alone
     frequency, size = found.other
@@ -228,16 +232,8 @@ def test_vibration_is_compared_at_the_rotors_frequency_and_a_precession_is_state
 
 @pytest.mark.parametrize(("damping", "decays"), [(0.2, False), (5.0, True)])
 def test_a_vibration_beside_that_decays_is_said_to_decay(damping, decays):
-    """A push of 1 mm: the precession decays by c/(2 m), in half a run by 1 % or by 27 %."""
-    places = [math.pi - math.acos(0.5), math.pi + math.acos(0.5)]
-    scene = Scene(
-        rotor={"kind": "planar", "mass": 5.0, "stiffness": 2e3, "damping": damping,
-               "unbalance": 0.002},
-        balancer=[BALLS | {"count": 2, "mass": 0.02, "track_radius": 0.1, "angles": places}],
-        speed=300.0,
-        run={"revolutions": 60, "initial": {"x": 1e-3}},
-    )  # fmt: skip
-    found = verdict(scene)
+    """The precession decays by c/(2 m), in half a run by 1 % or by 27 %."""
+    found = verdict(pushed(damping))
     expected = math.exp(-damping / (2.0 * 5.04) * 30.0 * math.tau / 300.0)
     assert found.other_change == pytest.approx(expected, rel=0.03)
     assert (", which decays." in str(found)) is decays
