@@ -5,8 +5,8 @@ of statics, which does not depend on the speed (`models.linear.balanced`).  The 
 one revolution leaves that state as it is.
 
 On races with lobes the weights rest elsewhere at each speed, and the rotor whirls by what they
-leave (`models.linear.on_race`): the state after a revolution, at the same angle, is that at its
-begin.  There no direction is neutral.
+leave (`models.linear.on_race`): after one revolution the state is the same as before it.  There no
+direction is neutral.
 
 Neutral directions.  Weights act on the rotor through their static moment alone.  Turns that change
 the moment of no station (N - 2 for N >= 3 weights in a plane) meet no reaction, lead to another
@@ -125,7 +125,7 @@ class MainMotion(Closing):
             raise NoMainMotion(f"{scene.label}: {error}") from error
         if not self._rests(rest, self._speed):
             raise NoMainMotion(
-                f"{scene.label}: the rotor does not rest for a revolution at "
+                f"{scene.label}: the rotor does not rest over one revolution at "
                 f"{self._speed:g} rad/s with its weights at the balanced angles"
             )
         return rest

@@ -3,7 +3,7 @@
 The balanced motion is known: the rotor is at rest, and the weights turn with it.  So derivatives
 of the equations in one piece are needed there alone, at a few angles: differences of fourth order.
 Between these angles they are Fourier series.  The map over one period is a product of Magnus steps
-of fourth order (Blanes, Casas, Oteo & Ros 2009, (253)), as many as their number does not matter.
+of fourth order (Blanes, Casas, Oteo & Ros 2009, (253)), doubled in number until growth stays.
 Of `models.linear` only the angles of the weights and the number of neutral turns are used.
 """
 

@@ -1,6 +1,7 @@
 /* What tells whether a machine is balanced: vibration, unbalance that is left, capacity in use.
 
-   The vibration is half of the largest peak-to-peak displacement in a revolution.  A machine without supports
+   The vibration is half the peak-to-peak displacement over one revolution, at the station and along the axis
+   where it is largest.  A machine without supports
    also drifts and tilts slowly.  Its vibration is the amplitude of the part that turns with the rotor: a least-squares
    fit of 1, s, s^2, cos t and sin t over the revolution, with the angle t of the rotor in it and s = t/2 pi. */
 #include <string.h>

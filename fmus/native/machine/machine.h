@@ -110,7 +110,7 @@ typedef struct {
     double *root;        /* (K + 1,) series of the root of the speed, where a wave is damped by viscosity */
     Carried *carried;    /* NULL: the stations move as forces make them */
     bool from_rotor;     /* whether series are in axes that turn with the rotor, so that E = 1: of weights that are
-                            carried on a round race; 'unit' and 'rate' are then by their angles in the rotor */
+                            carried on a round race; their `unit` and `rate` are then relative to the rotor */
     struct Restraints *restraints; /* of restraints.h: cubic springs and stops; NULL: there are none */
     struct Phase *phase; /* of phase.h, where weights can touch or stick, or supports stick or have stops; NULL: they cannot */
 } Machine;

@@ -29,7 +29,7 @@ from .verdict import Verdict
 
 MOST_REVOLUTIONS = 1e6  # that are advised
 SPARE = 2.0  # revolutions that are advised on top
-TURN_POINTS = 96  # of a revolution, for a mean
+TURN_POINTS = 96  # at which the mean over one revolution is taken
 
 
 class Run:
