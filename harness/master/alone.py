@@ -8,8 +8,7 @@ stated: of order one or more, the first one errs by at most twice that.
 
 from __future__ import annotations
 
-from .compared import compared_motion
-from .global_error import largest_difference
+from .compared import compared_motion, largest_difference
 from .recorder import Recorder
 from .schedule import SLIVER
 from .simulation import CoupledRun

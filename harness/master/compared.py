@@ -3,17 +3,21 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import NamedTuple
+
+import numpy as np
 
 from ...models.constants import BEYOND_LONGEST_STEP, FEWEST_CHOSEN
 from ..scene import Scene
 from .expectation import Expectation, expectation
-from .names import stations
+from .names import kin, stations
 from .plan import MOTOR
-from .recorder import Recorder
+from .recorder import Recorder, Signal
 from .scales import least_motion
 from .schedule import step_size
+
+ASYMPTOTIC = 0.03  # of the motion: runs that differ by more need not differ by their order
 
 
 class Compared(NamedTuple):
@@ -56,3 +60,33 @@ def motion_signals(scene: Scene) -> list[str]:
 
 
 NEVER_HELD = math.inf  # longest step of runs that never rest
+
+
+def largest_difference(
+    one: Mapping[str, Signal],
+    other: Mapping[str, Signal],
+    least: Mapping[str, float],
+    at: slice = slice(None),
+) -> float:
+    """Largest difference of signals at some common times, each over the largest value of its kind.
+
+    The kind of x is x and y of its station; of a part of a vector in the rotor, the vector; of any
+    other signal, the signal.  An angle is divided by 1 rad.
+
+    Args:
+        least: by signal, the smallest that the largest value is taken to be.
+    """
+    # the rotor's angle is exact, and a clearance what is left of a gap
+    compared = [n for n in other if n != "rotor.angle" and not n.endswith(".clearance")]
+    sizes = {n: max(least[n], float(np.abs(other[n]).max())) for n in compared}
+    worst = 0.0
+    for name in compared:
+        gap = float(np.abs(other[name] - one[name])[at].max(initial=0.0))
+        scale = 1.0 if is_angle(name) else max(sizes[each] for each in kin(name, compared))
+        worst = max(worst, gap / scale if scale else gap)
+    return worst
+
+
+def is_angle(name: str) -> bool:
+    """Whether a signal is an angle of a weight, whose error is stated in rad."""
+    return name.endswith("angle")

@@ -54,7 +54,6 @@ class CoSimulation(Coupled):
     Attributes:
         coupled: whether there is a loop.
         meets_events: whether steps end where weights collide or stick, or supports stick.
-        estimates_errors: whether each step estimates its error.
         time: reached so far [s]; may be set to where a step was to end.
 
     Raises:

@@ -24,7 +24,6 @@ class Coupled(Closing):
     Attributes:
         coupled: whether there is a loop.
         meets_events: whether steps end where weights collide or stick, or supports stick.
-        estimates_errors: whether each step estimates its error.
         system: the units with their signals; `scheme` couples them.
         time: reached so far [s]; may be set to where a step was to end.
         gain: of the loop; `amplification` what the scheme makes of an error in a step.
@@ -32,7 +31,7 @@ class Coupled(Closing):
         worst_residual: of all steps.
     """
 
-    meets_events = estimates_errors = False
+    meets_events = False
     coupled: bool
     system: System
     scheme: Scheme

@@ -13,17 +13,15 @@ tolerance, every step is divided again, into as many parts as it takes.
 
 Hairer, Norsett & Wanner 1993, II.4: Richardson's extrapolation, here of the run as a whole.
 
-Runs that meet events can agree by chance, or share an error, and collisions can amplify what no run
-resolves.  Such scenes are run again at a tenth of the tolerance, in steps of their own; where
-weights can collide twice, with weights that start a little elsewhere (`neighbours`).  What the
-result differs from these by is part of its error.  If they also differ from each other, or if all
-runs differ by much, the error is not known.
+Collisions can amplify what no run resolves.  Where weights can collide, two motions whose weights
+start a little elsewhere are computed too (`neighbours`).  What they part by is part of the error.
+If they part from each other, too, or if all runs differ by much, the error is not known.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
@@ -33,9 +31,11 @@ from numpy.typing import NDArray
 from ..errors import SimulationError
 from ..scene import Scene
 from .cascades import UNRESOLVED, has_cascade
+from .compared import ASYMPTOTIC, largest_difference, motion_signals
 from .expectation import ORDER_OF_EVENTS, ORDER_OF_JUMPS
-from .names import is_count, kin
-from .neighbours import RESOLVED, turned
+from .names import is_count
+from .neighbours import BOTH_SIDES, RESOLVED, UNCOMPUTED, add_parting, run_in_one_piece, turned
+from .one_file import why_separate
 from .recorder import Recorder, Signal
 from .schedule import SLIVER
 from .simulation import CoupledRun
@@ -55,16 +55,9 @@ FOLLOWED = 1.5
 MOST_TIMES = 4  # as many parts as in the run before, which is to be confirmed
 MOST_STEP_PARTS = 128  # of a step of the first run
 PARTING = 32  # parts that should be enough to see runs come together
-ASYMPTOTIC = 0.03  # of the motion: runs that differ by more need not differ by their order
 
-OTHER_TOLERANCE = 0.1  # of that asked for, of runs to compare with
-EVERY = 16  # points of the first run are those of the others too: these have steps of their own
-AGREE = 0.3  # of what a run differs from others by: others that agree so far know its error
-
-OTHERWISE = (
-    "runs at a tenth of the tolerance, with weights that start 1e-8 rad elsewhere, end {:.1g} away"
-)
-REFINED = "runs in ever shorter steps differ by {:.1g}"
+EVERY = 16  # points of the first run are those at which neighbours are compared
+SHARE = 0.01  # of the tolerance of a step in one piece, by which neighbours are computed
 
 
 @dataclass(frozen=True)
@@ -151,7 +144,7 @@ class Controlled:
             # of motions that part no run says more than the one before
             if kept or parts >= (PARTING if far else MOST_STEP_PARTS):
                 break
-        self._compare_with_others(grid, signals, scale, progress)
+        self._compare_with_neighbours(grid, signals, scale, progress)
         return recorder
 
     def _attempt(self, before: Attempt | None, apart: float, at_rest: float, parts: int) -> Attempt:
@@ -203,68 +196,42 @@ class Controlled:
             return ORDER_OF_EVENTS, ORDER_OF_EVENTS, aim
         return highest, cautious, aim
 
-    def _compare_with_others(
+    def _compare_with_neighbours(
         self,
         grid: Signal,
         signals: Mapping[str, Signal],
         scale: Mapping[str, float],
         progress: Progress | None,
     ) -> None:
-        """Add what runs at a smaller tolerance, of neighbouring motions, differ by."""
-        if self.expected.can_collide and has_cascade(self.cosim.scene, signals):
-            self.error = max(self.error, UNRESOLVED)
-        at, by_steps, others = _shared(grid), self.error, []
-        own = {name: each[at] for name, each in signals.items()}
-        for near in self._neighbours():
-            with self.cosim.like(near) as cosim:
-                try:
-                    others.append(self._otherwise(cosim, grid[at], own, scale, progress))
-                except SimulationError as error:
-                    self.unknown = f"the same motion cannot be computed otherwise: {error}"
-                    return
-        if not others:
+        """Add what neighbouring motions part by, where weights can collide."""
+        if not self.expected.can_collide:
             return
-        self.error = max([by_steps, *(largest_difference(own, each, scale) for each in others)])
-        between = largest_difference(others[0], others[-1], scale)
-        if self.expected.can_collide and self.error > self.tolerance:
-            if self.error > by_steps and between > AGREE * self.error:
-                self.unknown = OTHERWISE.format(self.error)
-            elif self.error >= ASYMPTOTIC:
-                self.unknown = REFINED.format(self.error)
+        if has_cascade(self.cosim.scene, signals):
+            self.error = max(self.error, UNRESOLVED)
+        at = _shared(grid)
+        own = {name: signals[name][at] for name in motion_signals(self.cosim.scene)}
+        try:
+            if why_separate(self.cosim.scene):
+                others = [self._near(side, grid[at], own, progress) for side in BOTH_SIDES]
+            else:
+                own, *others = _in_one_piece(self.cosim.scene, grid[at], list(own))
+        except SimulationError as error:
+            self.unknown = UNCOMPUTED.format(error)
+            return
+        self.error, self.unknown = add_parting(self.error, own, others, scale, self.tolerance)
 
-    def _neighbours(self) -> Iterator[Scene]:
-        """Scenes of the same motion to be run otherwise.
-
-        Their tolerance is smaller, and with it what passes for an instant at an event.
-        """
-        scene = self.cosim.scene
-        finer = scene.replace({"coupling.tolerance": OTHER_TOLERANCE * self.tolerance})
-        if self.expected.can_collide:
-            for sign in (1.0, -1.0):
-                yield turned(finer, sign * RESOLVED) or finer
-        elif self.expected.ends_at_events and self.cosim.estimates_errors:
-            yield finer
-
-    def _otherwise(
-        self,
-        cosim: CoupledRun,
-        times: Signal,
-        own: Mapping[str, Signal],
-        scale: Mapping[str, float],
-        progress: Progress | None,
+    def _near(
+        self, side: float, times: Signal, names: Iterable[str], progress: Progress | None
     ) -> dict[str, Signal]:
-        """Signals at some times of a run in its own steps, as fine as the result's if need be.
+        """Signals at some times of a neighbour, by the same units in the steps of the result.
 
         Raises:
-            SimulationError: half of its own steps are too long for this motion.
+            SimulationError: it cannot be computed.
         """
-        parts = 2
-        while True:
-            found = self._at(self._run(parts, progress, cosim), times)
-            differs = largest_difference(own, found, scale)
-            if differs <= max(self.error, AIM * self.tolerance) or parts >= self.parts:
-                return found
-            parts = min(MOST_TIMES * parts, self.parts)
+        scene = self.cosim.scene
+        with self.cosim.like(turned(scene, side * RESOLVED) or scene) as cosim:
+            found = self._at(self._run(self.parts, progress, cosim), times)
+        return {name: found[name] for name in names}
 
     def _first(self, progress: Progress | None) -> Recorder:
         """The first run; where its steps are too long, in shorter ones."""
@@ -315,6 +282,19 @@ class Controlled:
         return {name: each[at] for name, each in signals.items()}
 
 
+def _in_one_piece(scene: Scene, times: Signal, names: Sequence[str]) -> list[dict[str, Signal]]:
+    """Signals at some times of the motion and of a neighbour on either side.
+
+    Raises:
+        SimulationError: one cannot be computed.
+    """
+    from .one_file_run import OneFileRun  # compiles where it has to
+
+    with OneFileRun(scene) as run:
+        turns = [0.0, *(side * RESOLVED for side in BOTH_SIDES)]
+        return [run_in_one_piece(run, SHARE, times, names, turn) for turn in turns]
+
+
 def _shared(grid: Signal) -> NDArray[np.intp]:
     """Places of some points of a run, with its end."""
     places = np.arange(EVERY, len(grid) - 1, EVERY)
@@ -329,33 +309,3 @@ def _first_held(longest: float, grid: Signal) -> int:
     """
     lengths = np.append(np.diff(grid), math.inf)
     return int(np.argmax(lengths > longest)) + 1 if longest < math.inf else len(grid)
-
-
-def largest_difference(
-    one: Mapping[str, Signal],
-    other: Mapping[str, Signal],
-    least: Mapping[str, float],
-    at: slice = slice(None),
-) -> float:
-    """Largest difference of signals at some common times, each over the largest value of its kind.
-
-    The kind of x is x and y of its station; of a part of a vector in the rotor, the vector; of any
-    other signal, the signal.  An angle is divided by 1 rad.
-
-    Args:
-        least: by signal, the smallest that the largest value is taken to be.
-    """
-    # the rotor's angle is exact, and a clearance what is left of a gap
-    compared = [n for n in other if n != "rotor.angle" and not n.endswith(".clearance")]
-    sizes = {n: max(least[n], float(np.abs(other[n]).max())) for n in compared}
-    worst = 0.0
-    for name in compared:
-        gap = float(np.abs(other[name] - one[name])[at].max(initial=0.0))
-        scale = 1.0 if is_angle(name) else max(sizes[each] for each in kin(name, compared))
-        worst = max(worst, gap / scale if scale else gap)
-    return worst
-
-
-def is_angle(name: str) -> bool:
-    """Whether a signal is an angle of a weight, whose error is stated in rad."""
-    return name.endswith("angle")

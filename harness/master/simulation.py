@@ -51,11 +51,9 @@ class CoupledRun(Simulation, Protocol):
 
     Attributes:
         meets_events: whether steps end where weights collide or stick, or supports stick.
-        estimates_errors: whether each step estimates its error.
     """
 
     meets_events: bool
-    estimates_errors: bool
 
     def like(self, scene: Scene) -> Self:
         """A simulation of another scene with the same units, which differs in start values."""

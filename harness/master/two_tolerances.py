@@ -24,11 +24,10 @@ import numpy as np
 from ...models.constants import SERIES_SHARE
 from ..errors import SimulationError
 from .cascades import UNRESOLVED, can_cascade, has_cascade
-from .compared import motion_signals
+from .compared import largest_difference, motion_signals
 from .expectation import expectation
-from .global_error import AGREE, ASYMPTOTIC, REFINED, largest_difference
 from .names import is_count
-from .neighbours import RESOLVED, turned_angles
+from .neighbours import BOTH_SIDES, RESOLVED, UNCOMPUTED, add_parting, run_in_one_piece
 from .recorder import Recorder, Signal, divided
 from .scales import least_motion
 from .schedule import SLIVER
@@ -47,7 +46,6 @@ RESOLVED_OTHERWISE = (
     "a row of weights bounces in ever faster impacts, and runs that take others of them for one "
     "end {:.1g} away"
 )
-ELSEWHERE = "runs with weights that start 1e-8 rad elsewhere end {:.1g} away"
 
 
 class TwoTolerances:
@@ -106,28 +104,18 @@ class TwoTolerances:
         self, share: float, points: Signal, own: Mapping[str, Signal], scale: Mapping[str, float]
     ) -> None:
         """Add what runs of neighbouring motions differ by, where weights can collide."""
-        scene, by_steps, others = self._run.scene, self.error, []
         if not self._can_collide:
             return
         with self._run.another() as near:
-            for sign in (1.0, -1.0):
-                recorder = Recorder(near.units, list(own))
-                try:
-                    near.start(share, points, angles=turned_angles(scene, sign * RESOLVED))
-                    near.record(recorder, None)
-                except SimulationError as error:
-                    self.unknown = f"a neighbouring motion cannot be computed: {error}"
-                    return
-                times, found = recorder.columns()
-                at = np.searchsorted(times, points * (1.0 - SLIVER))
-                others.append({name: each[at] for name, each in found.items()})
-        self.error = max([by_steps, *(largest_difference(own, each, scale) for each in others)])
-        between = largest_difference(others[0], others[-1], scale)
-        if self.error > self.tolerance:
-            if self.error > by_steps and between > AGREE * self.error:
-                self.unknown = ELSEWHERE.format(self.error)
-            elif self.error >= ASYMPTOTIC:
-                self.unknown = REFINED.format(self.error)
+            try:
+                others = [
+                    run_in_one_piece(near, share, points, list(own), side * RESOLVED)
+                    for side in BOTH_SIDES
+                ]
+            except SimulationError as error:
+                self.unknown = UNCOMPUTED.format(error)
+                return
+        self.error, self.unknown = add_parting(self.error, own, others, scale, self.tolerance)
 
     def _compare_with_grains(
         self, share: float, points: Signal, own: Mapping[str, Signal], scale: Mapping[str, float]

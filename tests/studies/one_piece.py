@@ -17,8 +17,7 @@ from dataclasses import dataclass
 
 from autobalancer.harness import Scene
 from autobalancer.harness.errors import SimulationError
-from autobalancer.harness.master.compared import motion_signals
-from autobalancer.harness.master.global_error import largest_difference
+from autobalancer.harness.master.compared import largest_difference, motion_signals
 from autobalancer.harness.master.one_file_run import OneFileRun
 from autobalancer.harness.master.recorder import Recorder, Signal
 from autobalancer.harness.master.scales import least_motion

@@ -6,12 +6,20 @@ import numpy as np
 import pytest
 
 import autobalancer as ab
+from autobalancer.harness.master import global_error
+from autobalancer.harness.master.compared import largest_difference
+from autobalancer.harness.master.cosimulation import CoSimulation
 from autobalancer.harness.master.expectation import ORDER_OF_JUMPS, expectation
-from autobalancer.harness.master.global_error import largest_difference
-from autobalancer.harness.master.neighbours import RESOLVED, turned
+from autobalancer.harness.master.neighbours import RESOLVED, add_parting, turned
 from autobalancer.harness.result.tables import as_json
 
 pytestmark = pytest.mark.slow
+
+TOLERANT = {
+    "coupling.tolerance": 1e-4,
+    "coupling.steps_per_rev": None,
+    "coupling.corrections": None,
+}
 
 
 def colliding(rotor, balls, operation, revolutions):
@@ -86,8 +94,9 @@ def test_the_error_that_a_run_states_covers_what_a_smaller_tolerance_changes():
     assert np.abs(ends[1] - ends[0]).max() <= 3.0 * runs[0].estimated_error
 
 
-def test_a_run_whose_impacts_decide_says_that_its_error_is_not_known():
-    run = HARSH.run()
+@pytest.mark.parametrize("separate", [False, True])
+def test_a_run_whose_impacts_decide_says_that_its_error_is_not_known(separate):
+    run = HARSH.replace({"coupling.tolerance": 1e-4}).run(separate=separate)
     assert not run.error_known
     assert any(note.startswith("the error of this run is not known: ") for note in run.events)
     assert as_json(run)["error_known"] is False
@@ -127,3 +136,47 @@ def test_collisions_are_expected_to_converge_by_order_one_and_smooth_runs_by_fou
     smooth = expectation(ab.load("two_balls"), meets_events=True)
     assert smooth.order == 4
     assert not smooth.can_collide
+
+
+def counted_starts(monkeypatch):
+    """Starts of separate FMUs from here on."""
+    starts, start = [], CoSimulation.start
+
+    def counted(self, *args, **options):
+        starts.append(self.scene)
+        start(self, *args, **options)
+
+    monkeypatch.setattr(CoSimulation, "start", counted)
+    return starts
+
+
+def test_separate_units_run_twice_where_weights_collide_and_one_file_runs_their_neighbours(
+    monkeypatch,
+):
+    starts = counted_starts(monkeypatch)
+    run = ab.load("contact_order").replace(TOLERANT).run(separate=True)
+    assert len(starts) == 2
+    assert run.error_known
+    assert 0.0 < run.estimated_error < 1e-4
+
+
+def test_units_that_one_file_does_not_have_run_their_neighbours_themselves(monkeypatch):
+    monkeypatch.setattr(global_error, "why_separate", lambda _scene: "a part of any origin")
+    starts = counted_starts(monkeypatch)
+    run = ab.load("contact_order").replace(TOLERANT).run(separate=True)
+    angles = [scene.balancer[0].angles[0] for scene in starts]
+    assert len(angles) == 4
+    assert angles[0] == angles[1] != angles[2] != angles[3]
+    assert run.error_known
+
+
+def test_neighbours_that_part_from_each_other_leave_the_error_unknown():
+    own, one, other = ({"b.weight[1].angle": np.array([0.0, x])} for x in (1.0, 1.01, 0.99))
+    scale = {"b.weight[1].angle": 1.0}
+    assert add_parting(1e-5, own, [one, other], scale, 1e-4) == (
+        pytest.approx(0.01),
+        "runs with weights that start 1e-8 rad elsewhere end 0.01 away",
+    )
+    assert add_parting(1e-5, own, [one, one], scale, 1e-4) == (pytest.approx(0.01), "")
+    assert add_parting(1e-5, own, [own, own], scale, 1e-4) == (1e-5, "")
+    assert add_parting(0.2, own, [own, own], scale, 1e-4)[1].endswith("steps differ by 0.2")
