@@ -107,6 +107,7 @@ Moved = _struct(
     "Moved",
     **dict.fromkeys(["angles", "speeds", "contacts"], _D),
     impulse=Complex,
+    turning=c_double,
     events=c_int,
     reached=c_double,
 )

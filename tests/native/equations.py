@@ -26,6 +26,7 @@ class Moved(NamedTuple):
         contacts: 1.0 where a weight lastingly touches the next one along increasing angle.
         impulse: of the collisions on the rotor, in the rotor frame at the step's end [N s].
         events: collisions, contacts that opened, weights that stuck or broke away.
+        turning: of the collisions on the shaft, about the plane's centre [N m s].
     """
 
     angles: list[float]
@@ -33,6 +34,7 @@ class Moved(NamedTuple):
     contacts: list[float]
     impulse: complex
     events: int
+    turning: float
 
 
 class Track:
@@ -97,7 +99,7 @@ class Track:
             "carried_advance", self._carried, centre, float(step), c_bool(False), byref(moved)
         )
         impulse = complex(moved.impulse.re, moved.impulse.im)
-        return Moved(*(e.tolist() for e in ends), impulse, moved.events)
+        return Moved(*(e.tolist() for e in ends), impulse, moved.events, moved.turning)
 
     def reaction(
         self,
@@ -110,13 +112,32 @@ class Track:
         *spin_up: float,
     ) -> list[complex]:
         """Force on the rotor and its slope, rotor frame, without N m a and without impulses."""
+        return self._reaction(angles, speeds, contacts, acceleration, slope, rotor_speed, *spin_up)[
+            0
+        ].tolist()
+
+    def torque(self, *motion: Any) -> float:
+        """Torque on the rotor about the plane's centre, without impulses; as `reaction`."""
+        return float(self._reaction(*motion)[1][0])
+
+    def _reaction(
+        self,
+        angles: Sequence[float],
+        speeds: Sequence[float],
+        contacts: Sequence[float],
+        acceleration: complex,
+        slope: complex,
+        rotor_speed: float,
+        *spin_up: float,
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Force and torque, each with its slope."""
         found, torque = np.empty(2, complex), np.empty(2)
         now = self.core.instant([acceleration, slope], 0.0, rotor_speed, *spin_up)
         self.core.demand(
             "carried_push", self._carried, *_arrays(angles, speeds, contacts), byref(now), found,
             torque,
         )  # fmt: skip
-        return found.tolist()
+        return found, torque
 
     def static_moment(self, angles: Sequence[float]) -> complex:
         """Sum of m (e + R e^{i theta}) [kg m]."""

@@ -22,6 +22,7 @@
 #define machine_weight_force lane_machine_weight_force
 #define series_race_advance lane_series_race_advance
 #define series_race_allocate lane_series_race_allocate
+#define series_race_blow lane_series_race_blow
 #define series_race_finish lane_series_race_finish
 #define series_race_inertia lane_series_race_inertia
 #define series_race_known lane_series_race_known

@@ -24,6 +24,7 @@ typedef struct {
     double *contacts; /* (N,) 1 where a weight lastingly touches the next along the track */
     Complex impulse; /* of the collisions in this step on the rotor, in its axes at the end
                         [N s]; what is not in the force */
+    double turning; /* theirs on the shaft, about the plane's centre [N m s]; what is not in the torque */
     int events; /* collisions, contacts opened, weights stuck or broken away */
     double reached; /* time since the start of the step [s]: its length, or the first event */
 } Moved;

@@ -103,7 +103,38 @@ static double expand_carried(CarriedWeights *c, double angle, double left, int *
 
 /* -- who touches, and what sticks -------------------------------------------------------------------------- */
 
-/* Let weights that approach collide, and add their impulse; else decide who touches and rests.  The rotor has turned
+/* Impulse of a weight on its plane by a jump of its rate, in the axes of the machine. */
+static Pair blow_of(const SeriesWeight *weight, double jump)
+{
+    return weight->race ? pair_scaled(weight->race->tangent[0], -weight->race->mass * jump)
+                        : pair_scaled(pair_turned_back(weight->unit[0]), weight->moment * jump);
+}
+
+/* Add the impulses of collisions on the plane and on the shaft, by the jumps of all rates.  The plane answers later, and
+   what weights feel of that is not in the torque that they state (find_plane_motion): it is part of the second. */
+static void add_blows(const CarriedWeights *c, double angle, Moved *moved)
+{
+    const Machine *m = &c->step;
+    const Pair centre = pair_product(m->tracks->offset, m->spin[0]);
+    Pair whole = pair_zero(), answer;
+    int w;
+    for (w = 0; w < m->weight_count; w++) {
+        whole = pair_sum(whole, blow_of(m->weights + w, (phase_rate(m, w) - c->rates[w]) * m->rate));
+    }
+    answer = pair_scaled(whole, c->track->mobility);
+    for (w = 0; w < m->weight_count; w++) {
+        const SeriesWeight *weight = m->weights + w;
+        const double jump = (phase_rate(m, w) - c->rates[w]) * m->rate;
+        const Weights one = weights_single(&c->track->weights, w);
+        const Pair blow = pair_add_scaled(blow_of(weight, jump), answer, -one.mass);
+        moved->turning += weight->race ? series_race_blow(weight, jump, pair_sum(centre, weight->race->place[0]), blow)
+                                       : weight->moment * weight->roll * jump + pair_crossed(centre, blow);
+    }
+    whole = m->from_rotor ? pair_product(whole, pair_direction(angle)) : whole;
+    moved->impulse = complex_sum(moved->impulse, complex_of(pair_x(whole), pair_y(whole)));
+}
+
+/* Let weights that approach collide, and add their impulses; else decide who touches and rests.  The rotor has turned
    by `angle`. */
 static int meet_carried(CarriedWeights *c, double angle, Moved *moved, Failure *failure)
 {
@@ -120,14 +151,7 @@ static int meet_carried(CarriedWeights *c, double angle, Moved *moved, Failure *
     if (phase_collide(m, angle, c->impact, failure)) {
         return failure->code;
     }
-    for (w = 0; w < m->weight_count; w++) {
-        const SeriesWeight *weight = m->weights + w;
-        const double jump = (phase_rate(m, w) - c->rates[w]) * m->rate;
-        const Pair seen = weight->race ? pair_scaled(weight->race->tangent[0], -weight->race->mass * jump)
-                                       : pair_scaled(pair_turned_back(weight->unit[0]), weight->moment * jump);
-        const Pair blow = m->from_rotor ? pair_product(seen, pair_direction(angle)) : seen;
-        moved->impulse = complex_sum(moved->impulse, complex_of(pair_x(blow), pair_y(blow)));
-    }
+    add_blows(c, angle, moved);
     return FINE;
 }
 
@@ -222,6 +246,7 @@ int carried_advance(CarriedWeights *c, const CentreMotion *plane, double step, b
     double whole, time = 0.0, angle = 0.0;
     int steps = 0, at_once = 0;
     moved->impulse = complex_of(0.0, 0.0);
+    moved->turning = 0.0;
     moved->events = 0;
     moved->reached = step;
     if (refuse_many(c, plane, moved->speeds, step, 0.0, failure) || align_weights(c, moved, failure)) {

@@ -243,3 +243,9 @@ Number series_race_turning(const SeriesWeight *weight, int k, const Pair *spin, 
     }
     return race->mass * sum;
 }
+
+Number series_race_blow(const SeriesWeight *weight, Number jump, Pair place, Pair blow)
+{
+    const struct SeriesRace *race = weight->race;
+    return pair_crossed(place, blow) + race->mass * (race->kappa - 1.0) * race->body * race->stretch[0] * jump;
+}

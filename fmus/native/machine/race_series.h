@@ -69,5 +69,8 @@ Pair series_race_swept(const SeriesWeight *weight);
    plane's centre. */
 Pair series_race_push(const SeriesWeight *weight, int k);
 Number series_race_turning(const SeriesWeight *weight, int k, const Pair *spin, Pair offset);
+/* Impulse of that torque where theta' jumps: of a weight at `place` from the plane's centre, whose own on the plane is
+   `blow`. */
+Number series_race_blow(const SeriesWeight *weight, Number jump, Pair place, Pair blow);
 
 #endif

@@ -9,11 +9,11 @@
 #include "weights_parameters.h"
 #include "contact/pulse.h"
 
-/* Angles, speeds, contacts (N,) each, impulse owed and pulse given as xi, eta each, of which plain
+/* Angles, speeds, contacts (N,) each, impulse owed and pulse given as xi, eta each, the same of the torque, of which plain
    weights use the first two; and how long ago the inputs were set. */
 static size_t weights_memory_size(const Layout *layout)
 {
-    return 3 * (size_t)layout->sizes.weights + 5;
+    return 3 * (size_t)layout->sizes.weights + 7;
 }
 
 static void weights_fields(const Unit *unit, Fields *fields)
@@ -22,7 +22,7 @@ static void weights_fields(const Unit *unit, Fields *fields)
     fields_number(fields, "angle", fields_here(fields), count);
     fields_number(fields, "angular velocity", fields_here(fields), count);
     fields_whole(fields, "contact", fields_here(fields), count, 0.0, 1.0);
-    fields_number(fields, "impulse", fields_here(fields), 4);
+    fields_number(fields, "impulse", fields_here(fields), 6);
     fields_within(fields, "time since the inputs", fields_here(fields), 1, 0.0, DBL_MAX);
 }
 
@@ -199,8 +199,10 @@ static int step_with_events(Unit *unit, CentreMotion *motion, double length, Mov
     double *owes = weights_impulses(unit);
     const Complex pulse = weights_pulse(unit);
     Complex owed = complex_of(owes[0], owes[1]), left = owed, given;
+    Complex turn_left = complex_of(owes[4], 0.0), turn_given;
     Failure failure;
     given = pulse_ahead(pulse, spin_after(&motion->spin, length).angle, length, &left);
+    turn_given = pulse_ahead(complex_of(owes[5], 0.0), 0.0, length, &turn_left);
     take_off_answer(own->track.mobility, pulse, given, length, motion->signal);
     if (carried_advance(own->carried, motion, length, ends_at_event(unit, length), moved, &failure)) {
         return unit_failed(unit, &failure);
@@ -213,12 +215,16 @@ static int step_with_events(Unit *unit, CentreMotion *motion, double length, Mov
         length = moved->reached;
         left = owed;
         given = pulse_ahead(pulse, spin_after(&motion->spin, length).angle, length, &left);
+        turn_left = complex_of(owes[4], 0.0);
+        turn_given = pulse_ahead(complex_of(owes[5], 0.0), 0.0, length, &turn_left);
     }
     owed = complex_sum(left, moved->impulse);
     owes[0] = owed.re;
     owes[1] = owed.im;
     owes[2] = given.re;
     owes[3] = given.im;
+    owes[4] = turn_left.re + moved->turning;
+    owes[5] = turn_given.re;
     return 0;
 }
 
@@ -243,7 +249,7 @@ static int weights_step_unit(Unit *unit, double length)
 {
     const Balls *own = unit->own;
     CentreMotion motion = find_step_motion(unit, length);
-    Moved moved = {unit->memory, unit->memory + own->count, unit->memory + 2 * own->count, {0.0, 0.0}, 0, length};
+    Moved moved = {unit->memory, unit->memory + own->count, unit->memory + 2 * own->count, {0.0, 0.0}, 0.0, 0, length};
     Failure failure;
     if (own->track.eventful) {
         if (step_with_events(unit, &motion, length, &moved)) {
@@ -282,6 +288,7 @@ static void weights_observe_torques(Unit *unit)
     if (find_push(unit, &plane, force, out)) {
         out[0] = out[1] = not_a_number();
     }
+    out[0] += weights_impulses(unit)[5];
 }
 
 static size_t weights_signals(const Layout *layout, size_t *first)
