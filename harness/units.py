@@ -222,6 +222,16 @@ def readable_unbalance(value: float) -> str:
     return f"{brief(value * factor, 3)} {unit}"
 
 
+def readable_apart(one: float, other: float) -> tuple[str, str]:
+    """Two different unbalances [kg m] in one unit, with the digits that tell them apart."""
+    unit, factor = unbalance_unit(max(one, other))
+    for digits in range(3, 15):
+        first, second = (f"{brief(value * factor, digits)} {unit}" for value in (one, other))
+        if first != second:
+            break
+    return first, second
+
+
 def unbalance_unit(value: float) -> tuple[str, float]:
     """Unit in which an unbalance [kg m] reads well, and how many of it are one kg m."""
     size, unit = next(((s, u) for s, u in _UNBALANCES if value >= s), _UNBALANCES[-1])

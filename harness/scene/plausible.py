@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...models.papers.capacity import weight_mass
-from ..units import engineers, in_both, readable_unbalance, rounded
+from ..units import engineers, in_both, readable_apart, readable_unbalance, rounded
 from .balancer import Liquid, Ring, WeightBalancer
 from .quantities import each_of
 from .rotor import Flexible
@@ -32,6 +32,7 @@ MOST_SHOWN = 10.0  # times it: a change beyond is told as more than that
 _warnings_given: set[str] = set()  # warnings that this process has given
 HELD = 3.0  # times gravity: centrifugal acceleration that surely keeps a liquid at its wall
 RING_RADIUS, RING_GAP = 0.15, 0.005  # m: chambers with a float are smaller or their gap is
+CAPACITY_ROUNDING = 1e-12  # of what weights hold
 MOST_GROWTH = 25.0  # of the logarithm of a motion: its weights then need a million short steps
 WIDEST = 4.0 * math.pi  # rad: an angle beyond two turns is in degrees
 
@@ -180,11 +181,12 @@ def _short_of_capacity(scene: Scene) -> Iterator[str]:
                 needed, most = error.needed, error.capacity
             else:
                 continue
-        if assembly.weights and needed > most:
+        if assembly.weights and needed > most * (1.0 + CAPACITY_ROUNDING):
+            wanted, held = readable_apart(needed, most)
             since = f" from {time:g} s on" if time else ""
             yield (
-                f"unbalance: {readable_unbalance(needed)} to balance{since}, "
-                f"the weights hold at most {readable_unbalance(most)}: take more or heavier "
+                f"unbalance: {wanted} to balance{since}, "
+                f"the weights hold at most {held}: take more or heavier "
                 "weights, or a larger track"
             )
 

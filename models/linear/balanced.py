@@ -150,9 +150,10 @@ def check_reach(assembly: Assembly, table: WeightTable) -> dict[int, complex]:
         least = max(0.0, *(low + high - most for low, high in ranges))
         if size > most * (1.0 + _BALANCED) or size < least * (1.0 - _BALANCED):
             count = sum(len(rows) for rows, _ in tracks)
-            span = f"at most {_in_gram(most)}" if size > most else f"no less than {_in_gram(least)}"
+            needs, makes = _apart(size, most if size > most else least)
+            span = f"{'at most' if size > most else 'no less than'} {makes}"
             raise CannotBalance(
-                f"the unbalance needs a moment of {_in_gram(size)} in plane {plane + 1}; "
+                f"the unbalance needs a moment of {needs} in plane {plane + 1}; "
                 f"its {count} weights can make {span}",
                 size,
                 most,
@@ -163,11 +164,17 @@ def check_reach(assembly: Assembly, table: WeightTable) -> dict[int, complex]:
     return moments
 
 
-def _in_gram(moment: float) -> str:
-    """A static moment [kg m] as people write it."""
-    if moment < 1e-2:
-        return f"{1e6 * moment:.4g} g mm"
-    return f"{1e3 * moment:.4g} g m" if moment < 1.0 else f"{moment:.4g} kg m"
+def _apart(one: float, other: float) -> tuple[str, str]:
+    """Two static moments [kg m] as people write them, with digits that tell them apart."""
+    largest = max(one, other)
+    unit, factor = ("g mm", 1e6) if largest < 1e-2 else ("g m", 1e3)
+    unit, factor = (unit, factor) if largest < 1.0 else ("kg m", 1.0)
+    texts = ["", ""]
+    for digits in range(4, 16):
+        texts = [f"{factor * value:.{digits}g} {unit}" for value in (one, other)]
+        if texts[0] != texts[1]:
+            break
+    return texts[0], texts[1]
 
 
 def _range_of(

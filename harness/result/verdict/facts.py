@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from ...units import brief, in_both, readable_unbalance
+from ...units import brief, in_both, readable_apart
 from .case import MARGIN, OFFSETS_TELL, SAFE, Case, Ruling
 from .known import SURELY_BEYOND, Known
 from .outcome import Outcome
@@ -18,19 +18,19 @@ def from_facts(known: Known) -> Ruling | None:
     """What no run can change."""
     if known.exceeds_capacity:
         assert known.reach is not None
+        needed, capacity = readable_apart(known.reach.needed, known.reach.capacity)
         aside = f" with the track off centre by {millimetres(known.off_centre)}"
         return Ruling(
             Outcome.OVER_CAPACITY,
-            f"capacity exceeded: {readable_unbalance(known.reach.needed)} to balance"
-            f"{aside * bool(known.off_centre)}, the weights hold at most "
-            f"{readable_unbalance(known.reach.capacity)}",
+            f"capacity exceeded: {needed} to balance{aside * bool(known.off_centre)}, the weights "
+            f"hold at most {capacity}",
         )
     if known.left_by_too_much > SURELY_BEYOND * known.limit:
         assert known.reach is not None
+        needed, least = readable_apart(known.reach.needed, known.reach.least)
         return Ruling(
             Outcome.TOO_HEAVY,
-            f"{readable_unbalance(known.reach.needed)} to balance, the weights hold at least "
-            f"{readable_unbalance(known.reach.least)} wherever they stand: at "
+            f"{needed} to balance, the weights hold at least {least} wherever they stand: at "
             f"least {percent(known.left_by_too_much / known.alone)} of the vibration is left",
         )
     if known.is_out_of_reach:

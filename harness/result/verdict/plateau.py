@@ -125,8 +125,7 @@ class Run:
         except NoResponse as error:
             return replace(bare, outcome=Outcome.NO_RESPONSE, reason=str(error))
         after = _after(record, known, size) if found.outcome is Outcome.BALANCED else None
-        unstable = found.outcome is Outcome.UNSTABLE
-        turn = unstable and weights is not None and bool(weights.turning.any())
+        turn = stretch.steady and weights is not None and bool(weights.turning.any())
         if found.left_behind is not None or turn:
             # weights that turn in the rotor hold no unbalance
             bare = replace(bare, used=(), left=None)

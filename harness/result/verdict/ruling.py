@@ -30,12 +30,12 @@ def rule(case: Case) -> Ruling:
     for step in (stuck, balanced, together, turning, settling, dragged, resting):
         found = step(case, case.now, case.weights, left)
         if found is not None:
-            return found
+            return _with_left_behind(found, case) if step is together else found
     return _undecided(case, case.weights)
 
 
 def _with_left_behind(found: Ruling, case: Case) -> Ruling:
-    """A ruling from facts, with the weights that are left behind beside it."""
+    """A ruling that holds wherever the weights are, with those left behind beside it."""
     if case.now is None or case.weights is None or not len(case.known.table.angle):
         return found
     behind = turning(case, case.now, case.weights, 0.0)

@@ -9,7 +9,7 @@ from ....models.ring import BELIEVED, DRY, WARNED
 from ...scene.grade import GRADES
 from ...units import brief, in_both, readable_unbalance
 from .outcome import Outcome
-from .words import millimetres, percent, velocity
+from .words import is_nothing, millimetres, percent, velocity
 
 if TYPE_CHECKING:
     from .verdict import Passage, Verdict
@@ -97,7 +97,7 @@ def _three(size: float) -> str:
 
 def _is_mostly_other(verdict: Verdict) -> bool:
     """Whether the vibration at other frequencies, or a mean, matters beside the rotor's."""
-    if verdict.synchronous is None or verdict.vibration is None:
+    if verdict.synchronous is None or verdict.vibration is None or is_nothing(verdict.vibration):
         return False
     limit = MATTERS * max(verdict.vibration, 0.05 * (verdict.alone or 0.0))
     return verdict.vibration - verdict.synchronous > limit

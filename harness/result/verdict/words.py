@@ -18,9 +18,14 @@ def percent(share: float) -> str:
 def millimetres(size: float) -> str:
     """A vibration [m] as people read it."""
     value = 1e3 * size
-    if value < 1e-4:
+    if is_nothing(size):
         return "below 0.0001 mm"
     return "over 1 km" if value > _MOST else f"{brief(value)} mm"
+
+
+def is_nothing(size: float) -> bool:
+    """Whether a vibration [m] is as good as none."""
+    return size < 1e-7
 
 
 def velocity(size: float) -> str:

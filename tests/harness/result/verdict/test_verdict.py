@@ -200,6 +200,52 @@ def test_no_capacity_in_use_is_stated_where_weights_turn_in_an_unstable_machine(
     assert "capacity" not in str(found)
 
 
+def passing(torque: float, revolutions: float) -> Scene:
+    """Two pendulums on a lightly damped rotor, and a motor that has to pass 30 rad/s."""
+    weights = {"kind": "pendulums", "count": 2, "mass": 1 / 6, "track_radius": 0.1, "drag": 1.25}
+    return Scene(
+        rotor={"kind": "planar", "mass": 10.0, "stiffness": 9e3, "damping": 12.0,
+               "unbalance": 0.02, "unbalance_angle": 0.4},
+        balancer=[weights | {"angles": [0.3, 3.127]}],
+        operation={"motor": {"inertia": 0.2, "stall_torque": torque, "no_load_speed": 100.0}},
+        run={"revolutions": revolutions},
+    )  # fmt: skip
+
+
+def test_weights_that_share_one_angle_and_are_left_behind_say_both_and_hold_nothing():
+    """An integration of its own has both pendulums turn at 20 to 35 rad/s under a rotor at 50."""
+    found = verdict(passing(1.2, 400.0))
+    assert found.outcome is Outcome.TOGETHER
+    assert "left behind, all pendulums turn at 28.7" in found.reason
+    assert found.left_behind == pytest.approx((28.7, math.sqrt(9e3 / (10.0 + 1 / 3))), abs=0.3)
+    assert (found.used, found.left) == ((), None)
+
+
+def test_nothing_is_held_by_weights_that_turn_in_the_rotor_whatever_the_reason():
+    """Pendulums without drag turn over in a rotor that stays below its resonance."""
+    found = verdict(
+        passing(0.8, 400.0).replace(
+            {"pendulums.drag": 0.0, "rotor.damping": 6.0, "rotor.unbalance": 0.03,
+             "pendulums.mass": 0.25}
+        )
+    )  # fmt: skip
+    assert found.outcome is Outcome.BELOW_CRITICAL
+    assert (found.used, found.left) == ((), None)
+
+
+def test_an_unbalance_just_beyond_the_capacity_is_told_from_it():
+    """Three balls hold 0.03 kg m."""
+    said = str(verdict(drum(0.030003)))
+    assert "30.003 g m to balance, the weights hold at most 30 g m" in said
+
+
+def test_a_part_of_next_to_nothing_is_not_stated():
+    """The load is gone, and what is left of its transient dies out."""
+    changes = [{"time": 3.0, "amount": 0.0}]
+    scene = drum(turns=150, operation__unbalance_changes=changes)
+    assert "below 0.0001 mm at" not in str(verdict(scene))
+
+
 def test_a_transient_of_unknown_length_has_the_least_that_it_takes():
     slow = verdict(drum(turns=40, balls__drag=1e4))
     assert slow.outcome is Outcome.NOT_SETTLED
