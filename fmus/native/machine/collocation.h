@@ -37,7 +37,9 @@ extern const Radau RADAU_SEVEN, RADAU_ELEVEN;
 typedef struct {
     const Radau *rule;
     Machine *at;       /* in which accelerations are computed */
-    int unknowns;      /* d */
+    int unknowns;      /* d, */
+    int displacements; /* of which the first are of stations */
+    bool are_apart;    /* whether no number changes the acceleration of another: weights that are carried and cannot touch */
     double *start;     /* (3, d) places, speeds, accelerations at the start */
     double *middle;    /* (3, d) the same in the middle of a step */
     double *by_place, *by_speed; /* (d, d) derivatives of the accelerations */
@@ -55,17 +57,35 @@ typedef struct {
     int passes;        /* that the last step took */
 } Collocation;
 
+/* -- collocation.c ------------------------------------------------------------------------------ */
+
 /* Memory, in `unit`, for machines of these sizes; 1 where there is none. */
 int collocation_allocate(Unit *unit, Collocation *made, int stations, int weights);
-/* The state of a machine, in its coefficients of order 0, and the derivatives of its accelerations; `at`: the same
-   machine, in which they are computed. */
-void collocation_start(Collocation *c, const Machine *machine, Machine *at, double angle);
 /* Solve a step of this length; its error over the tolerance, displacements over `largest`, angles over 1 rad;
    infinite where no solution is found. */
 double collocation_solve(Collocation *c, double length, double tolerance, double largest);
-/* Write the solution as the motion of a machine in its step. */
-void collocation_write(const Collocation *c, double length, Machine *machine);
 /* What the length may be multiplied by after this error over the tolerance. */
 double collocation_factor(const Collocation *c, double error);
+
+/* -- collocation_modes.c --------------------------------------------------------------------------- */
+
+/* Factors of all systems for a step of this length; 1 where one is singular. */
+int collocation_factorise(const Collocation *c, double length);
+/* c->right becomes the solution with an eigenvalue. */
+void collocation_solve_mode(const Collocation *c, int mode);
+
+/* -- collocation_machine.c ------------------------------------------------------------------------- */
+
+/* The state of a machine, in its coefficients of order 0, and its accelerations; `at`: the same machine, in which they
+   are computed. */
+void collocation_start(Collocation *c, const Machine *machine, Machine *at, double angle);
+/* Accelerations so long after the start. */
+void collocation_accelerate(const Collocation *c, double time, const double *places, const double *speeds, double *rates);
+/* Keep what weights that touch or stick would do alone, and their loads, at the start or a point from 1 on. */
+void collocation_keep_holds(const Collocation *c, int point);
+/* Derivatives at a state so long after the start: places, speeds, accelerations (3, d). */
+void collocation_differentiate(const Collocation *c, double time, double *state);
+/* Write the solution as the motion of a machine in its step. */
+void collocation_write(const Collocation *c, double length, Machine *machine);
 
 #endif
