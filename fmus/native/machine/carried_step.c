@@ -68,13 +68,14 @@ static double collocate(CarriedWeights *c, double angle, double length)
     return 0.0;
 }
 
-/* Move weights that can neither touch nor stick under heavy drag over a step of at most this length; 0: that is not
-   worth it. */
+/* Move weights that cannot stick under heavy drag over a step of at most this length, in which no contact is made or
+   lost; 0: that is not worth it. */
 static double relax(CarriedWeights *c, double length)
 {
     Machine *m = &c->step;
+    const bool may = m->from_rotor && c->track->rolling_resistance == 0.0;
     int k;
-    for (k = 0; k < MOST_TRIALS && length * c->slowest * m->per_rate >= LEAST_FALL && !m->phase && m->from_rotor; k++) {
+    for (k = 0; k < MOST_TRIALS && length * c->slowest * m->per_rate >= LEAST_FALL && may; k++) {
         if (relaxation_step(&c->relaxation, m, length, CARRIED_ERROR) <= 1.0) {
             return length;
         }
@@ -267,7 +268,7 @@ int carried_advance(CarriedWeights *c, const CentreMotion *plane, double step, b
         if (!(length > 0.0) || ++steps > (m->phase ? MOST_WITH_EVENTS : MAX_SUBSTEPS)) {
             return refuse_many(c, plane, moved->speeds, step, MAX_SUBSTEPS, failure);
         }
-        if (m->phase) {
+        if (m->phase && !relaxed) {
             event = phase_first_event(m, order, &length);
         }
         at_once = length > LEAST_ADVANCE * whole ? 0 : at_once + 1;

@@ -1,6 +1,8 @@
 #include "machine/relaxation.h"
 
 #include "base/elementary.h"
+#include "base/matrix.h"
+#include "machine/phase.h"
 
 enum { MOST_ITERATIONS = 12, MOST_TERMS = 120 };
 #define LEFT_BY_ITERATION 0.02 /* of the tolerance */
@@ -12,10 +14,13 @@ enum { MOST_ITERATIONS = 12, MOST_TERMS = 120 };
 int relaxation_allocate(Unit *unit, Relaxation *r, int weights)
 {
     const Radau *rule = &RADAU_SEVEN;
+    const size_t count = (size_t)weights;
     const int n = RELAXED_POINTS;
     int i, j, k;
-    r->of = unit_allocate(unit, (size_t)weights, sizeof *r->of);
-    r->ends = unit_allocate(unit, 2 * (size_t)weights, sizeof(double));
+    r->of = unit_allocate(unit, count, sizeof *r->of);
+    r->ends = unit_allocate(unit, count, sizeof(double));
+    r->angles = unit_allocate(unit, RELAXED_TIMES * count, sizeof(double));
+    r->pushes = unit_allocate(unit, RELAXED_TIMES * count, sizeof(double));
     for (k = 0; k < n; k++) { /* the slope of the polynomial through the integrals up to the points */
         for (j = 0; j < n; j++) {
             double sum = 0.0;
@@ -25,10 +30,10 @@ int relaxation_allocate(Unit *unit, Relaxation *r, int weights)
             r->powers[k][j] = (k + 1) * sum;
         }
     }
-    return !r->of || !r->ends;
+    return !r->of || !r->ends || !r->angles || !r->pushes;
 }
 
-/* -- integrals -------------------------------------------------------------------------------------------- */
+/* -- what a drag makes of N ------------------------------------------------------------------------------- */
 
 /* Integrals of e^{-d (t - s)} (s/h)^k ds up to t = share h. */
 static void integrate_powers(double drag, double length, double share, double *to)
@@ -50,21 +55,54 @@ static void integrate_powers(double drag, double length, double share, double *t
     }
 }
 
+/* A row of what theta or theta' has by the values of a polynomial, where `fallen` is what it has by N = e^{-d t}:
+   that part is taken out of the values. */
+static void take_fall(const Relaxed *made, double fallen, double *row, double *first)
+{
+    double kept = 0.0;
+    int j;
+    for (j = 0; j < RELAXED_POINTS; j++) {
+        kept += row[j] * made->fall[j];
+    }
+    *first = (fallen - kept) * made->first_part;
+    for (j = 0; j < RELAXED_POINTS; j++) {
+        row[j] += (fallen - kept) * made->part[j];
+    }
+}
+
+/* The part of e^{-d t} in N, by its values at the start and the points. */
+static void find_part(const Relaxation *r, Relaxed *made)
+{
+    double start = 0.0;
+    int j;
+    for (j = 0; j < RELAXED_POINTS; j++) {
+        start += r->powers[0][j] * made->fall[j];
+    }
+    made->first_part = 1.0 - start > CLEAR_PART ? 1.0 / (1.0 - start) : 0.0;
+    for (j = 0; j < RELAXED_POINTS; j++) {
+        made->part[j] = -r->powers[0][j] * made->first_part;
+    }
+}
+
 static void prepare(const Relaxation *r, Relaxed *made, double drag, double length)
 {
     const int n = RELAXED_POINTS;
     const double *nodes = RADAU_SEVEN.nodes;
-    double integrals[RELAXED_POINTS], start = 0.0;
+    double integrals[RELAXED_POINTS];
     int i, j, k;
     made->drag = drag;
     made->length = length;
+    made->reach = 0.0;
+    for (i = 0; i < n; i++) {
+        made->fall[i] = natural_exp(-drag * nodes[i] * length);
+    }
+    find_part(r, made);
     for (i = 0; i < n; i++) {
         const double time = nodes[i] * length;
-        double power = 1.0;
-        made->fall[i] = natural_exp(-drag * time);
+        double power = 1.0, reach = 0.0;
         integrate_powers(drag, length, nodes[i], integrals);
         made->coasted[i] = integrals[0];
-        made->falling[i] = (integrals[0] - time * made->fall[i]) / drag;
+        made->steady[i] = (time - integrals[0]) / drag;
         for (j = 0; j < n; j++) {
             made->places[i][j] = made->speeds[j] = 0.0;
         }
@@ -75,11 +113,13 @@ static void prepare(const Relaxation *r, Relaxed *made, double drag, double leng
                 made->speeds[j] += integrals[k] * r->powers[k][j]; /* of the last point in the end */
             }
         }
+        take_fall(made, (integrals[0] - time * made->fall[i]) / drag, made->places[i], &made->first[i]);
+        for (j = 0; j < n; j++) {
+            reach += absolute(made->places[i][j]);
+        }
+        made->reach = larger(made->reach, reach);
     }
-    for (j = 0; j < n; j++) {
-        start += r->powers[0][j] * made->fall[j];
-    }
-    made->part = 1.0 - start;
+    take_fall(made, length * made->fall[n - 1], made->speeds, &made->first_speed);
 }
 
 /* -- N ------------------------------------------------------------------------------------------------------ */
@@ -90,7 +130,7 @@ static void watch_plane(Relaxation *r, Machine *m, double length)
     const Carried start = *m->carried;
     const MachineTrack *track = m->tracks;
     int i;
-    for (i = 0; i <= RELAXED_POINTS; i++) {
+    for (i = 0; i < RELAXED_TIMES; i++) {
         machine_carry(m, &start, i ? RADAU_SEVEN.nodes[i - 1] * length : 0.0);
         r->felt[i] = m->carried->signal[0];
         if (track->is_off) {
@@ -110,76 +150,83 @@ static double push(const Relaxation *r, SeriesWeight *weight, int point, double 
     return weight->free - r->spun[point];
 }
 
+/* One weight, or some that touch, of which each is ahead of the one before. */
+typedef struct {
+    int first, size;
+    double share; /* sum of m/kappa */
+    double lever; /* the largest */
+} Body;
+
+static int member_after(const Machine *m, int weight)
+{
+    return m->phase ? m->phase->weights[weight].ahead : weight + 1;
+}
+
+/* N of a body whose first weight is at this angle. */
+static double push_body(const Relaxation *r, const Machine *m, const Body *body, int point, double angle)
+{
+    const double start = r->angles[body->first * RELAXED_TIMES];
+    double sum = 0.0;
+    int j, w = body->first;
+    for (j = 0; j < body->size; j++, w = member_after(m, w)) {
+        SeriesWeight *weight = m->weights + w;
+        const double found = push(r, weight, point, angle + (r->angles[w * RELAXED_TIMES] - start));
+        r->pushes[w * RELAXED_TIMES + point] = found;
+        sum += body->size > 1 ? weight->share / body->share * found : found;
+    }
+    return sum;
+}
+
 /* -- a step --------------------------------------------------------------------------------------------------- */
 
-/* Take the part of e^{-d t} out of the values, N at the start being `first`; it. */
-static double take_fall(const Relaxation *r, const Relaxed *by, double first, double *values)
+static double row_by(const double *row, const double *values)
 {
-    double start = 0.0, part = 0.0;
+    double sum = 0.0;
     int j;
     for (j = 0; j < RELAXED_POINTS; j++) {
-        start += r->powers[0][j] * values[j];
+        sum += row[j] * values[j];
     }
-    if (by->part > CLEAR_PART) {
-        part = (first - start) / by->part;
-        for (j = 0; j < RELAXED_POINTS; j++) {
-            values[j] -= part * by->fall[j];
-        }
-    }
-    return part;
+    return sum;
 }
 
 /* What is left out, about: the last power, and what the part of e^{-d t} does in its turn. */
-static double error_of(const Relaxation *r, const Relaxed *by, const double *values, double part, double first,
-                       double speed, double slope)
+static double error_of(const Relaxation *r, const Relaxed *by, const double *values, double first, double speed,
+                       double slope)
 {
     const double square = by->drag * by->drag, fallen = absolute(speed - first / by->drag) / by->drag;
-    double last = 0.0;
-    int j;
-    for (j = 0; j < RELAXED_POINTS; j++) {
-        last += r->powers[RELAXED_POINTS - 1][j] * values[j];
-    }
+    const double part = by->first_part * first + row_by(by->part, values), *powers = r->powers[RELAXED_POINTS - 1];
+    double last = row_by(powers, values);
+    last -= part * row_by(powers, by->fall);
     return (LAST_POWER * absolute(last) + absolute(part) * (slope / square + fallen)) / square;
 }
 
-/* Move one weight; its error [rad]. */
-static double move_weight(const Relaxation *r, SeriesWeight *weight, const Relaxed *by, double angle, double speed,
-                          double enough, double *end)
+/* Move one body; its error [rad]. */
+static double move_body(Relaxation *r, const Machine *m, const Body *body, const Relaxed *by, double speed,
+                        double enough)
 {
-    const int n = RELAXED_POINTS;
-    const double first = push(r, weight, 0, angle);
-    double values[RELAXED_POINTS], angles[RELAXED_POINTS], before = infinity(), slope = 0.0;
-    int i, j, k;
+    const int n = RELAXED_POINTS, w = body->first;
+    const double angle = r->angles[w * RELAXED_TIMES], slope = body->lever * r->strength;
+    const double first = push_body(r, m, body, 0, angle);
+    double values[RELAXED_POINTS], angles[RELAXED_POINTS], before = infinity();
+    int i, k;
     for (i = 0; i < n; i++) {
-        double sum = 0.0;
-        for (j = 0; j < n; j++) {
-            sum += by->places[i][j];
-        }
-        angles[i] = angle + by->coasted[i] * speed + sum * first;
-        slope = larger(slope, weight->lever * hypotenuse(pair_x(r->felt[i + 1]), pair_y(r->felt[i + 1])));
+        angles[i] = angle + by->coasted[i] * speed + by->steady[i] * first;
     }
     for (k = 0; k < MOST_ITERATIONS; k++) {
-        double moved = 0.0, part, left;
+        double moved = 0.0, left;
         for (i = 0; i < n; i++) {
-            values[i] = push(r, weight, i + 1, angles[i]);
+            values[i] = push_body(r, m, body, i + 1, angles[i]);
         }
-        part = take_fall(r, by, first, values);
         for (i = 0; i < n; i++) {
-            double sum = angle + by->coasted[i] * speed + part * by->falling[i];
-            for (j = 0; j < n; j++) {
-                sum += by->places[i][j] * values[j];
-            }
-            moved = absolute(sum - angles[i]) <= moved ? moved : absolute(sum - angles[i]); /* no number too */
-            angles[i] = sum;
+            const double found = angle + by->coasted[i] * speed + by->first[i] * first + row_by(by->places[i], values);
+            moved = absolute(found - angles[i]) <= moved ? moved : absolute(found - angles[i]); /* no number too */
+            angles[i] = found;
         }
-        left = moved / before;
-        if (moved <= enough || (k > 0 && left < 1.0 && moved * left <= enough * (1.0 - left))) {
-            end[0] = angles[n - 1];
-            end[1] = by->fall[n - 1] * (speed + part * by->length);
-            for (j = 0; j < n; j++) {
-                end[1] += by->speeds[j] * values[j];
-            }
-            return error_of(r, by, values, part, first, speed, slope);
+        left = smaller(by->reach * slope, moved / (k ? before : 0.0)); /* the first is what it leaves at most */
+        if (moved <= enough || (left < 1.0 && moved * left <= enough * (1.0 - left))) {
+            copy_doubles(RELAXED_POINTS, angles, r->angles + w * RELAXED_TIMES + 1);
+            r->ends[w] = by->fall[n - 1] * speed + by->first_speed * first + row_by(by->speeds, values);
+            return error_of(r, by, values, first, speed, slope);
         }
         if (!(k < 1 || left <= SLOWEST_ITERATION)) {
             break;
@@ -189,32 +236,85 @@ static double move_weight(const Relaxation *r, SeriesWeight *weight, const Relax
     return infinity();
 }
 
+/* Whether all weights of a body have the same drag. */
+static bool are_alike(const Machine *m, const Body *body)
+{
+    int j, w = body->first;
+    for (j = 1; j < body->size; j++) {
+        w = member_after(m, w);
+        if (m->weights[w].damping_rate != m->weights[body->first].damping_rate) {
+            return false;
+        }
+    }
+    return true;
+}
+
+/* Let all weights of a body move as its first does. */
+static void follow_first(const Relaxation *r, const Machine *m, const Body *body)
+{
+    const double *leads = r->angles + body->first * RELAXED_TIMES;
+    int i, j, w = body->first;
+    for (j = 1; j < body->size; j++) {
+        double *angles = r->angles + (w = member_after(m, w)) * RELAXED_TIMES;
+        for (i = 1; i < RELAXED_TIMES; i++) {
+            angles[i] = leads[i] + (angles[0] - leads[0]);
+        }
+        r->ends[w] = r->ends[body->first];
+    }
+}
+
+static Body body_of(const Machine *m, int number)
+{
+    Body body = {number, 1, m->weights[number].share, m->weights[number].lever};
+    if (m->phase) {
+        const PhaseGroup *group = m->phase->groups + number;
+        int j, w = group->first;
+        body.first = w;
+        body.size = group->size;
+        body.share = group->share;
+        for (j = 0, body.lever = 0.0; j < group->size; j++, w = m->phase->weights[w].ahead) {
+            body.lever = larger(body.lever, m->weights[w].lever);
+        }
+    }
+    return body;
+}
+
 double relaxation_step(Relaxation *r, Machine *m, double length, double tolerance)
 {
-    const int n = m->weight_count, first = m->stations;
-    double worst = 0.0, *angles = r->ends, *speeds = angles + n;
+    const int n = m->weight_count, first = m->stations, bodies = m->phase ? m->phase->group_count : n;
+    double worst = 0.0;
     Relaxed *by = r->of;
-    int w;
+    int w, b;
     watch_plane(r, m, length);
+    relaxation_bound(r, m, length);
     for (w = 0; w < n; w++) {
-        SeriesWeight *weight = m->weights + w;
-        double end[2] = {0.0, 0.0}, error;
-        by = w > 0 && weight->damping_rate == m->weights[w - 1].damping_rate ? by : r->of + w;
-        if (by->drag != weight->damping_rate || by->length != length) {
-            prepare(r, by, weight->damping_rate, length);
+        r->angles[w * RELAXED_TIMES] = pair_at(m->motion[first + w / 2], w % 2);
+    }
+    for (b = 0; b < bodies; b++) {
+        const Body body = body_of(m, b);
+        const double drag = m->weights[body.first].damping_rate;
+        double error;
+        if (!are_alike(m, &body)) {
+            return infinity();
         }
-        error = move_weight(r, weight, by, pair_at(m->motion[first + w / 2], w % 2),
-                            pair_at(m->velocity[first + w / 2], w % 2), LEFT_BY_ITERATION * tolerance, end);
+        by = by->drag == drag && by->length == length ? by : r->of + body.first;
+        if (by->drag != drag || by->length != length) {
+            prepare(r, by, drag, length);
+        }
+        error = move_body(r, m, &body, by, pair_at(m->velocity[first + body.first / 2], body.first % 2),
+                          LEFT_BY_ITERATION * tolerance);
         worst = error <= worst ? worst : error;
         if (!(worst <= tolerance)) {
             return worst / tolerance;
         }
-        angles[w] = end[0];
-        speeds[w] = end[1];
+        follow_first(r, m, &body);
+    }
+    if (m->phase && !relaxation_keeps_contacts(r, m, length)) {
+        return infinity();
     }
     for (w = 0; w < n; w++) {
-        pair_set(&m->motion[first + w / 2], w % 2, angles[w]);
-        pair_set(&m->velocity[first + w / 2], w % 2, speeds[w]);
+        pair_set(&m->motion[first + w / 2], w % 2, r->angles[w * RELAXED_TIMES + RELAXED_POINTS]);
+        pair_set(&m->velocity[first + w / 2], w % 2, r->ends[w]);
     }
     return worst / tolerance;
 }
