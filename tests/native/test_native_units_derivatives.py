@@ -261,3 +261,16 @@ def test_wrong_derivatives_are_refused_and_change_nothing(fmus, packaging, case)
     assert reason in host.refused(lambda: getattr(host.slave, function)(*taken))
     assert host.outputs() == before
     host.free()
+
+
+@pytest.mark.parametrize("knowns", [("mass", "plane[1].F_xi"), ("plane[1].F_xi", "mass")])
+def test_a_parameter_among_the_knowns_leaves_the_others_as_they_are(fmus, packaging, knowns):
+    """Before the end of initialisation a = F/m: its change is the sum of the changes by each."""
+    host = packaging.Host(fmus.native("RotorOnSupports", planes=1))
+    host.slave.setupExperiment()
+    host.slave.enterInitializationMode()
+    mass, force = 2.0, 3.0
+    host.set({"mass": mass, "unbalance": 0.0, "plane[1].F_xi": force})
+    outputs = host.references("plane[1].a_xi")
+    (found,) = host.slave.getDirectionalDerivative(outputs, host.references(*knowns), [1.0, 1.0])
+    assert found == pytest.approx(-force / mass**2 + 1.0 / mass, rel=1e-9)

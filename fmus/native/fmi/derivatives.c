@@ -190,6 +190,13 @@ static int add_change(Unit *unit, size_t input, double seed)
     return 0;
 }
 
+/* The equations of the parameters as they are, where others were tried. */
+static int make_again(Unit *unit)
+{
+    memcpy(unit->real, unit->kept, unit_values_size(unit));
+    return unit->equations->parameters(unit);
+}
+
 /* Change of all outputs by the inputs, in unit->change; what a step has left to be read stays. */
 static int find_change(Unit *unit, const unsigned *knowns, size_t count, const double *seed)
 {
@@ -203,8 +210,9 @@ static int find_change(Unit *unit, const unsigned *knowns, size_t count, const d
     for (k = 0; k < count && !wrong; k++) {
         memcpy(unit->real, unit->kept, unit_values_size(unit));
         if (seed[k] != 0.0) {
-            wrong = add_change(unit, knowns[k], seed[k]);
-            stale = within(knowns[k], unit->layout.parameters) ? BEGINNING : stale;
+            const bool is_parameter = within(knowns[k], unit->layout.parameters);
+            wrong = add_change(unit, knowns[k], seed[k]) || (is_parameter && make_again(unit));
+            stale = is_parameter ? BEGINNING : stale;
         }
     }
     memcpy(unit->real, unit->kept, unit_values_size(unit));
