@@ -291,3 +291,22 @@ def test_derivatives_that_are_not_finite_are_an_error(tmp_path, name, size):
         except FMICallException:
             continue
         assert np.isfinite(rates).all(), k
+
+
+@pytest.mark.parametrize("fmi", [2, 3])
+def test_indicators_are_there_from_initialisation_on(tmp_path, fmi):
+    """Both standards let a tool read them before the solver starts."""
+    made = composition(load_scene("washing_machine_stops"))
+    path = build_composite(made, tmp_path, name="one", fmi=fmi, platforms=[platform_tuple])
+    kind = fmpy.fmi2.FMU2Model if fmi == 2 else fmpy.fmi3.FMU3Model
+    host = Host(path, kind=kind)
+    if fmi == 2:
+        host.slave.setupExperiment()
+    host.slave.enterInitializationMode()
+    count = host.description.numberOfEventIndicators
+    before, after = (ctypes.c_double * count)(), (ctypes.c_double * count)()
+    host.slave.getEventIndicators(before, count)
+    host.slave.exitInitializationMode()
+    host.slave.getEventIndicators(after, count)
+    assert list(before) == list(after)
+    assert min(before) > 0.0

@@ -130,7 +130,8 @@ Status front_reset(Unit *unit, const char *function)
 
 Status front_exchange(Unit *unit, const char *function, ExchangeCall call, double *values, size_t count)
 {
-    const int phases = call < SET_STATES ? AFTER_INSTANTIATION : RUNNING;
+    const bool only_reads = call < SET_STATES || call == GET_INDICATORS;
+    const int phases = only_reads ? AFTER_INSTANTIATION : RUNNING;
     const size_t arrays = call == ENTER_MODE ? 0 : count;
     const Status status = front_arrays(unit, function, phases, arrays, values, values);
     return status ? status : exchange_call(unit, function, call, values, count);
