@@ -5,9 +5,12 @@ from __future__ import annotations
 import ctypes
 import math
 import struct
+from contextlib import suppress
 
 import pytest
+from fmpy.fmi1 import FMICallException
 
+import autobalancer as ab
 from autobalancer.harness import load_scene
 from tests.studies.forged import PHASE, VALUES, Found, study
 
@@ -100,3 +103,42 @@ def test_a_motion_that_would_take_years_to_follow_ends_with_a_message(hosted):
     """Balls at 1e14 rad/s: 3 million steps of the machine are 1e-8 s, and 1e-3 s are asked for."""
     host = hosted(load_scene("balls_and_liquid"), {"balls.weight[1].speed0": 1e14})
     assert "the motion is too fast" in host.refused(lambda: host.step(1e-3))
+
+
+def test_a_message_is_that_of_its_own_error(hosted):
+    """What was refused before, and had nothing to do with it, is not said once more."""
+    host = hosted(load_scene("bristol_friction"), {"rotor.station[1].x0": 1e200})
+    host.refused(lambda: host.set({"rotor.station[1].mass": 1.0}))
+    said = host.refused(lambda: [host.step(1e-3) for _ in range(5)])
+    assert "events follow each other too closely" in said
+
+
+def field_at(host, data: bytes, name: str) -> int:
+    """Where a field lies in a serialised state: the message of a wrong value names it."""
+    for at in range(VALUES, len(data) - 8, 8):
+        changed = bytearray(data)
+        struct.pack_into("<d", changed, at, 0.123)
+        changed[-8:] = fnv(bytes(changed[:-8]))
+        before = len(host.messages)
+        with suppress(FMICallException):
+            host.slave.deserializeFMUState(bytes(changed))
+        if any(f"{name}[1] = 0.123" in text for _, text in host.messages[before:]):
+            return at
+    raise AssertionError(f"no field {name}")
+
+
+def test_an_event_of_a_spring_that_the_machine_does_not_have_does_no_harm(hosted):
+    rotor = {"stiffness": 1e4, "cubic_stiffness": -1e9, "damping": 10.0, "mass": 1.0}
+    scene = ab.Scene(rotor=ab.Planar(**rotor), operation={"speed": 50.0}, run={"duration": 1.0})
+    host = hosted(scene, {"rotor.x0": 1e-3})
+    host.step(1e-2)
+    data = bytearray(host.slave.serializeFMUState(host.slave.getFMUState()))
+    event, which = (field_at(host, bytes(data), f"one_piece.{n}") for n in ("event", "which"))
+    for number in (0.0, 1.0, 9e15):
+        struct.pack_into("<d", data, event, 13.0)
+        struct.pack_into("<d", data, which, number)
+        data[-8:] = fnv(bytes(data[:-8]))
+        with suppress(FMICallException):
+            host.slave.setFMUState(host.slave.deserializeFMUState(bytes(data)))
+            host.step(1e-2)
+    assert "must be a whole number from 0" in host.messages[-1][1]

@@ -42,12 +42,14 @@ UNITS = (
     ("RotorOnSupports", {"kind": "flexible", "stations": 4, "planes": 2, "shaft": "compliance"}),
     ("RotorOnSupports", {"kind": "matrices", "stations": 3, "planes": 2, "supports": 1, "feet": 1}),
     ("LiquidBalancer", {}),
+    ("RingBalancer", {}),
     ("BallBalancer", {"weights": 3}),
     ("BallBalancer", {"weights": 4, "unequal": 1}),
     ("Motor", {"points": 3}),
 )
 SCENES = ("two_balls", "balls_and_liquid", "goncharov_balls", "finite_weights", "bristol_friction")
 SCENES += ("sommerfeld", "run_up", "contact_order", "three_mass_shaft", "liquid_touch")
+SCENES += ("washing_machine_stops",)
 AT_ONCE = 1000  # cases between two lines of the report
 ENVIRONMENT = {"ASAN_OPTIONS": "detect_leaks=1:allocator_may_return_null=1"}
 

@@ -178,7 +178,6 @@ void batch_run_fail(BatchRun *run, BatchCall *all)
     char words[64];
     Text what = text_in(words, sizeof words);
     text_format(&what, "step of %v s failed", run->end / (double)all->batch->points);
-    composite_give_reason(run->unit);
     unit_report(run->unit, STATUS_ERROR, words);
     close_run(run, all);
 }

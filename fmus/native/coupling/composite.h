@@ -129,8 +129,6 @@ bool composite_reaches(const Composite *c, double time);
 /* 1 with the reason where a step of this length from a time on has taken too many of the machine since so many
    passes, or will at its pace. */
 int composite_refuse_many(Unit *unit, double passes, double begin, double length);
-/* Give a reason where whatever failed gave none. */
-void composite_give_reason(Unit *unit);
 
 /* -- drive.c --------------------------------------------------------------------------------- */
 

@@ -8,14 +8,6 @@ static const double MOST_MOVES = 1e7; /* within a step of the host: of parts */
 static const double ENOUGH_OF_MOVES = 0.03; /* of that: a pace is known from then on, */
 static const double HOPELESS = 100.0;       /* and one that would take so many times that does not get there */
 
-void composite_give_reason(Unit *unit)
-{
-    if (!unit->reason.at) {
-        unit_fail(unit, "the machine cannot go on at t = %6 s: events follow each other too closely",
-                  unit_host_time(unit, unit->time));
-    }
-}
-
 bool composite_reaches(const Composite *c, double time)
 {
     const Clock *clock = &c->course->clock;
@@ -57,7 +49,6 @@ static int reach_time(Unit *unit, double end)
             return 1;
         }
         if (one_piece_step(unit)) {
-            composite_give_reason(unit);
             return 1;
         }
     }

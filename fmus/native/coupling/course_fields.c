@@ -34,6 +34,7 @@ static void declare_one_piece(Fields *fields, const Composite *c)
     const double last_line = c->motor ? c->motor->unit->layout.sizes.points - 2.0 : 0.0;
     const Sizes *rotor = &c->parts->unit->layout.sizes;
     const double last_of_table = rotor->tables ? rotor->speeds - 2.0 : 0.0;
+    const double weights = (double)one_piece_phase_doubles(c) / PHASE_OF_WEIGHT;
     fields_whole(fields, "one_piece.order", &one_piece->order, 1, 0.0, MOST_ORDER);
     fields_flag(fields, "one_piece.stands", &one_piece->stands);
     fields_within(fields, "one_piece.largest", &one_piece->largest, 1, 0.0, DBL_MAX);
@@ -45,7 +46,7 @@ static void declare_one_piece(Fields *fields, const Composite *c)
     fields_flag(fields, "one_piece.placed", &one_piece->placed);
     fields_whole(fields, "one_piece.looks, .looked", &one_piece->looks, 2, 0.0, MOST_LOOKS);
     fields_whole(fields, "one_piece.event", &one_piece->event, 1, 0.0, EVENT_KINDS - 1.0);
-    fields_whole(fields, "one_piece.which", &one_piece->which, 1, 0.0, MOST_COUNTED);
+    fields_whole(fields, "one_piece.which", &one_piece->which, 1, 0.0, weights + 2.0 * rotor->sliders + rotor->cubics + rotor->stops);
     fields_flag(fields, "one_piece.decided", &one_piece->decided);
     fields_flag(fields, "one_piece.undecided", &one_piece->undecided);
     fields_whole(fields, "one_piece.leaves", &one_piece->leaves, 1, -1.0, 1.0);

@@ -53,7 +53,7 @@ static int finish(Unit *unit)
         c->motor->unit->memory[ANGLE_SIZE] = motor->points[2 * corner];
         one_piece->line = smaller(one_piece->line + one_piece->leaves, motor->count - 2.0);
     }
-    if (one_piece->event == SPRING_ENDS) {
+    if (one_piece->event == SPRING_ENDS && one_piece->which < composite_rotor(c)->cubic_count) {
         return fail_as_beyond(unit);
     }
     if (c->pieces.is_eventful) {
@@ -220,13 +220,16 @@ static int open_step(Unit *unit, double *length, double *end)
     return 0;
 }
 
-/* 1 where too many steps in a row have been as short as this one. */
-static int is_crowded(const Composite *c, double length)
+/* 1 with the reason where too many steps in a row have been as short as this one. */
+static int refuse_crowded(Unit *unit, double length)
 {
+    const Composite *c = unit->own;
     OnePiece *one_piece = &c->course->one_piece;
     const double time = absolute(c->course->clock.begin) + c->pieces.step.per_rate;
     one_piece->crowded = length <= CROWDED_STEP * time ? one_piece->crowded + 1.0 : 0.0;
-    return one_piece->crowded >= MOST_CROWDED;
+    return one_piece->crowded >= MOST_CROWDED &&
+           unit_fail(unit, "the machine cannot go on at t = %6 s: events follow each other too closely",
+                     unit_host_time(unit, c->course->clock.begin));
 }
 
 int one_piece_prepare(Unit *unit, double *angle, bool *is_wanted)
@@ -255,7 +258,7 @@ int one_piece_step(Unit *unit)
     }
     course->clock.time = end;
     course->clock.length = end - course->clock.begin; /* rounded as the time is */
-    if (is_crowded(c, course->clock.length)) {
+    if (refuse_crowded(unit, course->clock.length)) {
         return 1;
     }
     turned = machine_turned(&c->pieces.step, one_piece_order(c), length);

@@ -148,7 +148,6 @@ static double go_on(Unit *unit, Stretch *stretch)
 {
     double point;
     if (composite_meet_host(unit) || next_point(unit, stretch, &point) || composite_go_to(unit, point)) {
-        composite_give_reason(unit);
         return -1.0;
     }
     stretch->done++;
