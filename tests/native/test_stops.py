@@ -27,7 +27,7 @@ def disc(seconds, speed=40.0, more=(), initial=None, **keys):
     """A disc of 1 kg and 1 N/m; without unbalance the speed sets the rows of the result alone."""
     rotor = {"mass": 1.0, "stiffness": 1.0, "damping": 0.0, "unbalance": 0.0} | keys
     return ab.Scene(
-        rotor=ab.Planar(**rotor),
+        rotor=ab.Planar(**{key: value for key, value in rotor.items() if value is not None}),
         operation={"speed": speed},
         run={"duration": seconds, "initial": initial or {}, "record": [*XY, *more]},
         coupling={"tolerance": 1e-9},
@@ -180,3 +180,22 @@ def test_a_solver_of_the_tool_meets_the_stops_as_co_simulation_does(tmp_path, fm
         at = np.interp(own["time"], solved["time"], solved[name])
         assert np.abs(at - own[name]).max() <= 1e-5 * size
     assert solved[names[2]][-1] == own[names[2]][-1] == 2.0
+
+
+@ENGINES
+@pytest.mark.parametrize("held", ["stops", "friction"])
+def test_a_table_of_bearings_that_begins_above_rest_goes_with_stops_and_friction(held, separate):
+    """The numbers of the table are the same at every speed that it holds: those of the supports."""
+    more = {"stops": [{"support": 1, "gap": 0.02, "stiffness": 50.0}]}
+    if held == "friction":
+        more = {"friction": [{"limit": [0.004, 0.004], "stiffness": [20.0, 20.0]}]}
+    rows = [[speed, 1.0, 0.0, 0.0, 1.0, 0.1, 0.0, 0.0, 0.1] for speed in (30.0, 50.0)]
+    start = {"x": 0.05, "vy": 0.02}
+    plain = disc(3.0, stiffness=1.0, damping=0.1, initial=start, **more)
+    table = disc(
+        3.0, stiffness=None, damping=None, initial=start, bearings=[{"table": rows}], **more
+    )
+    runs = [scene.run(separate=separate) for scene in (plain, table)]
+    times = np.linspace(0.0, 3.0, 50)
+    found = [np.array([np.interp(times, run.time, run[n]) for n in XY]) for run in runs]
+    np.testing.assert_allclose(found[1], found[0], atol=1e-5)

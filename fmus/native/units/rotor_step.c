@@ -6,7 +6,6 @@
 #include "base/spin.h"
 #include "units/rotor_unit.h"
 
-
 /* The kept matrix that was asked for longest ago, or one never used. */
 static Kept *oldest(Rotor *own)
 {
@@ -28,7 +27,8 @@ static int rotor_outside(Unit *unit, double speed)
                      b->speeds[0], b->speeds[b->speed_count - 1]);
 }
 
-const double *rotor_matrix(Unit *unit, double speed, double step)
+/* Step matrix by columns; NULL with the reason. */
+static const double *rotor_matrix(Unit *unit, double speed, double step)
 {
     Rotor *own = unit->own;
     LinearRotor loaded;
@@ -80,14 +80,17 @@ static int make_taylor_of(Unit *unit, int line)
     return 0;
 }
 
-int rotor_make_taylor(Unit *unit)
+int rotor_make_first_taylor(Unit *unit)
 {
     const LinearRotor *rotor = &((const Rotor *)unit->own)->rotor;
+    return make_taylor_of(unit, rotor->bearings.count ? linear_rotor_line(rotor, rotor_inputs(unit)[0], -1) : 0);
+}
+
+int rotor_make_taylor(Unit *unit)
+{
     const double speed = rotor_inputs(unit)[0];
-    if (!linear_rotor_holds(rotor, speed)) {
-        return rotor_outside(unit, speed);
-    }
-    return make_taylor_of(unit, rotor->bearings.count ? linear_rotor_line(rotor, speed, -1) : 0);
+    return linear_rotor_holds(&((const Rotor *)unit->own)->rotor, speed) ? rotor_make_first_taylor(unit)
+                                                                         : rotor_outside(unit, speed);
 }
 
 /* What moves the rotor from where the inputs were set, `ago` [s]. */
@@ -275,7 +278,8 @@ void rotor_rotated(const double *pairs, size_t count, double c, double s, double
     }
 }
 
-void rotor_apply(Rotor *own, const double *matrix)
+/* own->result = matrix own->operand. */
+static void rotor_apply(Rotor *own, const double *matrix)
 {
     const int rows = own->rows, columns = own->columns;
     int i, k;

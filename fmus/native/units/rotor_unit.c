@@ -118,7 +118,7 @@ static int rotor_parameters(Unit *unit)
         linear_rotor_sag(&own->rotor, own->rotor.bearings.count ? own->rotor.bearings.speeds[0] : 0.0, own->sag, own->matrix_scratch, &failure)) {
         return unit_failed(unit, &failure);
     }
-    return own->rotor.sliders ? rotor_make_taylor(unit) : 0;
+    return own->rotor.sliders ? rotor_make_first_taylor(unit) : 0;
 }
 
 static int rotor_begin(Unit *unit)

@@ -125,16 +125,14 @@ void rotor_made(const Unit *unit, MadeFor *of, double speed);
 
 /* -- rotor_step.c ----------------------------------------------------------------------- */
 
-/* Step matrix by columns; NULL with the reason. */
-const double *rotor_matrix(Unit *unit, double speed, double step);
-/* own->result = matrix own->operand. */
-void rotor_apply(Rotor *own, const double *matrix);
 /* Motion of the stations, and acceleration and jerk of the planes, after `step` [s], in own->result; all
    in fixed axes, x and y alternating; the acceleration is less gravity's, which every body on the rotor
    feels: what an accelerometer would read. */
 int rotor_propagate(Unit *unit, double step);
 /* Bring own->taylor up to date with the masses that the planes carry now; 1 with the reason. */
 int rotor_make_taylor(Unit *unit);
+/* The same before the rotor turns: its first speed may be told later, so that tables of bearings need not hold it. */
+int rotor_make_first_taylor(Unit *unit);
 /* Vectors (x, y alternating) turned by the angle with this cosine and sine; `to` may be `pairs`. */
 void rotor_rotated(const double *pairs, size_t count, double c, double s, double *to);
 /* Computed outputs from acceleration and jerk of the planes in fixed axes. */
