@@ -7,6 +7,7 @@ With a the acceleration of the ring's centre in them (`models.ring` has fixed ax
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 from ..ring import Ring
@@ -35,8 +36,8 @@ def advance(
         here = speed + spin_up * done
         fastest = max(abs(here), abs(speed + spin_up * step))
         part = min(step - done, _TURN / max(fastest, 0.5 * ring.damping(fastest), 1e-300))
-        if ring.viscosity and spin_up and here > 0.0:
-            part = min(part, 0.25 * here / abs(spin_up))
+        if ring.viscosity and spin_up and here:
+            part = min(part, 0.25 * abs(here) / abs(spin_up))
         part = max(part, 1e-5 * step)
         if done + part >= step:
             part = step - done
@@ -85,8 +86,9 @@ def _series(
 def _damping(ring: Ring, speed: float, spin_up: float) -> list[float]:
     """Series of d; a rotor that begins to turn has no film at its wall yet."""
     root = [abs(speed) ** 0.5]
-    for k in range(1, _ORDER if spin_up and speed > 0.0 else 1):
-        left = (spin_up if k == 1 else 0.0) - sum(root[j] * root[k - j] for j in range(1, k))
+    rise = math.copysign(spin_up, speed * spin_up)  # of |speed|
+    for k in range(1, _ORDER if spin_up and speed else 1):
+        left = (rise if k == 1 else 0.0) - sum(root[j] * root[k - j] for j in range(1, k))
         root.append(0.5 * left / root[0])
     series = [ring.root_damping * r for r in root]
     series[0] += ring.wave_damping

@@ -41,12 +41,12 @@ void machine_take_ring(Machine *machine, const double *row, const LiquidRing *ri
 
 void rings_expand_root(Machine *m, int order)
 {
-    const double *w = m->speed;
+    const double *w = m->speed, way = w[0] < 0.0 ? -1.0 : 1.0; /* the film is that of the speed either way */
     double *root = m->root;
     int k, j;
-    root[0] = w[0] > LEAST_SPEED || m->speed_order == 0 ? square_root(larger(0.0, w[0])) : 0.0;
+    root[0] = absolute(w[0]) > LEAST_SPEED || m->speed_order == 0 ? square_root(absolute(w[0])) : 0.0;
     for (k = 1; k <= order; k++) {
-        double sum = k <= m->speed_order ? w[k] : 0.0;
+        double sum = k <= m->speed_order ? way * w[k] : 0.0;
         for (j = 1; j < k; j++) {
             sum -= root[j] * root[k - j];
         }
@@ -79,7 +79,7 @@ bool machine_is_wave(const Machine *m, int station)
 
 double rings_length(const Machine *m, double length)
 {
-    const double speed = m->speed[0], change = absolute(m->speed[1]);
+    const double speed = absolute(m->speed[0]), change = absolute(m->speed[1]);
     double root = 0.0;
     int k;
     for (k = 0; k < m->ring_count; k++) {
@@ -88,8 +88,5 @@ double rings_length(const Machine *m, double length)
     if (root == 0.0 || change == 0.0) {
         return length;
     }
-    if (speed <= LEAST_SPEED) {
-        return m->speed[1] > 0.0 ? smaller(length, 2.0 * LEAST_SPEED / change) : length;
-    }
-    return smaller(length, 0.5 * speed / change);
+    return smaller(length, (speed <= LEAST_SPEED ? 2.0 * LEAST_SPEED : 0.5 * speed) / change);
 }

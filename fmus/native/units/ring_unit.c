@@ -20,7 +20,7 @@ static const struct {
 } THINNESS_LIMITS[] = {
     {0.1, "the layer thins to %3 of itself in places: the motion beside the steady one may err by some percent"},
     {0.3, "the layer thins to %3 of itself in places: the waves are too large for the model of small waves"},
-    {1.0, "the wall is dry in places (%3): the model of small waves is invalid"}};
+    {1.0, "the wall is dry in places: the model of small waves is invalid"}};
 enum { THINNESS_LIMIT_COUNT = sizeof THINNESS_LIMITS / sizeof *THINNESS_LIMITS };
 
 static int ring_parameters(Unit *unit)
@@ -66,15 +66,6 @@ static RingState ring_state(const Unit *unit)
     return state;
 }
 
-/* A vector in fixed axes and its slope as seen in axes that turn with the rotor, or `against` it. */
-static void ring_turn(Complex *derivatives, const Spin *spin, int against)
-{
-    const double sign = against ? -1.0 : 1.0, w = sign * spin->speed;
-    const Complex back = rect(1.0, -sign * spin->angle), value = derivatives[0], slope = derivatives[1];
-    derivatives[0] = complex_product(value, back);
-    derivatives[1] = complex_product(complex_of(slope.re + w * value.im, slope.im - w * value.re), back);
-}
-
 /* How the centre moves over the step, in the axes of the signals. */
 static CentreMotion ring_signal(const Unit *unit)
 {
@@ -91,30 +82,9 @@ static Instant ring_now(const Unit *unit)
     const CentreMotion motion = ring_signal(unit);
     Instant now = find_instant(&motion, unit->memory[RING_SINCE]);
     if (unit->layout.sizes.fixed_frame) {
-        ring_turn(now.motion, &now.spin, 0);
+        rotate_derivatives(now.motion, &now.spin, 0);
     }
     return now;
-}
-
-static int ring_put_outputs(Unit *unit)
-{
-    const RingUnit *own = unit->own;
-    const RingState state = ring_state(unit);
-    const Instant now = ring_now(unit);
-    double *out = unit->real + unit->layout.computed.first;
-    Complex force[2];
-    int k;
-    ring_force(&own->ring, &state, &now, force);
-    for (k = 0; k < 2 && own->sent != 0.0; k++) {
-        force[k] = complex_difference(force[k], complex_scaled(own->sent, now.motion[k]));
-    }
-    if (unit->layout.sizes.fixed_frame) {
-        ring_turn(force, &now.spin, 1);
-    }
-    memcpy(out, force, sizeof force);
-    out[RING_ADDED_MASS] = own->carried;
-    out[RING_LIQUID_MASS] = ring_mass(&own->ring);
-    return 0;
 }
 
 static void warn_of_thinness(Unit *unit)
@@ -132,24 +102,39 @@ static void warn_of_thinness(Unit *unit)
     }
 }
 
+static int ring_put_outputs(Unit *unit)
+{
+    const RingUnit *own = unit->own;
+    const RingState state = ring_state(unit);
+    const Instant now = ring_now(unit);
+    double *out = unit->real + unit->layout.computed.first;
+    Complex force[2];
+    int k;
+    ring_force(&own->ring, &state, &now, force);
+    for (k = 0; k < 2 && own->sent != 0.0; k++) {
+        force[k] = complex_difference(force[k], complex_scaled(own->sent, now.motion[k]));
+    }
+    if (unit->layout.sizes.fixed_frame) {
+        rotate_derivatives(force, &now.spin, 1);
+    }
+    memcpy(out, force, sizeof force);
+    out[RING_ADDED_MASS] = own->carried;
+    out[RING_LIQUID_MASS] = ring_mass(&own->ring);
+    warn_of_thinness(unit);
+    return 0;
+}
+
 static int ring_step(Unit *unit, double length)
 {
     RingUnit *own = unit->own;
     CentreMotion motion = ring_signal(unit);
     RingState state = ring_state(unit);
     if (unit->layout.sizes.fixed_frame) {
-        Instant ends[2];
-        int k;
-        for (k = 0; k < 2; k++) {
-            ends[k] = find_instant(&motion, k * length);
-            ring_turn(ends[k].motion, &ends[k].spin, 0);
-        }
-        cubic_between(ends[0].motion, ends[1].motion, length, motion.signal);
+        rotate_signal(&motion, length);
     }
     ring_advance(&own->ring, &motion, length, &state);
     memcpy(unit->memory, &state, sizeof state);
     unit->memory[RING_SINCE] = length;
-    warn_of_thinness(unit);
     return ring_put_outputs(unit);
 }
 
@@ -177,12 +162,6 @@ static size_t ring_signals(const Layout *layout, size_t *first)
     return RING_SIGNALS;
 }
 
-static double ring_reach(const Unit *unit, size_t input)
-{
-    return text_equal(unit->layout.reals[input].declared->name, "angle") ? 1e-3
-                                                                         : larger(1.0, absolute(unit->real[input]));
-}
-
 static int ring_slope(Unit *unit, size_t reference, double *value)
 {
     const RingUnit *own = unit->own;
@@ -206,5 +185,5 @@ static size_t ring_states(const Layout *layout)
 const Equations RING_EQUATIONS = {
     .name = "RingBalancer", .own_size = sizeof(RingUnit), .memory_size = ring_memory, .fields = ring_fields,
     .parameters = ring_parameters, .begin = ring_begin, .step = ring_step, .outputs = ring_outputs,
-    .observe = ring_observe, .signals = ring_signals, .reach = ring_reach, .slope = ring_slope,
+    .observe = ring_observe, .signals = ring_signals, .slope = ring_slope,
     .states = ring_states, .nominals = {NOMINAL_DISPLACEMENT, NOMINAL_VELOCITY}};

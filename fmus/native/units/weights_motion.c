@@ -23,17 +23,6 @@ CentreMotion find_plane_signal(const Unit *unit)
     return motion;
 }
 
-void rotate_derivatives(Complex *derivatives, const Spin *spin, int against)
-{
-    const double sign = against ? -1.0 : 1.0;
-    const double w = sign * spin->speed;
-    const Complex turn = rect(1.0, -sign * spin->angle);
-    const Complex value = derivatives[0], slope = derivatives[1];
-    /* slope - i w value */
-    derivatives[0] = complex_product(value, turn);
-    derivatives[1] = complex_product(complex_of(slope.re + w * value.im, slope.im - w * value.re), turn);
-}
-
 Instant find_plane_motion(const Unit *unit, Complex *pulse_acceleration)
 {
     const Balls *own = unit->own;

@@ -233,13 +233,7 @@ static CentreMotion find_step_motion(const Unit *unit, double length)
 {
     CentreMotion motion = find_plane_signal(unit);
     if (unit->layout.sizes.fixed_frame) {
-        Instant ends[2];
-        int k;
-        for (k = 0; k < 2; k++) {
-            ends[k] = find_instant(&motion, k * length);
-            rotate_derivatives(ends[k].motion, &ends[k].spin, 0);
-        }
-        cubic_between(ends[0].motion, ends[1].motion, length, motion.signal);
+        rotate_signal(&motion, length);
     }
     motion.spin.angle = 0.0;
     return motion;

@@ -12,7 +12,7 @@ enum { SIGNALS = 2 };
 
 /* Inputs from the first of them on, and outputs; parameters are in weights_parameters.h, written by layout.py. */
 enum { ANGLE = 8, SPEED = 9, ACCELERATION = 10 };
-enum { FORCE = 0, FORCE_SLOPE = 2, ADDED_MASS = 4 };
+enum { ADDED_MASS = 4 }; /* behind the force and its slope */
 
 typedef struct {
     int count;
@@ -41,9 +41,6 @@ double *weights_impulses(const Unit *unit);
 Complex weights_pulse(const Unit *unit);
 /* How the plane's centre moves over the step, in the axes of the signals. */
 CentreMotion find_plane_signal(const Unit *unit);
-/* A vector in fixed axes and its slope, in place as they are seen in axes that turn with the rotor, or
-   against it. */
-void rotate_derivatives(Complex *derivatives, const Spin *spin, int against);
 /* How the plane's centre and the rotor move at the end of the last step, or where inputs are set since.
    The weights' jump at a collision has the rotor's part in it: they do not feel how the plane answers the
    pulse, which is left out and given apart. */

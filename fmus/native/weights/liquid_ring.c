@@ -88,6 +88,7 @@ typedef struct {
 static void ring_expand_speed(const LiquidRing *ring, const Spin *spin, SpeedSeries *series)
 {
     const double root_damping = ring_root_damping(ring);
+    const double way = spin->speed < 0.0 ? -1.0 : 1.0; /* the film is that of the speed either way */
     double *w = series->speed, root[RING_ORDER + 1], factorial = 1.0;
     int k, j;
     for (k = 0; k <= RING_ORDER; k++) {
@@ -96,7 +97,7 @@ static void ring_expand_speed(const LiquidRing *ring, const Spin *spin, SpeedSer
         series->last = k == 0 || w[k] != 0.0 ? k : series->last;
     }
     for (k = 0; k <= RING_ORDER; k++) {
-        double sum = k <= SIGNAL_ORDERS ? w[k] : 0.0;
+        double sum = k <= SIGNAL_ORDERS ? way * w[k] : 0.0;
         series->square[k] = 0.0;
         for (j = 0; j <= k; j++) {
             series->square[k] += w[j] * w[k - j];
@@ -108,7 +109,7 @@ static void ring_expand_speed(const LiquidRing *ring, const Spin *spin, SpeedSer
                 sum -= root[j] * root[k - j];
             }
             /* a rotor that begins to turn has no film yet */
-            root[k] = w[0] > 0.0 ? 0.5 * sum / root[0] : 0.0;
+            root[k] = w[0] != 0.0 ? 0.5 * sum / root[0] : 0.0;
         }
         series->damping[k] = root_damping * root[k] + (k == 0 ? ring->wave_damping : 0.0);
     }
@@ -156,8 +157,8 @@ static double ring_longest(const LiquidRing *ring, const Spin *spin, double leng
     const double end = spin_after(spin, length).speed, fastest = larger(absolute(spin->speed), absolute(end));
     const double damping = ring->wave_damping + ring_root_damping(ring) * square_root(fastest);
     double part = smaller(length, RING_TURN / larger(fastest, 0.5 * damping + 1e-300));
-    if (ring->viscosity > 0.0 && spin->rates[0] != 0.0 && spin->speed > 0.0) {
-        part = smaller(part, 0.25 * spin->speed / absolute(spin->rates[0]));
+    if (ring->viscosity > 0.0 && spin->rates[0] != 0.0 && spin->speed != 0.0) {
+        part = smaller(part, 0.25 * absolute(spin->speed) / absolute(spin->rates[0]));
     }
     return larger(part, length / MOST_RING_SERIES);
 }

@@ -1,0 +1,53 @@
+"""The ring of liquid as a unit and in one file: both ways of turning, and its warnings."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from autobalancer.harness import load_scene
+
+ODD = ("F_eta", "wave_eta", "wave_speed_eta", "moment_eta")  # what changes its sign in a mirror
+
+
+def turned(host, way: float):
+    """Outputs after a run-up in which speed and motion are mirrored where `way` is -1."""
+    host.begin({"viscosity": 1e-3, "wave_damping": 0.1})
+    host.set({"a_xi": 3.0, "a_eta": 2.0 * way, "acceleration": 500.0 * way})
+    for _ in range(20):
+        time = host.time
+        angle = 100.0 * time + 250.0 * time**2
+        host.set({"speed": way * (100.0 + 500.0 * time), "angle": way * angle})
+        host.step(1e-3)
+    return {n: host.get(n)[0] for n, v in host.variables.items() if v.causality == "output"}
+
+
+@pytest.mark.parametrize("backend", ["native", "python"])
+def test_a_ring_that_turns_backwards_is_the_mirror_image(fmus, packaging, backend):
+    """The film at the wall is that of the speed either way, while the speed changes too."""
+    path = getattr(fmus, backend)("RingBalancer")
+    forwards, backwards = (turned(packaging.Host(path), way) for way in (1.0, -1.0))
+    for name, value in forwards.items():
+        is_odd = name.removeprefix("der(").rstrip(")") in ODD
+        assert backwards[name] == pytest.approx(-value if is_odd else value, rel=1e-12)
+
+
+def test_a_machine_with_a_ring_that_turns_backwards_is_the_mirror_image(instance):
+    def displacements(way):
+        host = instance(load_scene("washing_machine_ring"))
+        drive = {"rise_time": 0.0, "speed": 50.0 * way, "acceleration": 20.0 * way}
+        host.begin({**drive, "ring.viscosity": 1e-3})
+        rows = []
+        for _ in range(50):
+            host.set({"speed": way * (50.0 + 20.0 * host.time)})
+            host.step(1e-2)
+            rows.append(host.get("rotor.x", "rotor.y"))
+        return np.array(rows)
+
+    np.testing.assert_allclose(displacements(-1.0), displacements(1.0) * [1.0, -1.0], rtol=1e-9)
+
+
+def test_one_file_warns_of_a_layer_that_is_too_thin(hosted):
+    host = hosted(load_scene("washing_machine_ring"), {"ring.wave_xi0": 0.05})
+    assert host.get("ring.thinness")[0] > 0.3
+    assert any("the waves are too large for the model" in text for _, text in host.messages)
