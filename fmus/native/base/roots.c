@@ -1,6 +1,5 @@
 #include "base/roots.h"
 
-#include "base/cubic.h"
 #include "base/elementary.h"
 
 #define BRACKET_HALVINGS 40 /* down to rounding of the bracket */
@@ -69,15 +68,4 @@ double find_crossing(TimeFunction value, void *context, double value_at_start, d
                            0.5 * width / larger(absolute(opposite.x - newest.x), width));
     }
     return newest.f < 0.0 ? newest.x : opposite.x;
-}
-
-double find_lowest(double f0, double s0, double f1, double s1, double step)
-{
-    double second, third, root, time, least;
-    const double doubt = 0.1 * step * (absolute(s0) + absolute(s1)); /* it is no better than this */
-    hermite(f0, s0, f1, s1, step, &second, &third);
-    root = square_root(larger(0.0, second * second - 2.0 * s0 * third));
-    time = second + root > 0.0 ? -2.0 * s0 / (second + root) : 0.0;
-    least = f0 + time * (s0 + time * (second / 2.0 + time * third / 6.0));
-    return 0.0 < time && time < step && least < doubt ? time : 0.0;
 }

@@ -1,4 +1,4 @@
-/* Where a function that was positive becomes negative, and where a cubic is least. */
+/* Where a function that was positive becomes negative. */
 #ifndef AUTOBALANCER_ROOTS_H
 #define AUTOBALANCER_ROOTS_H
 
@@ -10,8 +10,5 @@ typedef double (*TimeFunction)(void *context, double time);
    Chandrupatla 1997 to a bracket of `width`; returns its end at which the value is negative. */
 double find_crossing(TimeFunction value, void *context, double value_at_start, double upper,
                      double width);
-
-/* Time of the least value of a cubic that falls first and rises last; 0: it stays positive. */
-double find_lowest(double f0, double s0, double f1, double s1, double step);
 
 #endif

@@ -79,36 +79,6 @@ static void set_each(WeightsInOrder *w)
     }
 }
 
-int order_weights(const Track *track, const double *angles, const double *speeds,
-                 const double *contacts, double *scratch, WeightsInOrder *weights, Failure *failure)
-{
-    const int n = track->weights.count;
-    int j;
-    lay_out_scratch(n, scratch, weights);
-    failure->code = FINE;
-    weights->failure = failure;
-    weights->track = track;
-    weights->count = n;
-    weights->chains.count = 0;
-    for (j = 0; j < n; j++) {
-        weights->given[j] = angles[j];
-        weights->angle[j] = modulo(angles[j], TAU);
-        weights->order[j] = j;
-    }
-    if (track->solid) {
-        sort_by_angle(n, weights->angle, weights->order);
-    }
-    for (j = 0; j < n; j++) {
-        const int k = weights->order[j];
-        weights->begin[j] = weights->angle[k];
-        weights->angle_rate[j] = speeds[k];
-        weights->joined[j] = track->full || (track->solid && contacts[k] != 0.0);
-    }
-    copy_doubles((size_t)n, weights->begin, weights->angle);
-    set_each(weights);
-    return track->solid ? align_chains(weights) : FINE;
-}
-
 void write_weights(const WeightsInOrder *weights, double *angles, double *speeds, double *contacts)
 {
     int j;
@@ -128,7 +98,8 @@ double gap(const WeightsInOrder *weights, int k)
     return ahead - angle[k] - weights->spacing[k];
 }
 
-void find_chains(WeightsInOrder *weights)
+/* Set `chains`, the runs of weights each of which lastingly touches the next. */
+static void find_chains(WeightsInOrder *weights)
 {
     const int n = weights->count, *linked = weights->joined;
     Runs *chains = &weights->chains;
@@ -205,6 +176,22 @@ double find_offsets(WeightsInOrder *weights, int first, int size)
     return magnitude(moment) / mass;
 }
 
+/* Put a run of weights that touch, whose offsets are set, about the angle `middle`. */
+static void place_group(WeightsInOrder *weights, int first, int size, double middle, double rate)
+{
+    int j;
+    for (j = 0; j < size; j++) {
+        int k = first + j;
+        double angle = middle + weights->offset[k];
+        if (k >= weights->count) {
+            k -= weights->count;
+            angle -= TAU;
+        }
+        weights->angle[k] = angle;
+        weights->angle_rate[k] = rate;
+    }
+}
+
 /* Put the weights of a chain about the mean of their angles, with the mean of their rates. */
 static void place_about_mean(WeightsInOrder *weights, int first, int size)
 {
@@ -221,7 +208,8 @@ static void place_about_mean(WeightsInOrder *weights, int first, int size)
     place_group(weights, first, size, middle / size, rate / mass);
 }
 
-int align_chains(WeightsInOrder *weights)
+/* Exact distances and one rate in every chain of lasting contacts; refuse overlaps. */
+static int align_chains(WeightsInOrder *weights)
 {
     const Runs *chains = &weights->chains;
     int k, any = 0;
@@ -248,19 +236,34 @@ int align_chains(WeightsInOrder *weights)
     return FINE;
 }
 
-void place_group(WeightsInOrder *weights, int first, int size, double middle, double rate)
+int order_weights(const Track *track, const double *angles, const double *speeds,
+                 const double *contacts, double *scratch, WeightsInOrder *weights, Failure *failure)
 {
+    const int n = track->weights.count;
     int j;
-    for (j = 0; j < size; j++) {
-        int k = first + j;
-        double angle = middle + weights->offset[k];
-        if (k >= weights->count) {
-            k -= weights->count;
-            angle -= TAU;
-        }
-        weights->angle[k] = angle;
-        weights->angle_rate[k] = rate;
+    lay_out_scratch(n, scratch, weights);
+    failure->code = FINE;
+    weights->failure = failure;
+    weights->track = track;
+    weights->count = n;
+    weights->chains.count = 0;
+    for (j = 0; j < n; j++) {
+        weights->given[j] = angles[j];
+        weights->angle[j] = modulo(angles[j], TAU);
+        weights->order[j] = j;
     }
+    if (track->solid) {
+        sort_by_angle(n, weights->angle, weights->order);
+    }
+    for (j = 0; j < n; j++) {
+        const int k = weights->order[j];
+        weights->begin[j] = weights->angle[k];
+        weights->angle_rate[j] = speeds[k];
+        weights->joined[j] = track->full || (track->solid && contacts[k] != 0.0);
+    }
+    copy_doubles((size_t)n, weights->begin, weights->angle);
+    set_each(weights);
+    return track->solid ? align_chains(weights) : FINE;
 }
 
 int track_first_contacts(const Track *track, const double *angles, const double *speeds,

@@ -48,18 +48,9 @@ void write_weights(const WeightsInOrder *weights, double *angles, double *speeds
 /* Free angle between weight k and the next [rad]. */
 double gap(const WeightsInOrder *weights, int k);
 
-/* Set `chains`, the runs of weights each of which lastingly touches the next. */
-void find_chains(WeightsInOrder *weights);
-
-/* Exact distances and one rate in every chain of lasting contacts; refuse overlaps. */
-int align_chains(WeightsInOrder *weights);
-
 /* Set the `offset` of a run of weights that touch; how many times the static moment of its mass at the
    middle it has.  The middle is where that points to; of weights that are alike, half way. */
 double find_offsets(WeightsInOrder *weights, int first, int size);
-
-/* Put a run of weights that touch, whose offsets are set, about the angle `middle`. */
-void place_group(WeightsInOrder *weights, int first, int size, double middle, double rate);
 
 /* `contacts` (N,) of a fresh start: weights that touch and move alike, whatever drives them. */
 int track_first_contacts(const Track *track, const double *angles, const double *speeds,

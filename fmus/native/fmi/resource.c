@@ -95,8 +95,11 @@ char *resource_text(const char *folder, const char *name, Text *reason)
         return refuse_resource(name, path, ": cannot be opened as ", reason);
     }
     text = calloc(MOST_TEXT, 1);
-    length = text ? fread(text, 1, MOST_TEXT, file) : MOST_TEXT;
+    length = text ? fread(text, 1, MOST_TEXT, file) : 0;
     fclose(file);
+    if (!text) {
+        return refuse_resource(name, path, ": not enough memory to read ", reason);
+    }
     if (length == MOST_TEXT) {
         free(text);
         return refuse_resource(name, path, ": too long: ", reason);

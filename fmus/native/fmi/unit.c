@@ -135,7 +135,8 @@ static int demand_finite_values(Unit *unit, Range range)
     return 0;
 }
 
-int unit_advance(Unit *unit, double step)
+/* Move the equations by a step [s]; 1 with the reason, and as it was, where they fail. */
+static int advance(Unit *unit, double step)
 {
     const size_t size = unit->memory_count * sizeof(double);
     memcpy(unit->before, unit->memory, size);
@@ -159,7 +160,7 @@ Status unit_step(Unit *unit, double time, double step)
         failed = unit_fail(unit, "communication step size = %v s: must be above 0 s", step);
     } else {
         failed = out_of_place(unit, time, step) || unit_refresh(unit, COMPUTED) ||
-                 unit_advance(unit, step);
+                 advance(unit, step);
     }
     if (failed) {
         char words[64];

@@ -187,8 +187,6 @@ Status unit_directional(Unit *unit, const unsigned *unknowns, size_t unknown_cou
 bool unit_ends_with(const Unit *unit, size_t reference);
 /* Bring the outputs up to date so far that `stale` is at most `level`; 0, or 1 with the reason. */
 int unit_refresh(Unit *unit, int level);
-/* Move the equations by a step [s]; 1 with the reason, and as it was, where they fail. */
-int unit_advance(Unit *unit, double step);
 /* Begin the reason anew and return it. */
 Text *unit_reason(Unit *unit);
 /* A new reason, as in text_format; returns 1. */

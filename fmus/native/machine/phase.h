@@ -137,7 +137,7 @@ double phase_turning(const Machine *machine, const SeriesWeight *weight, int k);
 
 /* Whether weights that touch have rates towards each other. */
 int phase_approaches(const Machine *machine);
-/* Doubles of its memory, and ints behind them. */
+/* Doubles of the memory of an impact. */
 size_t phase_impact_doubles(int stations, int weights);
 /* Let rotor and weights jump until none approaches; 1 with the failure. */
 int phase_collide(Machine *machine, double angle, double *memory, Failure *failure);

@@ -4,7 +4,6 @@
 
 struct SeriesRace *series_race_allocate(Unit *unit, int lobes)
 {
-    
     struct SeriesRace *race = unit_allocate(unit, 1, sizeof *race);
     Pair **const pairs[] = {&race->slope, &race->place, &race->moved, &race->tangent, &race->drawn, &race->felt};
     Number **const numbers[] = {&race->turning, &race->stretch, &race->run, &race->rolled};

@@ -5,7 +5,7 @@
 #include "rotor/motor.h"
 #include "units/angle.h"
 
-enum { MOTOR_SIGNALS = 1, TORQUES = 4 };
+enum { MOTOR_SIGNALS = 1 };
 
 /* In memory: the angle, then the speed. */
 enum { MEMORY_SPEED = ANGLE_SIZE };

@@ -2,6 +2,7 @@
 #include <string.h>
 
 #include "base/elementary.h"
+#include "base/matrix.h"
 #include "constants.h"
 #include "units/rotor_unit.h"
 
@@ -100,19 +101,19 @@ static int station_at(Unit *unit, const double *z, size_t reference)
 {
     const int n = ((const Rotor *)unit->own)->stations;
     const double place = unit->real[reference];
-    int nearest = 0, j;
+    int station = 0, j;
     for (j = 1; j < n; j++) {
-        if (absolute(z[j] - place) < absolute(z[nearest] - place)) {
-            nearest = j;
+        if (absolute(z[j] - place) < absolute(z[station] - place)) {
+            station = j;
         }
     }
-    if (!(absolute(z[nearest] - place) <= SAME_PLACE * absolute(z[n - 1] - z[0]))) {
+    if (!(absolute(z[station] - place) <= SAME_PLACE * absolute(z[n - 1] - z[0]))) {
         Text *reason = unit_reason(unit);
         layout_shown(&unit->layout, reference, place, reason);
         text_format(reason, ": must be the place of a station, one of %l m", z, (size_t)n);
         return -1;
     }
-    return nearest;
+    return station;
 }
 
 /* The compliance (n - 2, n - 2) from its upper triangle. */

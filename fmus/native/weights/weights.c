@@ -45,7 +45,8 @@ static Complex unit_of(Turned *turned, const double *angles, int k)
     return turned_by(turned ? turned + 2 * k : NULL, angles[k]);
 }
 
-double weights_track_radius(const Weights *weights, double angle)
+/* rho at an angle [m]. */
+static double track_radius_at(const Weights *weights, double angle)
 {
     double rho = weights->track_radius;
     int n;
@@ -64,7 +65,7 @@ Complex weights_static_moment(const Weights *weights, const double *angles, Turn
         const Complex unit = unit_of(turned, angles, k);
         double share = weights_mass_ratio(weights, k);
         if (weights->lobes) {
-            share *= weights_track_radius(weights, angles[k]) / weights->track_radius;
+            share *= track_radius_at(weights, angles[k]) / weights->track_radius;
         }
         sum = complex_sum(sum, complex_scaled(share, unit));
     }

@@ -29,8 +29,6 @@ double weights_mass_ratio(const Weights *weights, int k);
 double weights_added_mass(const Weights *weights);   /* N m [kg] */
 double weights_lever(const Weights *weights);        /* 1/(kappa R) [1/m] */
 double weights_damping_rate(const Weights *weights); /* d = b/(kappa m) [1/s] */
-/* rho at an angle [m]. */
-double weights_track_radius(const Weights *weights, double angle);
 /* Sum of m rho e^{i theta} in the rotor frame [kg m]; turned: (N, 2) as `turned_by` keeps them, or NULL. */
 Complex weights_static_moment(const Weights *weights, const double *angles, Turned *turned);
 /* |sum e^{2 i theta}|/N: 0 for evenly spread weights, 1 for a pair. */
