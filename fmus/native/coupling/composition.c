@@ -2,13 +2,13 @@
    what they start from.  An FMU keeps the text among its resources; its GUID or instantiation token
    is the identity alone, Composite/<hash of the text>, which tools use as a name of files.
 
-       Composite;scheme=auto;corrections=-;part=rotor,0,-,RotorOnSupports/...;start=0:4028000000000000;
-       part=balls,1,s,BallBalancer/...;own=1:4044000000000000
+       Composite;corners=2;part=rotor,0,-,RotorOnSupports/...;start=0:4028000000000000;
+       part=balls,1,s,BallBalancer/...;own=0:3f1a36e2eb1c432d
 
-   A part: name, plane of the rotor from 1, s where it exchanges force and v where it follows its plane's
+   `corners` of a speed profile behind its first rise and `changes` of the unbalance: how many.  A part: name, plane of the rotor from 1, s where it exchanges force and v where it follows its plane's
    place, token.  The rotor is the first part and a motor the last; both have plane 0 and no letters.
    `start` and `flags` are of the part before them, as fmi/unit_token.h has them; `own` are the start values of
-   the composite's own variables. */
+   the composite's own variables, from the tolerance on. */
 #include <string.h>
 
 #include "coupling/composite.h"
