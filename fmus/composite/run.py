@@ -158,10 +158,14 @@ class Run:
         return rows[:done]
 
     def read(self, references: NDArray[np.uintc], values: NDArray[np.float64]) -> None:
-        """Present values of variables, into contiguous memory."""
+        """Present values of variables, into contiguous memory.
+
+        Raises:
+            RunFailed: they are not finite, or cannot be computed.
+        """
         addresses = references.ctypes.data_as(_U), len(references), values.ctypes.data_as(_D)
         if self._library.autobalancer_run_read(self._run, *addresses):
-            raise RunFailed("values cannot be read before the start")
+            raise RunFailed(self.reason)
 
     @property
     def facts(self) -> RunFacts:

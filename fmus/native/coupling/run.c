@@ -194,5 +194,9 @@ int autobalancer_run_read(Run *shown, const unsigned *references, size_t count, 
 {
     Unit *unit = ((KeptRun *)shown)->unit;
     unit->stale = unit->stale < OBSERVED ? OBSERVED : unit->stale;
-    return unit_get_reals(unit, references, count, values) != STATUS_OK;
+    if (unit_get_reals(unit, references, count, values)) {
+        shown->reason = unit->reason.at;
+        return 1;
+    }
+    return 0;
 }

@@ -47,7 +47,7 @@ EXPORT int autobalancer_run_start(Run *run, const Steps *steps);
 /* At most so many rows (most, 1 + asked): the time and the outputs.  How many were taken; fewer than `most` where the stretch is over or one has failed. */
 EXPORT size_t autobalancer_run_on(Run *run, Stretch *stretch, const unsigned *outputs, size_t asked,
                                   size_t most, double *rows);
-/* Present values of variables. */
+/* Present values of variables; 0, or 1 with the reason. */
 EXPORT int autobalancer_run_read(Run *run, const unsigned *references, size_t count, double *values);
 
 #endif
