@@ -40,10 +40,10 @@ def build(
     """Build one FMU.
 
     Args:
-        unit: RotorOnSupports | LiquidBalancer | BallBalancer.
+        unit: RotorOnSupports | LiquidBalancer | BallBalancer | RingBalancer | Motor.
         destination: folder (made when missing), or a file that ends in .fmu.
         backend: "native" (libraries in C), or "python" (slaves under pythonfmu: the papers'
-            equations, without what `Variable.native` and `Unit.native` mark).
+            equations, no motor, without what `Variable.native` and `Unit.native` mark).
         fmi: 2 or 3; Python units are of FMI 2.0 only.
         platforms: of native units, default: all.
         name: model name and file name, default: that of the unit.

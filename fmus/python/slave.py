@@ -6,6 +6,7 @@ A unit adds its equations in four methods, in this order: `parameters`, `begin`,
 
 from __future__ import annotations
 
+import cmath
 import json
 import math
 import os
@@ -20,6 +21,7 @@ from .resources import OPTIONS, START
 POINT_OF_STEP, POINT_OF_TIME = 1e-6, 1e-10  # a host's own sums of times are off by their rounding
 FRESH, OBSERVED, COMPUTED, BEGINNING = range(4)  # how stale the outputs are
 _FIXED = "fixed once initialisation has ended"
+Signal = tuple[complex, complex]  # a vector and its slope
 
 
 class Slave(Fmi2Slave):
@@ -340,6 +342,16 @@ def cubic_of(signal: Sequence[float]) -> tuple[complex, complex, complex, comple
     """Value and derivatives from the eight inputs of one vector signal."""
     x0, y0, x1, y1, x2, y2, x3, y3 = signal
     return complex(x0, y0), complex(x1, y1), complex(x2, y2), complex(x3, y3)
+
+
+def rotating(vector: Signal, angle: float, speed: float) -> Signal:
+    """A vector and its slope in axes that turn: those of the rotor.
+
+    With the negative angle and speed the vector is taken back to fixed axes.
+    """
+    value, slope = vector
+    turn = cmath.rect(1.0, -angle)
+    return value * turn, (slope - 1j * speed * value) * turn
 
 
 def _refuse_unknown(vrs: Sequence[int], count: int) -> None:

@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-import cmath
-
 from ...models import cubic
 from ...models.ring import BELIEVED, DRY, WARNED, Ring
 from ...models.steps.ring import advance, reaction
-from ..python.slave import Slave, cubic_of
+from ..python.slave import Signal, Slave, cubic_of, rotating
 from .variables import RING
 
-Signal = tuple[complex, complex]  # a vector and its slope
 _SAID = {
     BELIEVED: "the motion beside the steady one may err by some percent",
     WARNED: "the waves are too large for the model of small waves",
@@ -68,7 +65,7 @@ class RingBalancer(Slave):
         angle += time * (speed + 0.5 * spin_up * time)
         speed += spin_up * time
         if self.sizes.frame == "fixed":
-            motion = _rotating(motion, angle, speed)
+            motion = rotating(motion, angle, speed)
         return motion, angle, speed, spin_up
 
     def _state(self) -> tuple[complex, complex]:
@@ -82,13 +79,6 @@ class RingBalancer(Slave):
         if self.sent:
             force = force[0] - self.sent * motion[0], force[1] - self.sent * motion[1]
         if self.sizes.frame == "fixed":
-            force = _rotating(force, -angle, -speed)
+            force = rotating(force, -angle, -speed)
         parts = [part for f in force for part in (f.real, f.imag)]
         self.real[self.layout.computed] = [*parts, self.carried, self.ring.liquid_mass]
-
-
-def _rotating(vector: Signal, angle: float, speed: float) -> Signal:
-    """A vector and its slope in axes that turn: those of the rotor."""
-    value, slope = vector
-    turn = cmath.rect(1.0, -angle)
-    return value * turn, (slope - 1j * speed * value) * turn

@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
-import cmath
 from typing import NamedTuple
 
 from ...models import cubic
 from ...models.steps.weights import advance, reaction
 from ...models.weights import Weights, alignment, static_moment
-from ..python.slave import Slave, cubic_of
+from ..python.slave import Signal, Slave, cubic_of, rotating
 from .variables import BALLS, WeightSizes
-
-Signal = tuple[complex, complex]  # a vector and its slope
 
 
 class _Now(NamedTuple):
@@ -76,7 +73,7 @@ class BallBalancer(Slave):
         angle += time * (speed + 0.5 * spin_up * time)
         speed += spin_up * time
         if self.sizes.frame == "fixed":
-            motion = _rotating(motion, angle, speed)
+            motion = rotating(motion, angle, speed)
         return _Now(motion, angle, speed, spin_up)
 
     def _state(self) -> tuple[list[float], list[float]]:
@@ -90,16 +87,6 @@ class BallBalancer(Slave):
         if self.sent:
             force = force[0] - self.sent * now.motion[0], force[1] - self.sent * now.motion[1]
         if self.sizes.frame == "fixed":
-            force = _rotating(force, -now.angle, -now.speed)
+            force = rotating(force, -now.angle, -now.speed)
         parts = [part for f in force for part in (f.real, f.imag)]
         self.real[self.layout.computed] = [*parts, self.carried]
-
-
-def _rotating(vector: Signal, angle: float, speed: float) -> Signal:
-    """A vector and its slope in axes that turn: those of the rotor.
-
-    With the negative angle and speed the vector is taken back to fixed axes.
-    """
-    value, slope = vector
-    turn = cmath.rect(1.0, -angle)
-    return value * turn, (slope - 1j * speed * value) * turn

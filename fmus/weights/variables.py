@@ -26,7 +26,7 @@ _FORCE = (
     "mass", "track_radius", "kappa", "drag", "weight_radius", "restitution", "track_mobility",
     "rolling_resistance", "track_offset_xi", "track_offset_eta", "inertia_as_force",
 )  # fmt: skip
-_TORQUE = "Torque of the weights on the rotor about the plane's centre, without rolling resistance"
+_TORQUE = "Torque of the weights on the rotor about the plane's centre"
 _START = "in the rotor at the start"
 _OWN = {"mass": "mass", "drag": "drag", "radius": "weight_radius"}
 
