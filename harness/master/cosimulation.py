@@ -24,7 +24,7 @@ from ...models.constants import (
 from ..errors import SimulationError
 from ..scene import Scene
 from .compared import Compared, compared_motion
-from .coupled import Coupled
+from .coupled import FINER_FIRST, Coupled
 from .facts import Facts, advice
 from .fmu import Fmu
 from .loop import consistent_start, value_eigenvalues
@@ -38,7 +38,6 @@ from .system import System
 from .unit_files import find_or_build
 
 RUNAWAY = 1e4  # times the largest force there can be: a resonance makes 10 in three turns
-FINER_FIRST = 4  # times as many steps in a first run where fewer were too few
 
 
 class CoSimulation(Coupled):

@@ -15,6 +15,8 @@ if TYPE_CHECKING:
     from ..output.workers import Progress
     from .system import System
 
+FINER_FIRST = 4  # times as many steps in a first run where fewer were too few
+
 
 class Coupled(Closing):
     """Units and their connections, stepped by a scheme.

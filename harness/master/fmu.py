@@ -12,7 +12,6 @@ from collections.abc import Sequence
 from ctypes import Array, byref, c_double, c_int, c_size_t, c_uint, c_void_p
 from pathlib import Path
 from tempfile import mkdtemp
-from typing import TYPE_CHECKING
 
 import fmpy
 import numpy as np
@@ -22,9 +21,6 @@ from ..errors import SimulationError, UnitError
 from .closing import Closing
 from .library import Library
 from .unit_files import described, measured_in
-
-if TYPE_CHECKING:
-    pass
 
 _WARNING = fmi2.fmi2Warning
 _STATUS = ("OK", "Warning", "Discard", "Error", "Fatal", "Pending")

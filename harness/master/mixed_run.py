@@ -29,13 +29,12 @@ from .network.fixed_axes import FixedForces
 from .network.network import Network
 from .network.wiring import Wire, Wiring, wired
 from .network.words import notes
-from .network_run import NetworkRun
+from .network_run import LINEAR_ORDER, NetworkRun
 from .plan import ROTOR, Plan, UnitPlan, plan
 from .runtime import runtime
 from .simulation import refuse_loose_tolerance
 from .unit_files import Found, find_parts
 
-LINEAR_ORDER = 2  # of coupling by lines or means
 ADDED_MASS, AS_FORCE = "added_mass", "inertia_as_force"
 
 
@@ -137,7 +136,6 @@ class MixedRun(NetworkRun, CoSimulation):
                             rotor[variable] = rotor.get(variable, 0.0) + self._mass_of(one.name)
         for own in self.scene.unit:
             self.units[own.name].restart({**own.start, **changes.get(own.name, {})})
-
         if self._fixed:
             self._fixed.restart({})
 

@@ -27,6 +27,7 @@ from .schemes.jacobi import Jacobi
 if TYPE_CHECKING:
     from ..output.workers import Progress
 
+LINEAR_ORDER = 2  # of coupling by lines or means
 AGREEMENT = 1e-9  # at the start: solvers inside units are no better
 UNKNOWN_SIZE = 1e-3  # disturbance at the start of a signal that is zero, in its own unit
 SETTLING = 1e-3  # of a step: what a short step at the start lasts

@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from contextlib import ExitStack
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -17,6 +17,7 @@ from ..errors import UnitError
 from ..scene.system import System
 from ..scene.unit import fmu_path
 from .compared import NEVER_HELD, Compared
+from .coupled import FINER_FIRST
 from .expectation import Expectation
 from .facts import RunFacts
 from .foreign.instance import ForeignUnit
@@ -25,18 +26,13 @@ from .network.network import Network, is_number
 from .network.undriven import refuse_undriven
 from .network.wiring import Wire, wired
 from .network.words import notes
-from .network_run import NetworkRun
+from .network_run import LINEAR_ORDER, NetworkRun
 from .recorder import Recorder
-
-if TYPE_CHECKING:
-    pass
 
 FIRST_STEPS = 100  # of a first run with a tolerance, at least
 MOST_FIRST_STEPS = 20_000  # at most, however short the steps are that units suggest
-FINER_FIRST = 4  # times as many steps in a first run where fewer were too few
 RELATIVE_LEAST = 1e-9  # of what is measured in the same unit: below it a signal is cancellation
 CUBIC_ORDER = 4  # of coupling by cubics from exact slopes
-LINEAR_ORDER = 2  # of coupling by lines or means
 WHOLE = 1e-9  # relative: a number of steps so near to a whole one is one
 
 

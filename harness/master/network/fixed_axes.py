@@ -24,6 +24,14 @@ CALLS = ("set", "get", "step", "save", "restore", "reset")
 AXES = ("x", "y")
 
 
+def _unit_of(name: str) -> str:
+    """Of a force, or of its derivative: `der(F_x)`, `der(F_x,2)`."""
+    if not name.startswith("der("):
+        return "N"
+    _, comma, order = name.removesuffix(")").partition(",")
+    return f"N/s{order}" if comma else "N/s"
+
+
 class Values:
     """Places of some variables in the unit's memory, and their values."""
 
@@ -62,7 +70,7 @@ class FixedForces(Closing):
             name: ScalarVariable(
                 name=name, valueReference=place, type="Real",
                 causality="input" if place < len(inputs) else "output",
-                unit="N/s" if name.startswith("der(") else "N",
+                unit=_unit_of(name),
             )
             for place, name in enumerate([*inputs, *outputs])
         }  # fmt: skip
