@@ -12,6 +12,7 @@ import numpy as np
 from ...models.papers.touching import critical_unbalance
 from ..capture.captured import captured_or_none
 from ..output.words import kinds_of
+from ..units import readable_unbalance
 from .scenes import weights_of
 
 if TYPE_CHECKING:
@@ -28,13 +29,15 @@ def words(data: Design) -> list[str]:
     if not data.with_capacity:
         best = max(data.choices, key=lambda c: c.capacity)
         return [
-            f"No number of {data.kind} in this space balances {required:.4g} kg m: "
-            f"{best.count} have the most, {best.capacity:.4g} kg m. Take more weights (--most), a "
-            "larger race, a wider space or a denser material.",
+            f"No number of {data.kind} in this space balances {readable_unbalance(required)}: "
+            f"{best.count} have the most, {readable_unbalance(best.capacity)}. Take more weights "
+            "(--most), a larger race, a wider space or a denser material.",
         ]
     lines = _recommendation(data) + _failed(data)
     if short := ", ".join(str(c.count) for c in data.choices if not c.has_capacity):
-        lines.append(f"Too little capacity for {required:.4g} kg m, not run: n = {short}.")
+        lines.append(
+            f"Too little capacity for {readable_unbalance(required)}, not run: n = {short}."
+        )
     return [*lines, *_critical(data)]
 
 
@@ -48,7 +51,7 @@ def _recommendation(data: Design) -> list[str]:
         return [
             f"No recommendation: most starts did not settle within the run's {best.seconds:.3g} s."
         ]
-    held = f"{best.capacity:.4g} kg m"
+    held = readable_unbalance(best.capacity)
     if data.unbalance:
         held += f", {best.capacity / data.unbalance:.3g} times the largest unbalance"
     lines = [
@@ -138,8 +141,9 @@ def _critical(data: Design) -> list[str]:
         if (1.0 - NEAR) * data.least <= amount <= (1.0 + NEAR) * data.unbalance:
             here = abs(data.unbalance / amount - 1.0) <= NEAR
             lines.append(
-                f"{'WARNING: ' if here else ''}n = 3 has a critical case at {amount:.4g} kg m, "
-                "S(2) - S(1): there two weights that touch face the third, nothing drives them, "
+                f"{'WARNING: ' if here else ''}n = 3 has a critical case at "
+                f"{readable_unbalance(amount)}, S(2) - S(1): there two weights that touch face "
+                "the third, nothing drives them, "
                 f"and near it they settle slowly{'; this unbalance is near it' if here else ''}. "
                 "Goncharov 2017 (13) counts weights that touch as free and does not see it."
             )

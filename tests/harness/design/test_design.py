@@ -25,6 +25,7 @@ from autobalancer.harness.design.decay import decay
 from autobalancer.harness.design.recommendation import contradictions, rivals, words
 from autobalancer.harness.design.settling import median_interval, random_start, settled_at
 from autobalancer.harness.errors import SceneError, SimulationError
+from autobalancer.harness.units import readable_unbalance
 from autobalancer.models.spacing import closest
 from autobalancer.models.weights import alignment
 from tests.studies.papers import fan_angles
@@ -197,7 +198,8 @@ def test_three_weights_are_warned_of_their_critical_case_where_it_is_near():
         for share in (0.8, 0.95, 1.1, 2.0)
     }
     assert lines[0.8] == []  # no unbalance up to this one meets it
-    assert all(f"at {critical:.4g} kg m" in line for share in (0.95, 2.0) for line in lines[share])
+    at = f"at {readable_unbalance(critical)}"
+    assert all(at in line for share in (0.95, 2.0) for line in lines[share])
     near = {share for share, found in lines.items() if any("WARNING" in x for x in found)}
     assert near == {0.95, 1.1}
 
