@@ -10,6 +10,7 @@ import multiprocessing
 import os
 import shutil
 import signal
+import sys
 import tempfile
 import threading
 from collections.abc import Callable, Generator, Iterator, Sequence
@@ -36,6 +37,10 @@ Progress = Callable[[float], None]  # told the finished fraction
 ItemProgress = Callable[[str, float], None]  # told what was just done, and the finished fraction
 Workers = int | Executor  # so many processes, 1 being this one; or whoever does the work
 PREFIX = "autobalancer-workers-"  # of the folder that holds their temporary files
+UNGUARDED = (
+    'a script whose work is done by several processes needs it under `if __name__ == "__main__":`, '
+    "as each process reads the script first; or workers = 1"
+)
 AHEAD = 1000  # items given at a time to an executor of the caller's: enough for any cluster
 
 
@@ -83,7 +88,8 @@ def as_they_come(
                         futures[executor.submit(work, items[index])] = index
                     yield done, future.result()
         except BrokenExecutor as error:
-            raise SimulationError(f"a process that did the work was ended: {error}") from error
+            hint = f"; {UNGUARDED}" if _is_script() else ""
+            raise SimulationError(f"a process that did the work was ended{hint}") from error
         finally:
             for future in () if local else futures:
                 future.cancel()
@@ -116,6 +122,8 @@ def in_order(
 @contextmanager
 def processes(workers: int) -> Iterator[Executor]:
     """So many processes, ended at once if the block is left by an exception."""
+    if getattr(multiprocessing.current_process(), "_inheriting", False):
+        sys.exit(UNGUARDED)  # this one is being made, and reads the script that makes it
     # afresh: threads of numerical libraries do not survive a fork
     context = multiprocessing.get_context("spawn")
     folder = tempfile.TemporaryDirectory(prefix=PREFIX, ignore_cleanup_errors=True)
@@ -130,6 +138,12 @@ def processes(workers: int) -> Iterator[Executor]:
             raise
         finally:
             pool.shutdown()
+
+
+def _is_script() -> bool:
+    """Whether a script of the user's runs: processes that are made read it."""
+    main = sys.modules["__main__"]
+    return hasattr(main, "__file__") and not (main.__package__ or "").startswith("autobalancer")
 
 
 @contextmanager

@@ -95,6 +95,19 @@ def test_a_process_ended_from_outside_is_an_error_in_words():
         in_order(end_process, [1, 2], 2)
 
 
+def test_a_script_that_its_processes_read_again_is_told_what_it_lacks(tmp_path):
+    script = tmp_path / "unguarded.py"
+    script.write_text(
+        "from autobalancer.harness.output.workers import in_order\nin_order(abs, [1, 2], 2)\n"
+    )
+    ended = subprocess.run([sys.executable, str(script)], capture_output=True, text=True)
+    assert ended.returncode == 1
+    assert "freeze_support" not in ended.stderr
+    last = ended.stderr.splitlines()[-1]
+    assert "a process that did the work was ended; a script" in last
+    assert 'if __name__ == "__main__":' in last
+
+
 def test_temporary_files_of_processes_are_gone_with_them():
     folders = in_order(folder, [1, 2, 3], 2)
     assert all(PREFIX in name for name in folders)
