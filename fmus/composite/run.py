@@ -40,6 +40,7 @@ class Stretch(Structure):
 
     Attributes:
         done: steps taken so far.
+        events: memory for the number of events before each row; none by default.
     """
 
     _fields_ = (
@@ -49,6 +50,7 @@ class Stretch(Structure):
         ("longest", c_double),
         ("count", c_size_t),
         ("done", c_size_t),
+        ("events", _D),
     )
 
 
@@ -134,7 +136,11 @@ class Run:
             raise RunFailed(self.reason)
 
     def on(
-        self, stretch: Stretch, outputs: NDArray[np.uintc], rows: NDArray[np.float64]
+        self,
+        stretch: Stretch,
+        outputs: NDArray[np.uintc],
+        rows: NDArray[np.float64],
+        events: NDArray[np.float64] | None = None,
     ) -> NDArray[np.float64]:
         """Go on; the interpreter's lock is released meanwhile.
 
@@ -142,11 +148,13 @@ class Run:
             stretch: is gone on with where the call before has left it.
             outputs: (asked,) value references.
             rows: (most, 1 + asked) memory for the time and the outputs behind every step.
+            events: (most,) memory for how many events lie before each row, or None.
 
         Returns:
             Rows that were filled: fewer than `most` where the stretch is over, or the run cannot go
             on, and `reason` says why.
         """
+        stretch.events = None if events is None else events.ctypes.data_as(_D)
         done = self._library.autobalancer_run_on(
             self._run,
             byref(stretch),

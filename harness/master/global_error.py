@@ -292,7 +292,8 @@ def _in_one_piece(scene: Scene, times: Signal, names: Sequence[str]) -> list[dic
 
     with OneFileRun(scene) as run:
         turns = [0.0, *(side * RESOLVED for side in BOTH_SIDES)]
-        return [run_in_one_piece(run, SHARE, times, names, turn) for turn in turns]
+        runs = [run_in_one_piece(run, SHARE, times, names, turn) for turn in turns]
+    return [dict(each.signals) for each in runs]
 
 
 def _shared(grid: Signal) -> NDArray[np.intp]:

@@ -19,6 +19,7 @@ import numpy as np
 
 from ..scene import Scene
 from ..scene.balancer import WeightBalancer
+from .at_events import Counted
 from .compared import ASYMPTOTIC, largest_difference
 from .recorder import Recorder, Signal
 from .schedule import SLIVER
@@ -63,7 +64,7 @@ def turned(scene: Scene, turn: float) -> Scene | None:
 
 def run_in_one_piece(
     run: OneFileRun, share: float, points: Signal, names: Sequence[str], turn: float
-) -> dict[str, Signal]:
+) -> Counted:
     """Signals by `names` at some points [s] of the motion whose weights start so far elsewhere.
 
     Args:
@@ -78,7 +79,7 @@ def run_in_one_piece(
     run.record(recorder, None)
     times, found = recorder.columns()
     at = np.searchsorted(times, points * (1.0 - SLIVER))
-    return {name: each[at] for name, each in found.items()}
+    return Counted(found, run.events).at(at)
 
 
 def add_parting(

@@ -41,6 +41,7 @@ class OneFileRun(Closing):
         units: what is recorded of them, by name.
         coupled: whether the run keeps a tolerance; a rotor alone is right to rounding.
         rows: times of the record where the scene gives steps [s], else None.
+        events: how many events lie before each row of the last record.
         time: reached so far [s].
 
     Raises:
@@ -56,7 +57,7 @@ class OneFileRun(Closing):
         self.units = {name: UnitInside(self._run, name, *of) for name, of in inside.items()}
         self.coupled = exchanging(scene) or not scene.rotor.is_linear
         self.rows = self._given_rows() if self._steps_per_rev else None
-        self.time = 0.0
+        self.time, self.events = 0.0, np.zeros(1)
 
     def another(self) -> OneFileRun:
         """A run of the same machine beside this one."""
@@ -98,20 +99,23 @@ class OneFileRun(Closing):
     def record(self, recorder: Recorder, progress: Progress | None) -> None:
         """As `CoSimulation.record`."""
         outputs = np.concatenate([np.zeros(0, np.uintc), *(g[0] for _, g in recorder.groups)])
-        end = end_time(self.scene)
+        end, counts = end_time(self.scene), [np.zeros(1)]
         recorder.record(self.time)
         for stretch in self._stretches():
             over = False
             while not over:
-                rows = self._on(stretch, outputs, np.empty((ROWS, 1 + len(outputs))))
+                passed = np.empty(ROWS)
+                rows = self._on(stretch, outputs, np.empty((ROWS, 1 + len(outputs))), passed)
                 over = len(rows) < ROWS
                 recorder.extend(rows)
+                counts.append(passed[: len(rows)])
                 self.time = float(rows[-1, 0]) if len(rows) else self.time
                 if not over:
                     recorder.refuse_too_much(self.time / end)
                 if progress:
                     progress(self.time / end)
             self.time = stretch.end
+        self.events = np.concatenate(counts)
 
     def _stretches(self) -> Iterator[Stretch]:
         longest = step_size(self.scene, FEWEST_CHOSEN)
@@ -121,9 +125,13 @@ class OneFileRun(Closing):
             yield Stretch(self.time, bound, *given)
 
     def _on(
-        self, stretch: Stretch, outputs: NDArray[np.uintc], rows: NDArray[np.float64]
+        self,
+        stretch: Stretch,
+        outputs: NDArray[np.uintc],
+        rows: NDArray[np.float64],
+        passed: NDArray[np.float64],
     ) -> NDArray[np.float64]:
-        filled = self._run.on(stretch, outputs, rows)
+        filled = self._run.on(stretch, outputs, rows, passed)
         if self._run.reason:
             raise SimulationError(self._run.reason)
         return filled

@@ -17,12 +17,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from ...models.constants import SERIES_SHARE
 from ..errors import SimulationError
+from .at_events import Counted, on_the_same_side
 from .cascades import UNRESOLVED, can_cascade, has_cascade
 from .compared import largest_difference, motion_signals
 from .expectation import expectation
@@ -48,6 +49,29 @@ RESOLVED_OTHERWISE = (
 )
 
 
+class Shown(NamedTuple):
+    """A run at points that others are compared at.
+
+    Attributes:
+        points: [s].
+        fine: the run at more points, of which every `parts`-th is one of these.
+    """
+
+    points: Signal
+    fine: Counted
+    parts: int
+
+    @property
+    def names(self) -> list[str]:
+        """Of its signals."""
+        return list(self.fine.signals)
+
+    @property
+    def signals(self) -> Mapping[str, Signal]:
+        """At the points."""
+        return self.fine.at(slice(None, None, self.parts)).signals
+
+
 class TwoTolerances:
     """The runs of one scene in one piece, each of smaller errors than the one before.
 
@@ -67,6 +91,7 @@ class TwoTolerances:
         self._run, self._names, self._uncompared = run, names, uncompared
         self.tolerance = run.scene.coupling.tolerance
         self.error, self.unknown = math.inf, ""
+        self._units: Mapping[str, str] = {}
         self._can_collide = expectation(run.scene, meets_events=True).can_collide
 
     def run(self, progress: Progress | None) -> Recorder:
@@ -77,63 +102,75 @@ class TwoTolerances:
         """
         share, done = 1.0, 0
         recorder = self._recorded(share, self._run.rows, done, progress)
-        grid, before = recorder.columns()
+        grid, first = recorder.columns()
+        before = Counted(first, self._run.events)
         parts = PARTS if self._run.rows is None else 1
         points = divided(grid, parts)
         least = least_motion(self._run.scene)
-        scale = {name: least.get(unit, 0.0) for name, unit in recorder.signal_units.items()}
+        self._units = recorder.signal_units
+        scale = {name: least.get(unit, 0.0) for name, unit in self._units.items()}
         while True:
             share, done = share * FINER, done + 1
             recorder = self._recorded(share, points, done, progress)
             _, signals = recorder.columns()
             left = [n for n in signals if n not in self._uncompared and not is_count(n)]
-            compared = {name: signals[name][::parts] for name in left}
-            self.error = largest_difference(before, compared, scale)
+            fine = Counted({name: signals[name] for name in left}, self._run.events)
+            compared = fine.at(slice(None, None, parts))
+            self.error = self._difference(before, fine, parts, scale)
             finest = SERIES_SHARE * self.tolerance * share * FINER < ROUNDING
             if self.error <= self.tolerance or finest:
-                own = {name: each[::EVERY] for name, each in compared.items()}
-                self._compare_with_neighbours(share, grid[::EVERY], own, scale)
-                if self._can_collide and has_cascade(self._run.scene, compared):
+                own = Shown(grid[::EVERY], fine, EVERY * parts)
+                self._compare_with_neighbours(share, own, scale)
+                if self._can_collide and has_cascade(self._run.scene, compared.signals):
                     self.error = max(self.error, UNRESOLVED)
                 if self._can_collide and can_cascade(self._run.scene):
-                    self._compare_with_grains(share, grid[::EVERY], own, scale)
+                    self._compare_with_grains(share, own, scale)
                 return recorder
             before = compared
 
+    def _difference(
+        self, run: Counted, fine: Counted, parts: int, scale: Mapping[str, float]
+    ) -> float:
+        """Of a run from one with more points, as `largest_difference`."""
+        run = Counted({name: run.signals[name] for name in fine.signals}, run.events)
+        own = fine.at(slice(None, None, parts)).signals
+        return largest_difference(on_the_same_side(run, fine, parts, self._units), own, scale)
+
     def _compare_with_neighbours(
-        self, share: float, points: Signal, own: Mapping[str, Signal], scale: Mapping[str, float]
+        self, share: float, own: Shown, scale: Mapping[str, float]
     ) -> None:
         """Add what runs of neighbouring motions differ by, where weights can collide."""
         if not self._can_collide:
             return
         with self._run.another() as near:
             try:
-                others = [
-                    run_in_one_piece(near, share, points, list(own), side * RESOLVED)
+                found = [
+                    run_in_one_piece(near, share, own.points, own.names, side * RESOLVED)
                     for side in BOTH_SIDES
                 ]
             except SimulationError as error:
                 self.unknown = UNCOMPUTED.format(error)
                 return
-        self.error, self.unknown = add_parting(self.error, own, others, scale, self.tolerance)
+        others = [on_the_same_side(each, own.fine, own.parts, self._units) for each in found]
+        self.error, self.unknown = add_parting(
+            self.error, own.signals, others, scale, self.tolerance
+        )
 
-    def _compare_with_grains(
-        self, share: float, points: Signal, own: Mapping[str, Signal], scale: Mapping[str, float]
-    ) -> None:
+    def _compare_with_grains(self, share: float, own: Shown, scale: Mapping[str, float]) -> None:
         """Add what runs differ by that take more, or less, for one impact of a row of weights."""
         apart = 0.0
         for grain in GRAINS:
-            recorder = Recorder(self._run.units, list(own))
+            recorder = Recorder(self._run.units, own.names)
             try:
-                self._run.start(share, points, grain)
+                self._run.start(share, own.points, grain)
                 self._run.record(recorder, None)
             except SimulationError as error:
                 self.unknown = f"impacts cannot be resolved otherwise: {error}"
                 return
             times, found = recorder.columns()
-            at = np.searchsorted(times, points * (1.0 - SLIVER))
-            other = {name: each[at] for name, each in found.items()}
-            apart = max(apart, largest_difference(own, other, scale))
+            at = np.searchsorted(times, own.points * (1.0 - SLIVER))
+            other = Counted(found, self._run.events).at(at)
+            apart = max(apart, self._difference(other, own.fine, own.parts, scale))
         self.error = max(self.error, apart)
         if apart > self.tolerance and not self.unknown:
             self.unknown = RESOLVED_OTHERWISE.format(apart)

@@ -62,6 +62,7 @@ typedef struct {
     int rings;             /* parts that are rings of liquid */
     double share;          /* of the tolerance, as a run has it; 0: all of it */
     double grain;          /* of impacts, as a run has it; 0: the usual one */
+    double events;         /* that a run has passed */
     double *phases;        /* in the unit's memory: of every weight the way it slides and its wall */
     double *impact;        /* scratch of impacts */
     struct Phase *step_phase, *instant_phase; /* of both machines, where they are eventful */

@@ -217,10 +217,11 @@ static void change_stop(const Composite *c, int which, EventKind kind)
 
 void one_piece_pass_event(Unit *unit)
 {
-    const Composite *c = unit->own;
+    Composite *c = unit->own;
     OnePiece *one_piece = &c->course->one_piece;
     const struct Phase *phase = c->pieces.step.phase;
     const int which = (int)one_piece->which;
+    c->pieces.events += one_piece->event != NO_EVENT;
     if (one_piece->event == WEIGHT_STOPS && which < c->pieces.step.weight_count) {
         stop_group(c, which);
     } else if (one_piece->event == SLIDER_STOPS && which < phase->slider_count) {

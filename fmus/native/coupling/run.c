@@ -74,6 +74,7 @@ int autobalancer_run_start(Run *shown, const Steps *steps)
     run->warnings = text_in(run->buffer, sizeof run->buffer);
     memset(&c->pacing, 0, sizeof c->pacing);
     c->pieces.share = steps->share;
+    c->pieces.events = 0.0;
     if (c->pieces.grain != steps->grain) {
         c->pieces.grain = steps->grain;
         c->pieces.is_made = false;
@@ -183,6 +184,9 @@ size_t autobalancer_run_on(Run *shown, Stretch *stretch, const unsigned *outputs
         if (unit_get_reals(unit, outputs, asked, rows + 1)) {
             shown->reason = unit->reason.at;
             break;
+        }
+        if (stretch->events) {
+            stretch->events[k] = ((const Composite *)unit->own)->pieces.events;
         }
     }
     unit->asked = NULL;

@@ -28,6 +28,7 @@ typedef struct {
     double longest; /* and at most so far apart [s] */
     size_t count;   /* of rows at given distances */
     size_t done;    /* of them; written */
+    double *events; /* (most,) how many events lie before each row; written, NULL: not wanted */
 } Stretch;
 
 /* A run, and what it has done since its start, as the last call has left it. */
