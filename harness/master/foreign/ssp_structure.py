@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path, PurePosixPath
 from typing import Any
@@ -35,11 +37,15 @@ class Structure:
 
 
 def real(found: Structure, text: str, where: str) -> float:
-    """A number of the file."""
-    try:
-        return float(text)
-    except ValueError:
-        raise UnitError(f"{found.path}: {where} = {text!r}: must be a number") from None
+    """A number of the file.
+
+    Raises:
+        UnitError: it is none, or not finite.
+    """
+    with suppress(ValueError):
+        if math.isfinite(value := float(text)):
+            return value
+    raise UnitError(f"{found.path}: {where} = {text!r}: must be a finite number")
 
 
 def inside(found: Structure, source: str) -> PurePosixPath:

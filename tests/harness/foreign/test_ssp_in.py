@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import zipfile
 
 import numpy as np
@@ -170,9 +171,23 @@ WRONG = {
         "spring: two elements have this name",
     ),
     "one connection twice": (put(ONE, ONE + ONE), "spring.x1: has two connections"),
-    "no number": (put('value="1.0"', 'value="1,0"'), "parameter x0 = '1,0': must be a number"),
-    "no factor": (put('factor="-1.0"', 'factor="minus"'), "factor = 'minus': must be a number"),
-    "no stop": (put('stopTime="1.0"', 'stopTime="soon"'), "stopTime = 'soon': must be a number"),
+    "no number": (
+        put('value="1.0"', 'value="1,0"'),
+        "parameter x0 = '1,0': must be a finite number",
+    ),
+    "no factor": (
+        put('factor="-1.0"', 'factor="minus"'),
+        "factor = 'minus': must be a finite number",
+    ),
+    "no stop": (
+        put('stopTime="1.0"', 'stopTime="soon"'),
+        "stopTime = 'soon': must be a finite number",
+    ),
+    "infinite whole number": (
+        lambda t: re.sub(r"<ssv:(Real|Float64) value=\"1.0\"", '<ssv:Integer value="inf"', t),
+        "parameter x0 = 'inf': must be a finite number",
+    ),
+    "no stop known": (put('stopTime="1.0"', 'stopTime="nan"'), "'nan': must be a finite number"),
     "later start": (put('startTime="0.0"', 'startTime="5"'), "systems start at 0 s here"),
     "parameter of nobody": (put('name="spring.c"', 'name="nobody.c"'), "is of no component"),
     "unknown parameter": (put('name="x0"', 'name="x9"'), "Mass.fmu has no variable 'x9'"),
