@@ -8,9 +8,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...models.constants import BEYOND_LONGEST_STEP, FEWEST_CHOSEN
 from ..scene import Scene
 from .expectation import Expectation, expectation
+from .limits import BEYOND_LONGEST_STEP, FEWEST_CHOSEN
 from .names import kin, stations
 from .plan import MOTOR
 from .recorder import Recorder, Signal

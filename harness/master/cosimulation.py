@@ -13,7 +13,13 @@ from pathlib import Path
 
 import numpy as np
 
-from ...models.constants import (
+from ..errors import SimulationError
+from ..scene import Scene
+from .compared import Compared, compared_motion
+from .coupled import FINER_FIRST, Coupled
+from .facts import Facts, advice
+from .fmu import Fmu
+from .limits import (
     FEWEST_CHOSEN,
     FIRST_CHANGE,
     FORCE_ROUNDING,
@@ -21,12 +27,6 @@ from ...models.constants import (
     MOST_HALVINGS,
     STEEP_FORCE_CHANGE,
 )
-from ..errors import SimulationError
-from ..scene import Scene
-from .compared import Compared, compared_motion
-from .coupled import FINER_FIRST, Coupled
-from .facts import Facts, advice
-from .fmu import Fmu
 from .loop import consistent_start, value_eigenvalues
 from .plan import plan
 from .runtime import runtime

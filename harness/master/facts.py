@@ -6,10 +6,10 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from ...models.constants import LOOSE_RESIDUAL, STATED_ERROR
 from ..errors import LoopError
 from ..scene import Scene
 from ..scene.run import LOOSEST_TOLERANCE
+from .limits import LOOSE_RESIDUAL, STATED_ERROR
 
 NOT_ESTIMATED = (
     "the error of separate units in given steps is not estimated: use a tolerance, or one file"

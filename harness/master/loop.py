@@ -13,14 +13,14 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from ...models.constants import (
+from ..errors import SimulationError
+from .limits import (
     LOOP_SINGULAR,
     SLOW_CONVERGENCE,
     START_ITERATIONS,
     START_ROUNDING,
     START_TOLERANCE,
 )
-from ..errors import SimulationError
 from .signals import Knots, cubics_from_start
 from .system import System
 

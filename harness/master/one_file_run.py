@@ -13,11 +13,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...fmus.composite.run import Run, RunFailed, Stretch
-from ...models.constants import FEWEST_CHOSEN
 from ..errors import SimulationError
 from ..scene import Scene
 from .closing import Closing
 from .facts import Facts, exchanging
+from .limits import FEWEST_CHOSEN
 from .names import readable
 from .one_file import composition_in_c, model_name
 from .recorder import Recorder, Signal

@@ -4,15 +4,10 @@ from __future__ import annotations
 
 import math
 
-from ...models.constants import (
-    BRIEF_STEP,
-    DEFAULT_STEPS,
-    DEFAULT_TOLERANCE,
-    FULL_BRIEF_TOLERANCE,
-    SMALLEST_BRIEF_SHARE,
-)
+from ...models.constants import DEFAULT_TOLERANCE
 from ..scene import Scene
-from ..scene.run import UNCORRECTED
+from ..scene.run import DEFAULT_STEPS, UNCORRECTED
+from .limits import BRIEF_STEP, FULL_BRIEF_TOLERANCE, SMALLEST_BRIEF_SHARE
 from .runtime import runtime
 
 SLIVER = 1e-12  # of a time: rounding, not a step

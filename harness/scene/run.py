@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 from pydantic import BeforeValidator, Field, model_validator
 
 from ...models.assembly import SpeedProfile, Start
-from ...models.constants import DEFAULT_STEPS, DEFAULT_TOLERANCE, FEWEST_STEPS
+from ...models.constants import DEFAULT_TOLERANCE
 from .nested import Nested
 from .quantities import SI, Angle, NotNegative, Positive, Real, Table, Text, Whole, refusal
 
@@ -21,6 +21,8 @@ STEPS = ("steps_per_rev", "tolerance")  # one or the other
 DRIVES = ("speed", "run_up", "profile", "motor")  # one of them
 MOST_CORNERS = 1000  # of a profile; the text of a one-file FMU holds them all
 LOOSEST_TOLERANCE = 0.1
+DEFAULT_STEPS = 40  # per revolution: 1e-6 on the two-ball scene with cubic signals
+FEWEST_STEPS = 4  # per revolution: fewer do not resolve one
 FEWEST_REVOLUTIONS = 1e-9  # a step's square must stay a number
 
 

@@ -19,9 +19,13 @@ from cmath import rect
 from collections.abc import Sequence
 from functools import lru_cache
 
-from ..constants import FAR_ANGLE, MAX_ITERATIONS, MAX_SUBSTEPS, SUBSTEP_CONVERGED, TURN_PER_SUBSTEP
+from ..constants import MAX_SUBSTEPS, TURN_PER_SUBSTEP
 from ..cubic import at, hermite
 from ..weights import Weights
+
+MAX_ITERATIONS = 12  # the fixed point of a substep gains about two digits an iteration
+SUBSTEP_CONVERGED = 1e-14  # relative to the size of the change over the substep
+FAR_ANGLE = 1e4  # rad: beyond, whole turns are taken off while a step is computed
 
 
 def phi_functions(z: float, count: int) -> tuple[float, ...]:

@@ -9,8 +9,6 @@
 #include "base/spin.h"
 #include "rotor/propagator.h"
 
-#define MOST_TOUCHES 9e15 /* whole numbers of a double */
-
 static size_t rotor_memory_size(const Layout *layout)
 {
     return MOTION + 4 * (size_t)layout->sizes.stations + 2 + 2 * SLIDER_DOUBLES * (size_t)layout->sizes.sliders +
@@ -34,7 +32,7 @@ static void rotor_fields(const Unit *unit, Fields *fields)
     }
     for (k = 0; k < unit->layout.sizes.stops; k++) {
         fields_whole(fields, "stop's state", fields_here(fields), 1, 0.0, STOP_STATES - 1.0);
-        fields_whole(fields, "touches of a stop", fields_here(fields), 1, 0.0, MOST_TOUCHES);
+        fields_whole(fields, "touches of a stop", fields_here(fields), 1, 0.0, MOST_COUNTED);
         fields_within(fields, "largest force of a stop", fields_here(fields), 1, 0.0, DBL_MAX);
     }
 }

@@ -10,10 +10,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ....models.constants import STATED_ERROR
 from ....models.monolith import reference
 from ....models.reference.oscillator import forced_motion
 from ...errors import SimulationError
+from ...master.limits import STATED_ERROR
 from ...result.result import Result
 from ...result.run import cosimulate
 from ...scene import Scene, load_scene

@@ -10,8 +10,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from ....models.constants import WEAK_LOOP
 from ...scene import Scene
+from ..limits import WEAK_LOOP
 from ..system import System
 from .compensated import Compensated
 from .explicit import Scheme

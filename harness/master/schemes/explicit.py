@@ -12,7 +12,7 @@ from collections.abc import Iterable, Sequence
 
 import numpy as np
 
-from ....models.constants import JUMP_PARTS
+from ..limits import JUMP_PARTS
 from ..loop import QuasiNewton, pack, unpack
 from ..signals import Cubics, Knots
 from ..system import System

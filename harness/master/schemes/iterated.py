@@ -12,7 +12,8 @@ from typing import Any
 
 import numpy as np
 
-from ....models.constants import (
+from ...errors import LoopError
+from ..limits import (
     CONVERGED_FORCES,
     GAIN_ROUNDING,
     JACOBIAN_CHANGE,
@@ -20,7 +21,6 @@ from ....models.constants import (
     MAX_PASSES,
     SLOW_CONVERGENCE,
 )
-from ...errors import LoopError
 from ..loop import QuasiNewton, Vector, jacobian, of_values, pack, size, unpack
 from ..signals import Knots
 from ..system import System

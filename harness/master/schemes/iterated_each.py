@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ....models.constants import GAIN_ROUNDING, JACOBIAN_CHANGE
 from ...errors import LoopError
+from ..limits import GAIN_ROUNDING, JACOBIAN_CHANGE
 from ..loop import Vector
 from ..system import System
 from .iterated import Iterated

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ....models.constants import JACOBIAN_CHANGE
+from ..limits import JACOBIAN_CHANGE
 from ..loop import Vector, size
 from .iterated import Iterated
 

@@ -8,13 +8,13 @@ import pytest
 from autobalancer.harness import Scene, cosimulate, load_scene, speeds
 from autobalancer.harness.accuracy.precision.reference import refuse_without_reference
 from autobalancer.harness.errors import SceneError, SimulationError, UserError
+from autobalancer.harness.master.limits import FEWEST_CHOSEN
 from autobalancer.harness.master.plan import plan
 from autobalancer.harness.master.schedule import step_size
 from autobalancer.harness.result.many import cosimulate_many
 from autobalancer.harness.stability.axis import Axis
 from autobalancer.harness.stability.map import stability_map
 from autobalancer.harness.stability.revolution import Revolution
-from autobalancer.models.constants import FEWEST_CHOSEN
 from autobalancer.models.monolith import simulate
 from autobalancer.models.rotor import Slider
 

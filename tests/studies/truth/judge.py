@@ -14,13 +14,13 @@ from numpy.typing import NDArray
 
 from autobalancer.harness import Scene
 from autobalancer.harness.errors import SimulationError, UserError
+from autobalancer.harness.master.limits import STATED_ERROR
 from autobalancer.harness.master.names import kin
 from autobalancer.harness.result.result import Result
 from autobalancer.harness.result.run import cosimulate
 from autobalancer.harness.scene.begin import motion_at_start
 from autobalancer.harness.scene.plausible import ImplausibleWarning
 from autobalancer.models.assembly import Assembly
-from autobalancer.models.constants import STATED_ERROR
 from autobalancer.models.monolith import reference, simulate
 from tests.studies.truth import compiled
 from tests.studies.truth.draw import draw
