@@ -10,6 +10,8 @@ from .errors import UserError
 
 _SEPARATORS = ",;\t"
 _DECIMAL_COMMA = r"[-+]?\d*,\d+(?:[eE][-+]?\d+)?(?:\s*[A-Za-zµμ°%][\w/%°^ -]*)?"  # and a unit
+_TELLS_SEPARATOR = re.compile(r"sep=(.)", re.IGNORECASE)  # a first line for spreadsheets
+_UTF_16 = b"\xff\xfe", b"\xfe\xff"
 _OLD_OFFICE, _ZIP = b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1", b"PK\x03\x04"
 
 
@@ -25,6 +27,10 @@ def read_text(path: Path, refused: type[UserError] = UserError) -> str:
         raise refused(f"{path}: cannot be read: {error.strerror or error}") from error
     if what := _kind_of(content):
         raise refused(f"{path}: {what}")
+    zero = content.find(b"\0")
+    if zero >= 0 and not content.startswith(_UTF_16):
+        line = content.count(b"\n", 0, zero) + 1
+        raise refused(f"{path}: line {line}: a zero byte; save the file as UTF-8 text")
     try:
         return content.decode("utf-8-sig")  # editors on Windows put a byte-order mark first
     except UnicodeDecodeError as error:
@@ -93,9 +99,12 @@ def read_csv(path: Path) -> tuple[list[str], list[CsvRow]]:
     import csv  # few scenes name such a file
 
     lines = read_text(path).splitlines()
+    told = _TELLS_SEPARATOR.fullmatch(lines[0]) if lines else None
+    if told:
+        lines[0] = ""
     # names, unlike numbers, have no commas
     head = next((line for line in lines if line.strip() and line[0] != "#"), "")
-    separator = max(_SEPARATORS, key=head.count)
+    separator = told[1] if told else max(_SEPARATORS, key=head.count)
     reader = csv.reader(lines, delimiter=separator, skipinitialspace=True)
     try:
         found = [(reader.line_num, [cell.strip() for cell in row]) for row in reader]

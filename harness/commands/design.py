@@ -211,11 +211,11 @@ def _settling(choice: Choice) -> str:
     """Median and interval of the settling time; the time of the run where it did not settle."""
     if math.isnan(choice.median):
         return "too many failed"
-    late = f"not within {choice.seconds:.3g} s"
+    late = f"not within {rounded(choice.seconds, 3)} s"
     if math.isinf(choice.median):
         return late
-    high = f"-{choice.high:.2g}" if math.isfinite(choice.high) else f" to {late}"
-    return f"{choice.median:.3g} ({choice.low:.2g}{high})"
+    high = f"-{rounded(choice.high, 2)}" if math.isfinite(choice.high) else f" to {late}"
+    return f"{rounded(choice.median, 3)} ({rounded(choice.low, 2)}{high})"
 
 
 def details_table(data: Design) -> Sheet:
@@ -233,4 +233,4 @@ def details_table(data: Design) -> Sheet:
 
 
 def _time(seconds: float, never: str = "p = 1") -> str:
-    return f"{seconds:.3g}" if math.isfinite(seconds) else never
+    return rounded(seconds, 3) if math.isfinite(seconds) else never

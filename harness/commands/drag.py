@@ -9,6 +9,7 @@ import typer
 from ..errors import UserError
 from ..output import options
 from ..output.terminal import say
+from ..units import rounded
 
 
 def command(
@@ -50,5 +51,5 @@ def command(
     )
     say(found.source)
     mass, seconds = 1e3 * found.mass, found.decay_time
-    say(f"A ball of {mass:.4g} g loses its speed along the track within {seconds:.3g} s.")
+    say(f"A ball of {mass:.4g} g loses its speed along the track within {rounded(seconds, 3)} s.")
     say(f"In a scene: drag = {found.value:.3g}")

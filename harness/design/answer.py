@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from ..units import brief, in_both, readable_unbalance
+from ..units import brief, in_both, readable_unbalance, rounded
 from .trials import WORSE_PEAK, Trial, preference
 
 if TYPE_CHECKING:
@@ -100,7 +100,7 @@ def _none(data: Fitting) -> list[str]:
 
 def _take(data: Fitting, best: Trial) -> str:
     low, _ = best.interval
-    settled = f" within {best.settling:.3g} s at speed (median)" if best.settling else ""
+    settled = f" within {rounded(best.settling, 3)} s at speed (median)" if best.settling else ""
     margin = f"drag is {brief(best.margin)} times the one that excludes weights left behind"
     if math.isinf(best.margin):
         margin = "no natural frequency holds weights back"
@@ -116,7 +116,7 @@ def _take(data: Fitting, best: Trial) -> str:
 
 
 def _also(data: Fitting, one: Trial) -> str:
-    settled = f", settled within {one.settling:.3g} s at speed" if one.settling else ""
+    settled = f", settled within {rounded(one.settling, 3)} s at speed" if one.settling else ""
     return (
         f"Also good: {_named(one, data)}: {_capacity(data, one)}{settled}, largest vibration "
         f"{brief(100.0 * one.peak_ratio)} % of that without."

@@ -12,7 +12,7 @@ import numpy as np
 from ...models.papers.touching import critical_unbalance
 from ..capture.captured import captured_or_none
 from ..output.words import kinds_of
-from ..units import readable_unbalance
+from ..units import readable_unbalance, rounded
 from .scenes import weights_of
 
 if TYPE_CHECKING:
@@ -49,15 +49,17 @@ def _recommendation(data: Design) -> list[str]:
     best, others = good[0], good[1:]
     if math.isinf(best.median):
         return [
-            f"No recommendation: most starts did not settle within the run's {best.seconds:.3g} s."
+            "No recommendation: most starts did not settle within the run's "
+            f"{rounded(best.seconds, 3)} s."
         ]
     held = readable_unbalance(best.capacity)
     if data.unbalance:
         held += f", {best.capacity / data.unbalance:.3g} times the largest unbalance"
     lines = [
         f"Take {best.count} {data.kind} of {2e3 * best.radius:.3g} mm diameter and "
-        f"{1e3 * best.mass:.4g} g: they hold up to {held}, and settle in {best.median:.3g} s "
-        f"(median, 95 % confidence {best.low:.3g} to {best.high:.3g} s)."
+        f"{1e3 * best.mass:.4g} g: they hold up to {held}, and settle in "
+        f"{rounded(best.median, 3)} s (median, 95 % confidence {rounded(best.low, 3)} to "
+        f"{rounded(best.high, 3)} s)."
     ]
     if others:
         named = ", ".join(
@@ -68,7 +70,11 @@ def _recommendation(data: Design) -> list[str]:
     fewest = data.with_capacity[0]
     if fewest.count < best.count:
         settles = math.isfinite(fewest.median)  # NaN where most of its starts failed
-        when = f"and settle in {fewest.median:.3g} s" if settles else "but usually do not settle"
+        when = (
+            f"and settle in {rounded(fewest.median, 3)} s"
+            if settles
+            else "but usually do not settle"
+        )
         lines.append(f"{fewest.count} have the capacity {when}.")
     return lines
 

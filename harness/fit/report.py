@@ -9,6 +9,7 @@ from typing import Any
 
 from ..output.outcome import Outcome
 from ..output.table import Sheet
+from ..units import rounded
 from .estimate import document_of_values
 from .study import Fit
 
@@ -33,7 +34,12 @@ def table(found: Outcome) -> Sheet:
     """A line per parameter of a fit."""
     sheet = found.table()
     rows = [
-        [*names, f"{start:.6g}", f"{value:.6g}", f"{spread:.2g}" if math.isfinite(spread) else "-"]
+        [
+            *names,
+            f"{start:.6g}",
+            f"{value:.6g}",
+            rounded(spread, 2) if math.isfinite(spread) else "-",
+        ]
         for *names, start, value, spread in sheet.rows
     ]
     return replace(sheet, rows=rows, title="")

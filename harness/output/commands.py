@@ -13,6 +13,7 @@ import os
 import re
 import subprocess
 import sys
+import warnings
 from collections.abc import Callable, Sequence
 from contextlib import suppress
 from enum import Enum
@@ -196,11 +197,22 @@ def _out_of_time() -> str:
 
 def execute(app: typer.Typer) -> None:
     """Run the command that is asked for on the command line."""
-    with temporary_files():
+    with temporary_files(), warnings.catch_warnings():
+        warnings.showwarning = functools.partial(_show_warning, warnings.showwarning)
         try:
             app()
         finally:
             _flush()
+
+
+def _show_warning(
+    usual: Callable[..., None], message: Warning | str, category: type[Warning], *place: Any
+) -> None:
+    """Print a warning of this program as a line, without the place in its code."""
+    if not category.__module__.startswith(__name__.split(".", 1)[0]):
+        usual(message, category, *place)
+    elif not is_quiet.get():
+        say(f"WARNING: {message}", style="bold yellow", error=True)
 
 
 def _flush() -> None:

@@ -176,6 +176,17 @@ def test_an_implausible_value_is_one_line_of_check(invoke, recwarn):
     assert not recwarn
 
 
+def test_what_is_warned_of_is_a_line_without_its_place_in_the_code(tmp_path):
+    (tmp_path / "measured.csv").write_text("time [s],speed [rpm]\n0,0\n1,900\n2,900\n")
+    text = load_scene("two_balls").toml.replace("speed = 3.0", 'profile = "measured.csv"')
+    (tmp_path / "traced.toml").write_text(text.replace("revolutions", "# revolutions"))
+    command = [sys.executable, "-m", "autobalancer.harness", "rotor", "traced.toml"]
+    done = subprocess.run(command, capture_output=True, text=True, cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert "WARNING: measured.csv: 3 readings are approximated by 2 lines" in done.stderr
+    assert "TraceNote" not in done.stderr
+
+
 @pytest.mark.parametrize("form", [[], ["--one-file"], ["--ssp"]])
 def test_a_place_that_takes_no_fmu_is_refused_before_anything_is_built(invoke, monkeypatch, form):
     def compiled(*_):

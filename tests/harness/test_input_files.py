@@ -37,6 +37,7 @@ FORMS = {
     "german, tabs": ("\t", ","),
     "tabs": ("\t", "."),
     "byte-order mark and Windows": (";", ",", "\r\n", "\ufeff"),
+    "the separator in the first line": (";", ",", "\r\n", "sep=;\n"),
     "comment and empty line above": (";", ",", "\n", "# rig 3, bearing 2\n\n"),
     "spaces": (";", ",", "\n", "", " "),
 }
@@ -64,6 +65,9 @@ def test_measurements_are_read_alike_in_every_form(tmp_path, form):
         ("a,b\n", "needs a line with names of columns, and below it lines of values"),
         ("", "needs a line with names of columns"),
         ("a,a\n1,2\n", "a: given twice"),
+        ("a,b\n1,\0002\n", "line 2: a zero byte; save the file as UTF-8 text"),
+        ("a,b\n1,2\n".encode("utf-16-le"), "line 1: a zero byte; save the file as UTF-8 text"),
+        ("a,b\n1,2\n".encode("utf-16"), "line 1: byte 0x.. is not UTF-8; save the file as"),
         ("a,b\n1,2 \xb5m\n".encode("latin-1"), "line 2: byte 0xb5 is not UTF-8; save the file as"),
     ],
 )

@@ -8,7 +8,7 @@ from functools import cached_property
 
 import numpy as np
 
-from ...units import brief
+from ...units import brief, rounded
 from .known import Known
 from .outcome import Outcome
 from .record import Record
@@ -94,6 +94,6 @@ class Case:
 def unsettled(case: Case) -> str:
     """How a reason of a run that has not settled begins."""
     begin, constant = float(case.record.time[0]), case.known.time_constant
-    since = f" since the change at {begin:.3g} s" if begin > 0.0 else ""
+    since = f" since the change at {rounded(begin, 3)} s" if begin > 0.0 else ""
     rule = f", time constant {brief(constant)} s" if math.isfinite(constant) else ""
     return f"not settled yet{since}{rule}"

@@ -83,6 +83,13 @@ def turning(case: Case, now: Vibration, weights: Weights, _left: float) -> Rulin
         )
     slowest = 1.0 / float(decay.min()) if decay.min() else math.inf
     if case.record.seconds > MANY_TIME_CONSTANTS * max(case.known.time_constant, slowest):
+        if _stay_beside(case, behind):
+            return Ruling(
+                Outcome.ANOTHER_MOTION,
+                f"another motion, which lasts: left behind, {turn}; the nearest natural frequency "
+                f"is {in_both(nearest, 'rad/s')}",
+                left_behind=(mean, nearest),
+            )
         return Ruling(
             Outcome.CANNOT_TELL,
             f"{turn}, and this neither settles nor repeats",
@@ -93,6 +100,23 @@ def turning(case: Case, now: Vibration, weights: Weights, _left: float) -> Rulin
         f"{unsettled(case)}: {turn}{DOUBT}",
         left_behind=(mean, nearest),
     )
+
+
+def _stay_beside(case: Case, behind: Mask) -> bool:
+    """Whether weights left behind swing about one speed beside a natural frequency, as supports
+    that are not alike make them."""
+    record, natural = case.record, case.known.natural
+    assert record.weights is not None
+    if not len(natural):
+        return False
+    quarters = np.quantile(record.time, [0.5, 0.75, 1.0])
+    at = [*np.searchsorted(record.time, quarters[:-1]).tolist(), len(record.time) - 1]
+    turned = np.diff(record.weights[at][:, behind], axis=0)
+    speeds = record.speed + turned / np.diff(record.time[at])[:, None]
+    drift = np.abs(speeds[1] - speeds[0]).max()
+    off = np.abs(natural[:, None, None] - np.abs(speeds)).min(axis=0)
+    near = bool((off <= BESIDE * np.abs(speeds)).all())
+    return near and bool(drift <= STEADY_RATE * abs(record.speed))
 
 
 def _named(case: Case, which: Mask) -> str:

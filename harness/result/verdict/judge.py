@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from ...master.names import OF_STOPS, stations
 from ...scene import Scene
+from ...units import rounded
 from .ahead import look_ahead
 from .case import DOUBT
 from .known import Known
@@ -99,7 +100,7 @@ def _looked_ahead(run: Run, verdict: Verdict, last: Stretch) -> Verdict:
         reason, length = verdict.reason.removesuffix(DOUBT), _first_balanced(ahead, later)
         if last.end < float(run.time[-1]):
             seconds = ahead.scene.profile().time_of(math.tau * length) - last.end
-            reason += f": keep this speed for {seconds:.3g} s more"
+            reason += f": keep this speed for {rounded(seconds, 3)} s more"
             return replace(verdict, outcome=outcome, reason=reason, remedy="")
         reason += f": set run.revolutions = {length}"
         return replace(verdict, outcome=outcome, reason=reason, revolutions=length, remedy="")
@@ -139,7 +140,7 @@ def _with_least(verdict: Verdict, scene: Scene, stretch: Stretch) -> Verdict:
     says_how_long = verdict.revolutions is not None or "keep this speed" in verdict.reason
     if verdict.outcome is not Outcome.NOT_SETTLED or verdict.remedy or says_how_long:
         return verdict
-    if verdict.growth is None or verdict.growth >= 0.0:
+    if verdict.growth is None or verdict.growth >= 0.0 or verdict.left_behind is not None:
         return verdict
     wait = TIME_CONSTANTS_AT_LEAST / -verdict.growth
     turned = scene.profile().angle(stretch.end) / math.tau

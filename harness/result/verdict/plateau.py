@@ -15,6 +15,7 @@ from ...master.names import stations
 from ...scene import Scene
 from ...scene.balancer import WeightBalancer
 from ...scene.grade import moments, residual_unbalance
+from ...units import rounded
 from ..sag import from_sag, sag_of
 from ..velocity import VELOCITY
 from .case import Case, Ruling
@@ -167,7 +168,7 @@ class Run:
         if found.seconds is None or not math.isfinite(found.seconds):
             return verdict
         if not final:
-            reason = f"{verdict.reason}: keep this speed for {found.seconds:.3g} s more"
+            reason = f"{verdict.reason}: keep this speed for {rounded(found.seconds, 3)} s more"
             return replace(verdict, reason=reason)
         end = float(self.time[-1]) + found.seconds
         turned = self.scene.profile().angle(end) / math.tau + SPARE

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from ...units import brief
+from ...units import brief, rounded
 from .balance import balanced, settling
 from .case import DOUBT, Case, Ruling, unsettled
 from .elsewhere import MANY_TIME_CONSTANTS, dragged, resting, stuck, together, turning
@@ -50,7 +50,7 @@ def _short(case: Case) -> Ruling:
     turned = case.record.revolutions
     return Ruling(
         Outcome.NOT_SETTLED,
-        f"{unsettled(case)}: {turned:.2g} revolutions show too little{DOUBT}",
+        f"{unsettled(case)}: {rounded(turned, 2)} revolutions show too little{DOUBT}",
     )
 
 
@@ -66,6 +66,6 @@ def _undecided(case: Case, weights: Weights) -> Ruling:
     fastest = float(np.abs(weights.rates).max())
     return Ruling(
         Outcome.NOT_SETTLED,
-        f"{unsettled(case)}: the weights still turn by up to {fastest:.2g} rad/s in the rotor"
-        f"{DOUBT}",
+        f"{unsettled(case)}: the weights still turn by up to {rounded(fastest, 2)} rad/s in the "
+        f"rotor{DOUBT}",
     )

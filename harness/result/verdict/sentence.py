@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from ....models.ring import BELIEVED, DRY, WARNED
 from ...scene.grade import GRADES
-from ...units import brief, in_both, readable_unbalance
+from ...units import brief, in_both, readable_unbalance, rounded
 from .outcome import Outcome
 from .words import is_nothing, millimetres, percent, velocity
 
@@ -72,7 +72,7 @@ def _stops(verdict: Verdict) -> Iterator[str]:
     touched = [one for one in verdict.stops if one.touches]
     for one in touched:
         times = "once" if one.touches == 1 else f"{one.touches} times"
-        yield f"The {one.place} was touched {times}, with at most {one.force:.3g} N."
+        yield f"The {one.place} was touched {times}, with at most {rounded(one.force, 3)} N."
     if verdict.stops and not touched:
         yield "No stop was touched."
 
@@ -92,7 +92,7 @@ def _vibration(verdict: Verdict) -> str:
 
 
 def _three(size: float) -> str:
-    return f"{1e3 * size:.3g} mm"
+    return f"{rounded(1e3 * size, 3)} mm"
 
 
 def _is_mostly_other(verdict: Verdict) -> bool:
@@ -164,8 +164,8 @@ def _plateaus(verdict: Verdict) -> Iterator[str]:
 def _passage(one: Passage) -> str:
     alone = "" if one.alone is None else f" (without balancers {millimetres(one.alone)})"
     return (
-        f"From {one.start:.4g} to {one.speed:.4g} rad/s within {brief(one.end - one.begin, 3)} s: "
-        f"largest vibration {millimetres(one.largest)}{alone}."
+        f"From {rounded(one.start)} to {rounded(one.speed)} rad/s within "
+        f"{brief(one.end - one.begin, 3)} s: largest vibration {millimetres(one.largest)}{alone}."
     )
 
 

@@ -200,6 +200,25 @@ def test_no_capacity_in_use_is_stated_where_weights_turn_in_an_unstable_machine(
     assert "capacity" not in str(found)
 
 
+def test_balls_left_behind_that_swing_about_one_speed_are_not_told_to_wait():
+    """Supports that are not alike swing the balls between 45 and 53 rad/s; an integration of its
+    own has them there after 1,500 s too."""
+    found = verdict(
+        Scene(
+            rotor={"kind": "planar", "mass": 5.0, "stiffness": [8e3, 12.8e3],
+                   "damping": [4.0, 5.06], "unbalance": 1e-3, "unbalance_angle": 0.4},
+            balancer=[BALLS | {"count": 2, "mass": 1 / 120, "track_radius": 0.1, "drag": 0.002,
+                               "angles": [0.3, 1.0], "speeds": [-71.0, -71.0]}],
+            speed=120.0,
+            run={"revolutions": 300},
+        )
+    )  # fmt: skip
+    assert found.outcome is Outcome.ANOTHER_MOTION
+    assert found.left_behind[0] == pytest.approx(49.0, abs=3.0)
+    assert found.revolutions is None
+    assert "It takes at least" not in str(found)
+
+
 def passing(torque: float, revolutions: float) -> Scene:
     """Two pendulums on a lightly damped rotor, and a motor that has to pass 30 rad/s."""
     weights = {"kind": "pendulums", "count": 2, "mass": 1 / 6, "track_radius": 0.1, "drag": 1.25}
