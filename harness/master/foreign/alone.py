@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from pathlib import Path
 from typing import Any
@@ -21,8 +22,8 @@ def document_of(path: Path) -> dict[str, Any]:
     """
     description = read_description(path)
     experiment = description.defaultExperiment
-    stop = float((experiment and experiment.stopTime) or DEFAULT_DURATION)
-    step = float((experiment and experiment.stepSize) or stop / DEFAULT_STEPS)
+    stop = _suggested(experiment and experiment.stopTime, DEFAULT_DURATION)
+    step = _suggested(experiment and experiment.stepSize, stop / DEFAULT_STEPS)
     if fixed := abilities(description).fixed_step:  # of which steps must be multiples
         step = fixed * max(1, round(step / fixed))
     name = re.sub(r"^(?=[\d-])|[^\w-]", "_", path.stem, flags=re.ASCII)[:32]
@@ -32,3 +33,9 @@ def document_of(path: Path) -> dict[str, Any]:
         "coupling": {"step": min(step, stop)},
         "run": {"duration": stop},
     }
+
+
+def _suggested(text: str | None, default: float) -> float:
+    """A length of time [s] that a description gives; 0 and INF are what tools write for none."""
+    value = float(text or 0.0)
+    return value if 0.0 < value < math.inf else default

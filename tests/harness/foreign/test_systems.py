@@ -192,6 +192,14 @@ def test_fmi_3_runs_as_fmi_2(tmp_path):
     assert np.ptp(found[0]) > 1e-4
 
 
+@pytest.mark.parametrize("suggested", ["0", "INF", "-1"])
+def test_an_fmu_that_suggests_no_length_of_a_run_runs_for_a_second(suggested, guest, altered):
+    element = f'<DefaultExperiment stopTime="{suggested}" stepSize="{suggested}"/><ModelVariables>'
+    path = altered(guest("mass"), lambda text: text.replace("<ModelVariables>", element))
+    system = ab.load_system(path)
+    assert (system.run.duration, system.coupling.step) == (1.0, 0.002)
+
+
 def test_the_fixture_runs_a_system_and_its_signals_assert_themselves(cosim, guest, tmp_path):
     (tmp_path / "mass.toml").write_text(
         f'unit = [{{name = "m", fmu = "{guest("mass")}", start = {{x0 = 1.0, c = 0.0}}}}]\n'
