@@ -130,7 +130,7 @@ def test_the_numbers_of_the_rule_are_those_that_sixty_digits_give():
     assert radau.FILE.read_text(encoding="utf-8") == radau.text()
 
 
-@pytest.mark.parametrize("stages", [7, 11])
+@pytest.mark.parametrize("stages", [3, 7, 11])
 def test_a_rule_integrates_polynomials_of_twice_the_degree(stages):
     """Of order 2 s - 1: Butcher's simplifying assumption B, which nodes alone decide."""
     order = 2 * stages - 1

@@ -1,11 +1,11 @@
-"""Write Radau's rules with seven and eleven points, as `fmus/native/machine/radau.c` has them.
+"""Write Radau's rules with three, seven and eleven points: `fmus/native/machine/radau.c`.
 
     python -m tests.studies.radau
 
 The s points are the zeros of P_s(2 t - 1) - P_(s-1)(2 t - 1) (Hairer & Wanner, Solving Ordinary
 Differential Equations II, IV.5).  The rest follows from them: integrals, interpolating
-polynomials, of seven points in powers of the time and of eleven as sums of Chebyshev's, and the
-eigenvalues and vectors of the integrals.  All with 60 digits, by mpmath.
+polynomials, of up to seven points in powers of the time and of eleven as sums of Chebyshev's, and
+the eigenvalues and vectors of the integrals.  All with 60 digits, by mpmath.
 """
 
 from __future__ import annotations
@@ -17,10 +17,10 @@ from typing import Any
 import mpmath as mp
 
 DIGITS, WIDTH = 60, 110
-RULES = {7: "SEVEN", 11: "ELEVEN"}
+RULES = {3: "THREE", 7: "SEVEN", 11: "ELEVEN"}
 FILE = Path(__file__).resolve().parents[2] / "fmus" / "native" / "machine" / "radau.c"
 HEAD = """\
-/* Radau's rules with seven and eleven points: written by `python -m tests.studies.radau`. */
+/* Radau's rules with three, seven and eleven points: written by `python -m tests.studies.radau`. */
 #include "machine/collocation.h"
 """
 
@@ -103,7 +103,7 @@ def rule(stages: int) -> str:
         for j in n:
             matrix[i, j] = mp.fsum(c[i] ** (k + 1) / (k + 1) * inverse[k, j] for k in n)
     powers = [[mp.mpf(0), *(inverse[k, j] / c[j] for k in n)] for j in n]  # 0 at 0
-    if stages == 7:
+    if stages <= 7:
         kind, orders, shown = "POWERS", range(1, stages + 1), powers
     else:
         kind, orders, shown = "SUMS", range(stages + 1), [in_chebyshev(power) for power in powers]

@@ -31,7 +31,7 @@ typedef struct {
     const Complex *values, *left, *right;
 } Radau;
 
-extern const Radau RADAU_SEVEN, RADAU_ELEVEN;
+extern const Radau RADAU_THREE, RADAU_SEVEN, RADAU_ELEVEN;
 
 /* One step that is tried; (d,) are x and y of every station, the weights' angles, and the rotor's with a motor. */
 typedef struct {

@@ -9,39 +9,45 @@ enum { MOST_ITERATIONS = 12, MOST_TERMS = 120 };
 #define SLOWEST_ITERATION 0.5  /* what one leaves of the one before, at most */
 #define SUMMED_FALL 20.0       /* of d t: beyond, integrals follow from each other without a loss of digits */
 #define CLEAR_PART 0.05        /* of e^{-d t}: below, the polynomial has nearly all of it */
-#define LAST_POWER 4e-3        /* of the last power: 2^-11 is what it has beyond lower ones, eight times for safety */
 
-int relaxation_allocate(Unit *unit, Relaxation *r, int weights)
+static int allocate_rule(Unit *unit, RelaxedRule *made, const Radau *rule, int weights)
 {
-    const Radau *rule = &RADAU_SEVEN;
-    const size_t count = (size_t)weights;
-    const int n = RELAXED_POINTS;
+    const int n = rule->stages;
     int i, j, k;
-    r->of = unit_allocate(unit, count, sizeof *r->of);
-    r->ends = unit_allocate(unit, count, sizeof(double));
-    r->angles = unit_allocate(unit, RELAXED_TIMES * count, sizeof(double));
-    r->pushes = unit_allocate(unit, RELAXED_TIMES * count, sizeof(double));
+    made->rule = rule;
+    made->beyond = scaled_by_power(8.0, 3 - 2 * n); /* Chebyshev's polynomial of the degree s - 1 */
+    made->of = unit_allocate(unit, (size_t)weights, sizeof *made->of);
     for (k = 0; k < n; k++) { /* the slope of the polynomial through the integrals up to the points */
         for (j = 0; j < n; j++) {
             double sum = 0.0;
             for (i = 0; i < n; i++) {
                 sum += rule->powers[k * n + i] * rule->matrix[i * n + j];
             }
-            r->powers[k][j] = (k + 1) * sum;
+            made->powers[k][j] = (k + 1) * sum;
         }
     }
-    return !r->of || !r->ends || !r->angles || !r->pushes;
+    return !made->of;
+}
+
+int relaxation_allocate(Unit *unit, Relaxation *r, int weights)
+{
+    const size_t count = (size_t)weights;
+    r->ends = unit_allocate(unit, count, sizeof(double));
+    r->angles = unit_allocate(unit, RELAXED_TIMES * count, sizeof(double));
+    r->pushes = unit_allocate(unit, RELAXED_TIMES * count, sizeof(double));
+    return allocate_rule(unit, &r->few, &RADAU_THREE, weights) || allocate_rule(unit, &r->many, &RADAU_SEVEN, weights) ||
+           !r->ends || !r->angles || !r->pushes;
 }
 
 /* -- what a drag makes of N ------------------------------------------------------------------------------- */
 
 /* Integrals of e^{-d (t - s)} (s/h)^k ds up to t = share h. */
-static void integrate_powers(double drag, double length, double share, double *to)
+static void integrate_powers(int powers, double drag, double length, double share, double *to)
 {
     const double time = share * length, fallen = drag * time, left = natural_exp(-fallen);
     double power = 1.0;
     int j, k;
-    for (k = 0; k < RELAXED_POINTS; k++, power *= share) {
+    for (k = 0; k < powers; k++, power *= share) {
         double term = 1.0, sum = 0.0;
         if (fallen > SUMMED_FALL) {
             to[k] = ((k ? power : 1.0 - left) - (k ? k / length * to[k - 1] : 0.0)) / drag;
@@ -57,37 +63,37 @@ static void integrate_powers(double drag, double length, double share, double *t
 
 /* A row of what theta or theta' has by the values of a polynomial, where `fallen` is what it has by N = e^{-d t}:
    that part is taken out of the values. */
-static void take_fall(const Relaxed *made, double fallen, double *row, double *first)
+static void take_fall(int points, const Relaxed *made, double fallen, double *row, double *first)
 {
     double kept = 0.0;
     int j;
-    for (j = 0; j < RELAXED_POINTS; j++) {
+    for (j = 0; j < points; j++) {
         kept += row[j] * made->fall[j];
     }
     *first = (fallen - kept) * made->first_part;
-    for (j = 0; j < RELAXED_POINTS; j++) {
+    for (j = 0; j < points; j++) {
         row[j] += (fallen - kept) * made->part[j];
     }
 }
 
 /* The part of e^{-d t} in N, by its values at the start and the points. */
-static void find_part(const Relaxation *r, Relaxed *made)
+static void find_part(const RelaxedRule *by, Relaxed *made)
 {
     double start = 0.0;
     int j;
-    for (j = 0; j < RELAXED_POINTS; j++) {
-        start += r->powers[0][j] * made->fall[j];
+    for (j = 0; j < by->rule->stages; j++) {
+        start += by->powers[0][j] * made->fall[j];
     }
     made->first_part = 1.0 - start > CLEAR_PART ? 1.0 / (1.0 - start) : 0.0;
-    for (j = 0; j < RELAXED_POINTS; j++) {
-        made->part[j] = -r->powers[0][j] * made->first_part;
+    for (j = 0; j < by->rule->stages; j++) {
+        made->part[j] = -by->powers[0][j] * made->first_part;
     }
 }
 
-static void prepare(const Relaxation *r, Relaxed *made, double drag, double length)
+static void prepare(const RelaxedRule *by, Relaxed *made, double drag, double length)
 {
-    const int n = RELAXED_POINTS;
-    const double *nodes = RADAU_SEVEN.nodes;
+    const int n = by->rule->stages;
+    const double *nodes = by->rule->nodes;
     double integrals[RELAXED_POINTS];
     int i, j, k;
     made->drag = drag;
@@ -96,11 +102,11 @@ static void prepare(const Relaxation *r, Relaxed *made, double drag, double leng
     for (i = 0; i < n; i++) {
         made->fall[i] = natural_exp(-drag * nodes[i] * length);
     }
-    find_part(r, made);
+    find_part(by, made);
     for (i = 0; i < n; i++) {
         const double time = nodes[i] * length;
         double power = 1.0, reach = 0.0;
-        integrate_powers(drag, length, nodes[i], integrals);
+        integrate_powers(n, drag, length, nodes[i], integrals);
         made->coasted[i] = integrals[0];
         made->steady[i] = (time - integrals[0]) / drag;
         for (j = 0; j < n; j++) {
@@ -109,17 +115,17 @@ static void prepare(const Relaxation *r, Relaxed *made, double drag, double leng
         for (k = 0; k < n; k++, power *= nodes[i]) {
             const double place = (time * power / (k + 1) - integrals[k]) / drag;
             for (j = 0; j < n; j++) {
-                made->places[i][j] += place * r->powers[k][j];
-                made->speeds[j] += integrals[k] * r->powers[k][j]; /* of the last point in the end */
+                made->places[i][j] += place * by->powers[k][j];
+                made->speeds[j] += integrals[k] * by->powers[k][j]; /* of the last point in the end */
             }
         }
-        take_fall(made, (integrals[0] - time * made->fall[i]) / drag, made->places[i], &made->first[i]);
+        take_fall(n, made, (integrals[0] - time * made->fall[i]) / drag, made->places[i], &made->first[i]);
         for (j = 0; j < n; j++) {
             reach += absolute(made->places[i][j]);
         }
         made->reach = larger(made->reach, reach);
     }
-    take_fall(made, length * made->fall[n - 1], made->speeds, &made->first_speed);
+    take_fall(n, made, length * made->fall[n - 1], made->speeds, &made->first_speed);
 }
 
 /* -- N ------------------------------------------------------------------------------------------------------ */
@@ -130,8 +136,8 @@ static void watch_plane(Relaxation *r, Machine *m, double length)
     const Carried start = *m->carried;
     const MachineTrack *track = m->tracks;
     int i;
-    for (i = 0; i < RELAXED_TIMES; i++) {
-        machine_carry(m, &start, i ? RADAU_SEVEN.nodes[i - 1] * length : 0.0);
+    for (i = 0; i <= r->now->rule->stages; i++) {
+        machine_carry(m, &start, i ? r->now->rule->nodes[i - 1] * length : 0.0);
         r->felt[i] = m->carried->signal[0];
         if (track->is_off) {
             m->speed_order = m->carried->speed_order;
@@ -179,11 +185,11 @@ static double push_body(const Relaxation *r, const Machine *m, const Body *body,
 
 /* -- a step --------------------------------------------------------------------------------------------------- */
 
-static double row_by(const double *row, const double *values)
+static double row_by(int points, const double *row, const double *values)
 {
     double sum = 0.0;
     int j;
-    for (j = 0; j < RELAXED_POINTS; j++) {
+    for (j = 0; j < points; j++) {
         sum += row[j] * values[j];
     }
     return sum;
@@ -193,18 +199,18 @@ static double row_by(const double *row, const double *values)
 static double error_of(const Relaxation *r, const Relaxed *by, const double *values, double first, double speed,
                        double slope)
 {
+    const int n = r->now->rule->stages;
     const double square = by->drag * by->drag, fallen = absolute(speed - first / by->drag) / by->drag;
-    const double part = by->first_part * first + row_by(by->part, values), *powers = r->powers[RELAXED_POINTS - 1];
-    double last = row_by(powers, values);
-    last -= part * row_by(powers, by->fall);
-    return (LAST_POWER * absolute(last) + absolute(part) * (slope / square + fallen)) / square;
+    const double part = by->first_part * first + row_by(n, by->part, values), *powers = r->now->powers[n - 1];
+    const double last = row_by(n, powers, values) - part * row_by(n, powers, by->fall);
+    return (r->now->beyond * absolute(last) + absolute(part) * (slope / square + fallen)) / square;
 }
 
 /* Move one body; its error [rad]. */
 static double move_body(Relaxation *r, const Machine *m, const Body *body, const Relaxed *by, double speed,
                         double enough)
 {
-    const int n = RELAXED_POINTS, w = body->first;
+    const int n = r->now->rule->stages, w = body->first;
     const double angle = r->angles[w * RELAXED_TIMES], slope = body->lever * r->strength;
     const double first = push_body(r, m, body, 0, angle);
     double values[RELAXED_POINTS], angles[RELAXED_POINTS], before = infinity();
@@ -218,14 +224,14 @@ static double move_body(Relaxation *r, const Machine *m, const Body *body, const
             values[i] = push_body(r, m, body, i + 1, angles[i]);
         }
         for (i = 0; i < n; i++) {
-            const double found = angle + by->coasted[i] * speed + by->first[i] * first + row_by(by->places[i], values);
+            const double found = angle + by->coasted[i] * speed + by->first[i] * first + row_by(n, by->places[i], values);
             moved = absolute(found - angles[i]) <= moved ? moved : absolute(found - angles[i]); /* no number too */
             angles[i] = found;
         }
         left = smaller(by->reach * slope, moved / (k ? before : 0.0)); /* the first is what it leaves at most */
         if (moved <= enough || (left < 1.0 && moved * left <= enough * (1.0 - left))) {
-            copy_doubles(RELAXED_POINTS, angles, r->angles + w * RELAXED_TIMES + 1);
-            r->ends[w] = by->fall[n - 1] * speed + by->first_speed * first + row_by(by->speeds, values);
+            copy_doubles((size_t)n, angles, r->angles + w * RELAXED_TIMES + 1);
+            r->ends[w] = by->fall[n - 1] * speed + by->first_speed * first + row_by(n, by->speeds, values);
             return error_of(r, by, values, first, speed, slope);
         }
         if (!(k < 1 || left <= SLOWEST_ITERATION)) {
@@ -256,7 +262,7 @@ static void follow_first(const Relaxation *r, const Machine *m, const Body *body
     int i, j, w = body->first;
     for (j = 1; j < body->size; j++) {
         double *angles = r->angles + (w = member_after(m, w)) * RELAXED_TIMES;
-        for (i = 1; i < RELAXED_TIMES; i++) {
+        for (i = 1; i <= r->now->rule->stages; i++) {
             angles[i] = leads[i] + (angles[0] - leads[0]);
         }
         r->ends[w] = r->ends[body->first];
@@ -279,17 +285,15 @@ static Body body_of(const Machine *m, int number)
     return body;
 }
 
-double relaxation_step(Relaxation *r, Machine *m, double length, double tolerance)
+/* Find where a rule leads the weights; the error over the tolerance, infinite where that is not sure. */
+static double follow_rule(Relaxation *r, Machine *m, const RelaxedRule *rule, double length, double tolerance)
 {
-    const int n = m->weight_count, first = m->stations, bodies = m->phase ? m->phase->group_count : n;
+    const int bodies = m->phase ? m->phase->group_count : m->weight_count, first = m->stations;
     double worst = 0.0;
-    Relaxed *by = r->of;
-    int w, b;
+    Relaxed *by = rule->of;
+    int b;
+    r->now = rule;
     watch_plane(r, m, length);
-    relaxation_bound(r, m, length);
-    for (w = 0; w < n; w++) {
-        r->angles[w * RELAXED_TIMES] = pair_at(m->motion[first + w / 2], w % 2);
-    }
     for (b = 0; b < bodies; b++) {
         const Body body = body_of(m, b);
         const double drag = m->weights[body.first].damping_rate;
@@ -297,9 +301,9 @@ double relaxation_step(Relaxation *r, Machine *m, double length, double toleranc
         if (!are_alike(m, &body)) {
             return infinity();
         }
-        by = by->drag == drag && by->length == length ? by : r->of + body.first;
+        by = by->drag == drag && by->length == length ? by : rule->of + body.first;
         if (by->drag != drag || by->length != length) {
-            prepare(r, by, drag, length);
+            prepare(rule, by, drag, length);
         }
         error = move_body(r, m, &body, by, pair_at(m->velocity[first + body.first / 2], body.first % 2),
                           LEFT_BY_ITERATION * tolerance);
@@ -309,12 +313,26 @@ double relaxation_step(Relaxation *r, Machine *m, double length, double toleranc
         }
         follow_first(r, m, &body);
     }
-    if (m->phase && !relaxation_keeps_contacts(r, m, length)) {
-        return infinity();
-    }
+    return m->phase && !relaxation_keeps_contacts(r, m, length) ? infinity() : worst / tolerance;
+}
+
+double relaxation_step(Relaxation *r, Machine *m, double length, double tolerance)
+{
+    const int n = m->weight_count, first = m->stations;
+    double error = infinity();
+    int w;
     for (w = 0; w < n; w++) {
-        pair_set(&m->motion[first + w / 2], w % 2, r->angles[w * RELAXED_TIMES + RELAXED_POINTS]);
+        r->angles[w * RELAXED_TIMES] = pair_at(m->motion[first + w / 2], w % 2);
+    }
+    relaxation_bound(r, m, length);
+    if (relaxation_is_straight(r, m, length, tolerance)) {
+        error = follow_rule(r, m, &r->few, length, tolerance);
+    }
+    error = error <= 1.0 ? error : follow_rule(r, m, &r->many, length, tolerance);
+    for (w = 0; w < n && error <= 1.0; w++) {
+        const double *angles = r->angles + w * RELAXED_TIMES;
+        pair_set(&m->motion[first + w / 2], w % 2, angles[r->now->rule->stages]);
         pair_set(&m->velocity[first + w / 2], w % 2, r->ends[w]);
     }
-    return worst / tolerance;
+    return error;
 }

@@ -14,7 +14,7 @@
 
 #include "machine/collocation.h"
 
-enum { RELAXED_POINTS = 7, RELAXED_TIMES = RELAXED_POINTS + 1 }; /* with the start */
+enum { RELAXED_POINTS = 7, RELAXED_TIMES = RELAXED_POINTS + 1 }; /* at most; with the start */
 
 /* What a drag makes of N in a step of one length: of its value at the start, and of those at the points. */
 typedef struct {
@@ -29,16 +29,24 @@ typedef struct {
     double first_part, part[RELAXED_POINTS];         /* what e^{-d t} has in N by them */
 } Relaxed;
 
+/* A rule, and what follows from it. */
 typedef struct {
+    const Radau *rule;
+    double beyond; /* what its last power has beyond lower ones, eight times for safety */
     double powers[RELAXED_POINTS][RELAXED_POINTS]; /* what 1, t, ... have in values at the points */
-    Relaxed *of;      /* (N,) */
+    Relaxed *of;   /* (N,) */
+} RelaxedRule;
+
+typedef struct {
+    RelaxedRule few, many; /* three points where N is nearly straight; seven */
+    const RelaxedRule *now;
     double *ends;     /* (N,) speeds at the end */
     double *angles;   /* (N, RELAXED_TIMES) at the start and the points, */
     double *pushes;   /* (N, RELAXED_TIMES) and N there */
     Pair felt[RELAXED_TIMES];    /* acceleration of the track's centre, */
     double spun[RELAXED_TIMES];  /* and w' there */
-    double strength, rise;       /* the first is at most so large in the step, and so its slope; */
-    double gained, gained_rise;  /* the same of w' */
+    double strength, rise, bend; /* the first is at most so large in the step, and so its derivatives; */
+    double gained, gained_rise, gained_bend; /* the same of w' */
 } Relaxation;
 
 /* -- relaxation.c ------------------------------------------------------------------------------------ */
@@ -54,6 +62,8 @@ double relaxation_step(Relaxation *r, Machine *machine, double length, double to
 
 /* Bounds of what moves the weights, of a step in which the plane moves so. */
 void relaxation_bound(Relaxation *r, const Machine *machine, double length);
+/* Whether N is so nearly straight that three points are right to a tolerance [rad]. */
+bool relaxation_is_straight(const Relaxation *r, const Machine *machine, double length, double tolerance);
 /* Whether it is sure that every contact lasts and none is made, the weights being where they were found to be. */
 bool relaxation_keeps_contacts(const Relaxation *r, const Machine *machine, double length);
 

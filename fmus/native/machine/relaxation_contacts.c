@@ -24,18 +24,21 @@ void relaxation_bound(Relaxation *r, const Machine *m, double length)
     const double offset = m->tracks->is_off ? bound_of(m->tracks->offset) : 0.0;
     double speed = absolute(start->speed[SIGNAL_ORDERS]);
     int k;
-    r->strength = r->rise = r->gained = r->gained_rise = 0.0;
+    r->strength = r->rise = r->bend = r->gained = r->gained_rise = r->gained_bend = 0.0;
     for (k = SIGNAL_ORDERS - 1; k >= 0; k--) {
+        r->bend = r->bend * length + 2.0 * r->rise;
         r->rise = r->rise * length + r->strength;
         r->strength = r->strength * length + bound_of(start->signal[k]);
     }
     for (k = SIGNAL_ORDERS; k > 0; k--) {
+        r->gained_bend = r->gained_bend * length + 2.0 * r->gained_rise;
         r->gained_rise = r->gained_rise * length + r->gained;
         r->gained = r->gained * length + k * absolute(start->speed[k]);
         speed = speed * length + absolute(start->speed[k - 1]);
     }
     r->strength += offset * (speed * speed + r->gained);
     r->rise += offset * (2.0 * speed * r->gained + r->gained_rise);
+    r->bend += offset * (2.0 * (r->gained * r->gained + speed * r->gained_rise) + r->gained_bend);
 }
 
 /* The greatest lever of any weight, and what w' carries it along by in N. */
@@ -49,9 +52,10 @@ static void find_largest(const Machine *m, double *lever, double *carried)
     }
 }
 
-/* Of N, at most: its size P, and what it changes by with time and with an angle. */
+/* Of N, at most: its size P, what it changes by with time and with an angle, how it bends with time, and the slope of
+   that with an angle. */
 typedef struct {
-    double size, rise, slope;
+    double size, rise, slope, bend, turn;
 } Bounds;
 
 static Bounds bounds_of(const Relaxation *r, const Machine *m)
@@ -62,6 +66,8 @@ static Bounds bounds_of(const Relaxation *r, const Machine *m)
     found.size = lever * r->strength + carried * r->gained;
     found.rise = lever * r->rise + carried * r->gained_rise;
     found.slope = lever * r->strength;
+    found.bend = lever * r->bend + carried * r->gained_bend;
+    found.turn = lever * r->rise;
     return found;
 }
 
@@ -70,12 +76,25 @@ static double greatest_speed(const Machine *m, const Bounds *bounds, int w)
     return larger(absolute(phase_rate(m, w)), bounds->size / m->weights[w].damping_rate);
 }
 
-/* Whether a function stays above `least` that changes by at most so much in the unit of time. */
-static bool stays_above(const double *values, double least, double change, double length)
+bool relaxation_is_straight(const Relaxation *r, const Machine *m, double length, double tolerance)
 {
-    const double *nodes = RADAU_SEVEN.nodes;
+    const Bounds bounds = bounds_of(r, m);
+    double speed = 0.0, drag = infinity(), bend;
+    int w;
+    for (w = 0; w < m->weight_count; w++) {
+        speed = larger(speed, greatest_speed(m, &bounds, w));
+        drag = smaller(drag, m->weights[w].damping_rate);
+    }
+    bend = bounds.bend + (2.0 * bounds.turn + bounds.slope * speed) * speed;
+    return 0.5 * bend * length * length <= tolerance * drag * drag;
+}
+
+/* Whether a function stays above `least` that changes by at most so much in the unit of time. */
+static bool stays_above(const Radau *rule, const double *values, double least, double change, double length)
+{
+    const double *nodes = rule->nodes;
     int i;
-    for (i = 0; i < RELAXED_POINTS; i++) {
+    for (i = 0; i < rule->stages; i++) {
         const double time = (nodes[i] - (i ? nodes[i - 1] : 0.0)) * length;
         if (!(0.5 * (values[i] + values[i + 1] - change * time) > least)) {
             return false;
@@ -93,10 +112,10 @@ static bool stays_apart(const Relaxation *r, const Machine *m, const Bounds *bou
     double gaps[RELAXED_TIMES];
     int i;
     gaps[0] = phase_gap(m, w);
-    for (i = 1; i < RELAXED_TIMES; i++) {
+    for (i = 1; i <= r->now->rule->stages; i++) {
         gaps[i] = gaps[0] + (other[i] - other[0]) - (own[i] - own[0]);
     }
-    return stays_above(gaps, GAP_KEPT, greatest_speed(m, bounds, w) + greatest_speed(m, bounds, ahead), length);
+    return stays_above(r->now->rule, gaps, GAP_KEPT, greatest_speed(m, bounds, w) + greatest_speed(m, bounds, ahead), length);
 }
 
 /* Whether the first `count` weights of a group press on those ahead: their N less that of the group, by their share. */
@@ -109,14 +128,14 @@ static bool stays_pressed(const Relaxation *r, const Machine *m, const Bounds *b
     for (j = 0; j < count; j++, w = m->phase->weights[w].ahead) {
         part += m->weights[w].share / group->share;
     }
-    for (i = 0; i < RELAXED_TIMES; i++) {
+    for (i = 0; i <= r->now->rule->stages; i++) {
         presses[i] = 0.0;
         for (j = 0, w = group->first; j < group->size; j++, w = m->phase->weights[w].ahead) {
             presses[i] += m->weights[w].share / group->share * (j < count ? 1.0 - part : -part) *
                           r->pushes[w * RELAXED_TIMES + i];
         }
     }
-    return stays_above(presses, PRESS_KEPT * bounds->size, 2.0 * part * (1.0 - part) * change, length);
+    return stays_above(r->now->rule, presses, PRESS_KEPT * bounds->size, 2.0 * part * (1.0 - part) * change, length);
 }
 
 bool relaxation_keeps_contacts(const Relaxation *r, const Machine *m, double length)
