@@ -122,7 +122,7 @@ int one_piece_meet(Unit *unit)
         if (phase_collide(m, angle, c->pieces.impact, &failure)) {
             return unit_failed(unit, &failure);
         }
-    } else if (phase_decide(m, angle)) {
+    } else if (phase_decide(m, angle, INSTANT_ORDER)) {
         return unit_fail(unit, "no solution was found for which weights touch and which weights and supports stick at t = %6 s",
                              unit_host_time(unit, c->course->clock.time));
     }

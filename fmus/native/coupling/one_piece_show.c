@@ -27,7 +27,7 @@ int one_piece_expand_instant(Unit *unit, int order)
     angle = one_piece_load(c, m, c->states, speed, acceleration);
     if (c->pieces.is_eventful) {
         one_piece_load_phase(c, m, c->states);
-        if (c->course->one_piece.undecided > 0.0 && phase_decide(m, angle)) {
+        if (c->course->one_piece.undecided > 0.0 && phase_decide(m, angle, INSTANT_ORDER)) {
             return unit_fail(unit, "no solution was found for which weights touch and which weights and supports stick at t = %6 s",
                              unit_host_time(unit, unit->time));
         }

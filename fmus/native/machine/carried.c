@@ -119,10 +119,11 @@ int carried_look(CarriedWeights *c, const double *angles, const double *speeds, 
         carried_set_pace(c, absolute(plane->spin.speed) + largest_of(c->track->weights.count, speeds));
     }
     carried_load(c, plane->motion, 2, &plane->spin, angles, speeds, contacts);
-    if (m->phase && phase_decide(m, 0.0)) {
+    if (!m->phase) {
+        machine_expand(m, 0.0, LOOK_ORDER);
+    } else if (phase_decide(m, 0.0, LOOK_ORDER)) {
         return fail(failure, "no solution was found for which weights touch and which stick");
     }
-    machine_expand(m, 0.0, LOOK_ORDER);
     return FINE;
 }
 

@@ -142,7 +142,7 @@ static int meet_carried(CarriedWeights *c, double angle, Moved *moved, Failure *
     Machine *m = &c->step;
     int w;
     if (!phase_approaches(m)) {
-        return phase_decide(m, angle)
+        return phase_decide(m, angle, INSTANT_ORDER)
                    ? fail(failure, "no solution was found for which weights touch and which stick")
                    : FINE;
     }

@@ -125,9 +125,12 @@ void phase_hold(const Machine *machine, const PhaseGroup *group, int count, int 
 
 /* -- phase_decide.c -------------------------------------------------------------------------------- */
 
+enum { INSTANT_ORDER = 2 };
+
 /* Which contacts last, which weights and sliders start to move, so that nothing pulls, holds more than it can, or
-   goes through another; by the accelerations of the whole machine at this angle.  1: none was found. */
-int phase_decide(Machine *machine, double angle);
+   goes through another; by the accelerations of the whole machine at this angle, whose series then go up to that order,
+   INSTANT_ORDER at least.  1: none was found. */
+int phase_decide(Machine *machine, double angle, int order);
 /* Acceleration of a weight on its track, behind that. */
 double phase_acceleration(const Machine *machine, int weight);
 /* phi' of a weight, of order k. */

@@ -7,7 +7,7 @@
 #include "machine/phase.h"
 #include "machine/restraints.h"
 
-enum { INSTANT_ORDER = 2, MOST_PIVOTS = 400 };
+enum { MOST_PIVOTS = 400 };
 #define HOLD_ROUNDING 1e-12 /* of a slider's limit: what it may hold beyond */
 
 double phase_acceleration(const Machine *m, int weight)
@@ -185,7 +185,7 @@ static int change_one(Machine *m)
     return close_contact(m);
 }
 
-int phase_decide(Machine *m, double angle)
+int phase_decide(Machine *m, double angle, int order)
 {
     struct Phase *phase = m->phase;
     int w, pivot;
@@ -197,7 +197,7 @@ int phase_decide(Machine *m, double angle)
     }
     for (pivot = 0; pivot < MOST_PIVOTS; pivot++) {
         phase_group(m);
-        machine_expand(m, angle, INSTANT_ORDER);
+        machine_expand(m, angle, order);
         if (!change_one(m)) {
             return 0;
         }

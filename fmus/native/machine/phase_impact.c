@@ -240,7 +240,7 @@ int phase_collide(Machine *m, double angle, double *memory, Failure *failure)
         }
         set_contacts(m, &impact);
         free_sliders(m);
-        if (phase_decide(m, angle)) {
+        if (phase_decide(m, angle, INSTANT_ORDER)) {
             return fail(failure, "no solution was found for which weights touch and what sticks behind an impact");
         }
     } while (end_bounces(m, &impact));
