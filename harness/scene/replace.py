@@ -69,8 +69,10 @@ def replaced(
         SceneError: a path is unknown; the message says what is possible.
     """
     document = copy.deepcopy(document)
-    if {"speed", SPEED} <= changes.keys():
-        raise SceneError(f"'speed': short for {SPEED}, which is given too: give one of them")
+    written: dict[str, str] = {}
+    for path in changes:
+        if (other := written.setdefault(in_full(path, bodies), path)) != path:
+            raise SceneError(f"'{path}': the same as '{other}', which is given too: give one")
     changes = {in_full(path, bodies): value for path, value in changes.items()}
     given = {path for path, value in changes.items() if value is not None}
     for path, value in changes.items():

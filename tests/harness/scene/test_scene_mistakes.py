@@ -281,7 +281,16 @@ def test_replace_refuses_what_it_cannot_do(path, value, message):
         load_scene("two_balls").replace({path: value})
 
 
-def test_the_short_and_the_full_name_of_the_speed_are_not_given_together():
-    message = r"'speed': short for operation\.speed, which is given too"
-    with pytest.raises(SceneError, match=message):
-        load_scene("two_balls").replace({"operation.speed": 2.0, "speed": 3.0})
+@pytest.mark.parametrize(
+    ("scene", "one", "other"),
+    [
+        ("two_balls", "operation.speed", "speed"),
+        ("bristol_friction", "rotor.support_stiffness[1][1]", "rotor.support_stiffness[1][x]"),
+        ("washing_machine_tub", "tub.mass", "body[1].mass"),
+        ("washing_machine_tub", "rotor.bodies[1].mass", "tub.mass"),
+    ],
+)
+def test_two_names_of_one_value_are_not_given_together(scene, one, other):
+    message = f"'{other}': the same as '{one}', which is given too"
+    with pytest.raises(SceneError, match=re.escape(message)):
+        load_scene(scene).replace({one: 2.0, other: 3.0})
