@@ -116,6 +116,11 @@ class FileMethods(OfScene):
             values[name] = None if value is None else si_number(value, symbol, name)
             if values[name] is not None and not values[name] > 0.0:
                 raise UserError(f"{name} {value}: must be above 0")
+        if (values["limit"] or 0.0) >= 1.0:
+            raise UserError(
+                f"limit {limit}: must be below 1 m/s; a number alone is in m/s: write "
+                f'"{limit} mm/s" if it is in mm/s'
+            )
         path = Path(output or f"{self._scene.name}_report.html")
         values |= {"vary": vary, "machines": n, "progress": progress}
         return write_report(self._scene, path, **values)

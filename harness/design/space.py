@@ -13,6 +13,7 @@ MATERIALS = {
     "steel": 7800.0, "brass": 8500.0, "tungsten carbide": 14900.0, "ceramic": 3200.0,
     "glass": 2500.0, "aluminium": 2700.0,
 }  # kg/m^3  # fmt: skip
+LARGEST = 10.0  # m: of a race, and of the space along the axis
 
 
 @dataclass(frozen=True)
@@ -60,6 +61,11 @@ def read_space(
         value = None if given is None else si_number(given, "m", f"--{name}")
         if value is not None and not 0.0 < value < math.inf:
             raise UserError(f"--{name} {value:g}: must be above 0")
+        if value is not None and not value < LARGEST:
+            raise UserError(
+                f"--{name} {value:g} m: must be below {LARGEST:g} m; a number alone is in m: write "
+                f'"{value:g} mm" if it is in mm'
+            )
         lengths[name] = value
     if not 1.0 <= reserve < math.inf:
         raise UserError(f"--reserve {reserve:g}: must be 1 or more, such as 1.3")
@@ -77,7 +83,7 @@ def _unbalances(given: float | str | None) -> tuple[float, float | None]:
     bare = low.strip() and not low.strip()[-1].isalpha()  # its unit is the other's
     least = si_number(low + unit if bare else low, "kg m", "--unbalance") if low else 0.0
     if not 0.0 <= least <= largest < math.inf:
-        raise UserError(f'--unbalance {given}: must be 0 or more, such as "0..300 g mm"')
+        raise UserError(f'--unbalance {given}: must rise from 0 or more, such as "0..300 g mm"')
     return least, largest
 
 

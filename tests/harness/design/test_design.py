@@ -261,7 +261,8 @@ def test_details_of_a_rotor_without_balls_name_the_fewest_that_hold_its_unbalanc
 @pytest.mark.parametrize(
     ("arguments", "problem"),
     [
-        (["--unbalance", "300..0 g mm"], "must be 0 or more, such as"),
+        (["--unbalance", "300..0 g mm"], "must rise from 0 or more, such as"),
+        (["--race", "80"], 'write "80 mm" if it is in mm'),
         (["--unbalance", "3 kg"], "an unbalance is expected"),
         (["--material", "stel"], 'did you mean "steel"'),
         (["--reserve", "0.5"], "must be 1 or more"),

@@ -137,7 +137,9 @@ def test_drawing_shows_stops_with_their_gaps(name, kind):
     assert f"{called} at support 1, gap 3 mm" in [t.text for t in root.iter(f"{SVG}text")]
 
 
-@pytest.mark.parametrize("given", [{"run_up": "0 s"}, {"limit": -1.0}, {"run_up": "4 kg"}])
+@pytest.mark.parametrize(
+    "given", [{"run_up": "0 s"}, {"limit": -1.0}, {"limit": 4.5}, {"run_up": "4 kg"}]
+)
 def test_wrong_values_are_refused_by_name(given, tmp_path):
     with pytest.raises(UserError, match=next(iter(given))):
         ab.load("two_balls").report(tmp_path / "page.html", **given)
