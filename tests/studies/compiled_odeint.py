@@ -3,11 +3,12 @@
     pip install numba
     python -m tests.studies.compiled_odeint [CASE ...]
 
-The one file in steps of its own, and `odeint` with the equations below compiled by numba, each with
-many tolerances.  Prints the least processor time for an error of 1e-3, 1e-5, 1e-7 and 1e-9 [ms],
-and the ratio of the two.  The error is the largest difference from DOP853 with a tolerance of
-1e-13, of displacements over the largest, of angles over 1 rad.  `odeint` is read at 20 points a
-revolution, the one file at the ends of its steps.
+The one file, and `odeint` with the equations below compiled by numba, each with
+many tolerances and read at the same 20 points a revolution.  Prints the least processor time for
+an error of 1e-3, 1e-5, 1e-7 and 1e-9 [ms], and the ratio of the two.  The error is the largest
+difference from DOP853 with a tolerance of 1e-13, of displacements over the largest, of angles over
+1 rad.  Both are one run of a machine that is set up; what sets up the one file is printed beside
+it, numba compiles for some seconds.  `ends`: the one file read at the ends of its steps instead.
 """
 
 from __future__ import annotations
@@ -16,7 +17,7 @@ import math
 import sys
 import time
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import lru_cache
 from types import SimpleNamespace
 
@@ -36,7 +37,7 @@ SCENES = ("two_balls", "drum", "three_mass_shaft", "two_plane_rodrigues", "balls
 CASES = {name: (name, {}) for name in (*SCENES, "run_up", "filimonikhina")}
 CASES |= {"ky = 1e4 kx": ("two_balls", STIFF), "half the mass in balls": ("two_balls", HEAVY)}
 ERRORS = (1e-3, 1e-5, 1e-7, 1e-9)
-PER_REVOLUTION, STEPS_PER_REVOLUTION, ROUNDS, AT_ONCE = 20, 600, 3, 3
+PER_REVOLUTION, MOST_ROWS, ROUNDS, AT_ONCE = 20, 30, 5, 10
 FINEST = 1e-13
 
 
@@ -160,26 +161,46 @@ def error(found: np.ndarray, right: np.ndarray, lateral: int) -> float:
     return float(max(off[:lateral].max() / np.abs(right[:, :lateral]).max(), *off[lateral:]))
 
 
-def by_one_file(scene: Scene, machine: Compiled) -> list[tuple[float, float]]:
-    """Error and processor time [s] of runs with many tolerances."""
+def timed(runs: BatchRuns, end: float, count: int) -> float:
+    """Least processor time of so many runs, one after the other [s]; infinite where one fails."""
+    spent = []
+    for _ in range(ROUNDS):
+        begun = time.process_time()
+        _, why = runs(np.empty((count, 0)), np.full(count, end))
+        spent.append(time.process_time() - begun)
+        if why[0]:
+            return math.inf
+    return min(spent)
+
+
+def by_one_file(scene: Scene, machine: Compiled, at_ends: bool) -> list[tuple[float, float, float]]:
+    """Error, processor time of a run and what sets up the unit [s], of runs with many tolerances.
+
+    A call instantiates the unit once, for all its runs.
+    """
     lateral, made = 2 * machine.system.stations, []
     signals = motion_signals(scene)
     names = [n for end in (".x", ".y", "angle") for n in signals if n.endswith(end)]
-    for exponent in range(4, 19):
-        tolerance = 10.0 ** (-exponent / 2)
-        own = composition(scene.replace({"coupling.tolerance": tolerance}))
-        rows = int(STEPS_PER_REVOLUTION * scene.revolutions)
-        runs = BatchRuns(own, [], names, rows, own_steps=True)
-        ends, spent = np.full(AT_ONCE, end_time(scene)), []
-        for _ in range(ROUNDS):
-            begun = time.process_time()
-            found, why = runs(np.empty((AT_ONCE, 0)), ends)
-            spent.append((time.process_time() - begun) / AT_ONCE)
+    end, points = end_time(scene), round(PER_REVOLUTION * scene.revolutions)
+    right = machine.motion(np.linspace(0.0, end, points + 1), "DOP853", FINEST)
+    for exponent in range(2, 19):
+        own = composition(scene.replace({"coupling.tolerance": 10.0 ** (-exponent / 2)}))
+        most = MOST_ROWS * points if at_ends else points
+        runs = BatchRuns(own, [], names, most, at_ends, side_by_side=1)
+        # X * points if at_ends else points, at_ends, side_by_side=1)
+        found, why = runs(np.empty((1, 0)), np.array([end]))
         if why[0]:
             continue
-        one = found[0][~np.isnan(found[0][:, 0])]
-        right = machine.motion(one[:, 0], "DOP853", FINEST)
-        made.append((error(one[:, 1:], right, lateral), min(spent)))
+        one, exact = found[0], right
+        if at_ends:
+            one = one[~np.isnan(one[:, 0])]
+            runs = BatchRuns(
+                own, [], names, len(one), at_ends, side_by_side=1
+            )  # no row without a step
+            one, exact = one[:, 1:], machine.motion(one[:, 0], "DOP853", FINEST)
+        single, many = timed(runs, end, 1), timed(runs, end, 1 + AT_ONCE)
+        each = (many - single) / AT_ONCE
+        made.append((error(one, exact, lateral), each, single - each))
     return made
 
 
@@ -200,22 +221,21 @@ def by_odeint(scene: Scene, machine: Compiled) -> list[tuple[float, float]]:
     return made
 
 
-def least(runs: list[tuple[float, float]]) -> np.ndarray:
+def least(runs: Sequence[tuple[float, ...]]) -> np.ndarray:
     """Least time for each error [ms]."""
     return 1e3 * np.array(
-        [min([spent for off, spent in runs if off <= e], default=math.nan) for e in ERRORS]
+        [min([run[1] for run in runs if run[0] <= e], default=math.nan) for e in ERRORS]
     )
 
 
 if __name__ == "__main__":
     warnings.simplefilter("ignore")
-    for name in sys.argv[1:] or CASES:
+    at_ends = "ends" in sys.argv
+    for name in [given for given in sys.argv[1:] if given != "ends"] or CASES:
         scene = case_of(name)
         machine = Compiled(scene)
-        own, odeint = least(by_one_file(scene, machine)), least(by_odeint(scene, machine))
+        runs, odeint = by_one_file(scene, machine, at_ends), least(by_odeint(scene, machine))
+        own = least(runs)
         columns = (" ".join(f"{x:8.3f}" for x in row) for row in (own, odeint))
-        ratios = " ".join(f"{x:5.1f}" for x in odeint / own)
-        print(
-            f"{name:24} one file {next(columns)}  odeint {next(columns)}  times {ratios}",
-            flush=True,
-        )
+        print(f"{name:24}", *columns, " ratio", " ".join(f"{x:6.1f}" for x in odeint / own), end="")
+        print(f"  set-up {1e3 * min(run[2] for run in runs):.3f} ms", flush=True)

@@ -13,6 +13,11 @@
 #define PI 3.14159265358979323846
 #define TAU 6.28318530717958647692 /* 2 pi */
 
+/* Of a function that is put in line wherever it is called: who compiles the libraries says how. */
+#ifndef IN_LINE
+#define IN_LINE
+#endif
+
 /* True when x is neither infinite nor NaN. */
 static inline bool is_finite(double x)
 {

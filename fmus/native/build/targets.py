@@ -17,11 +17,23 @@ COMPILE = (
     *("-fno-unroll-loops", "-fno-vectorize", "-fno-slp-vectorize"),
     *("-fPIC", "-fvisibility=hidden", "-D_FORTIFY_SOURCE=0", "-g0"),
 )
-# the series of machines, where the time goes: in line what is worth it
+# the series of machines, where the time goes: in line and unrolled what is worth it
 FAST = ("machine/", "coupling/one_piece_s", "base/elementary")  # begin of their names
-FAST_COMPILE = ("-mllvm", "-inline-threshold=225")
+_IN_LINE = ("-mllvm", "-inline-threshold=225")
+_ALWAYS = ("-DIN_LINE=__attribute__((always_inline))",)
+# loops over few stations alone, whose number is known: of at most three stations two axes
+_UNROLL = (
+    "-funroll-loops",
+    "-mllvm",
+    "-unroll-runtime=false",
+    "-mllvm",
+    "-unroll-allow-partial=false",
+    "-mllvm",
+    "-unroll-full-max-count=6",
+)
+FAST_COMPILE = (*_IN_LINE, *_ALWAYS, *_UNROLL)
 # machines side by side
-LANES_COMPILE = ("-mllvm", "-inline-threshold=225", "-Wno-psabi")
+LANES_COMPILE = (*_IN_LINE, "-Wno-psabi")
 # nothing unwinds the stack of C; Windows wants its tables, and with them needs no frame pointers
 _NO_TABLES = ("-fno-asynchronous-unwind-tables", "-fno-unwind-tables")
 _NO_FRAMES = ("-fomit-frame-pointer",)

@@ -190,7 +190,7 @@ int exchange_events_pass(Unit *unit, bool *changed)
     Composite *c = unit->own;
     OnePiece *one_piece = &c->course->one_piece;
     Machine *m = &c->pieces.step;
-    double *before = c->pieces.wanted; /* scratch of at least as many */
+    double *before = c->pieces.before;
     if (!c->pieces.is_eventful) {
         return 0;
     }

@@ -26,7 +26,6 @@ static int allocate_restraints(Unit *unit)
 
 int one_piece_allocate(Unit *unit)
 {
-    enum { NUMBERS = 8 };
     Composite *c = unit->own;
     Pieces *pieces = &c->pieces;
     const Sizes *sizes = &c->parts->unit->layout.sizes;
@@ -46,14 +45,14 @@ int one_piece_allocate(Unit *unit)
     pieces->looked_at = unit_allocate(unit, 2 * (size_t)stations, sizeof(double));
     pieces->places = unit_allocate(unit, (size_t)stations + ((size_t)weights + 1) / 2, sizeof(Pair));
     pieces->waves = unit_allocate(unit, 2 * (size_t)rings, sizeof(Pair));
-    pieces->key_count = NUMBERS + outside_count(c) + one_piece_phase_doubles(c) + c->state_count;
     pieces->most_planned = unit->layout.real_count;
     pieces->planned = unit->layout.real_count + 1; /* none yet */
     pieces->planned_outputs = unit_allocate(unit, pieces->most_planned, sizeof(unsigned));
     pieces->plan = unit_allocate(unit, pieces->most_planned, sizeof(Output));
-    pieces->key = unit_allocate(unit, pieces->key_count, sizeof(double));
-    pieces->wanted = unit_allocate(unit, pieces->key_count, sizeof(double));
-    return !pieces->planned_outputs || !pieces->plan || !pieces->looked_at || !pieces->places || !pieces->waves || !pieces->key || !pieces->wanted ||
+    pieces->key = unit_allocate(unit, KEY_NUMBERS + outside_count(c) + one_piece_phase_doubles(c) + c->state_count,
+                                sizeof(double));
+    pieces->before = unit_allocate(unit, c->state_count, sizeof(double));
+    return !pieces->planned_outputs || !pieces->plan || !pieces->looked_at || !pieces->places || !pieces->waves || !pieces->key || !pieces->before ||
            machine_allocate(unit, &pieces->step, stations, weights, tracks, lobes) ||
            machine_allocate(unit, &pieces->instant, stations, weights, tracks, lobes) ||
            (rings && machine_allocate_rings(unit, &pieces->step, rings, tracks)) ||

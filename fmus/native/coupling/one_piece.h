@@ -18,6 +18,7 @@ enum { MOST_PATIENCE = 256 }; /* steps by series before collocation is tried aga
 enum { SPEED_OF_MOTOR = 2 }; /* of the outputs that its unit computes: behind it all are of its state alone */
 
 enum { MOST_CROWDED = 1000 }; /* steps in a row between events that follow each other too closely */
+enum { KEY_NUMBERS = 8 }; /* that say what a series is of, beside forces, phases and states */
 enum { MOST_LOOKS = 4096 }; /* of a step: MOST_TURN has fewer */
 
 /* In a unit's memory; doubles alone. */
@@ -77,8 +78,8 @@ typedef struct {
     unsigned *planned_outputs; /* which are these, */
     Output *plan;          /* and their places */
     size_t planned, most_planned;
-    double *key, *wanted;  /* (key_count,) what the series is of, and what is wanted */
-    size_t key_count;
+    double *key;           /* what the series is of: KEY_NUMBERS, and what follows them in one_piece_load_step */
+    double *before;        /* (state_count,) scratch */
 } Pieces;
 
 typedef struct Composite Composite;
@@ -168,8 +169,8 @@ void one_piece_pass_event(Unit *unit);
 
 /* -- one_piece_watch.c --------------------------------------------------------------------------- */
 
-/* Whether nobody reads what the looks would find. */
-bool one_piece_is_unwatched(const Unit *unit);
+/* Whether nobody needs what looks at a step of this length in the machine's time would find. */
+bool one_piece_is_unwatched(const Unit *unit, double length);
 /* Tell the units that follow their plane's place where it is, from (n, 2) displacements; 1 with the reason. */
 int one_piece_place_followers(Unit *unit, const double *place, double time);
 /* Look at the motion up to a time in the step; 1 with the reason. */

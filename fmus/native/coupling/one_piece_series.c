@@ -77,11 +77,15 @@ void one_piece_push(const Composite *c, Machine *m, const double *forces, double
     const LinearRotor *rotor = &composite_rotor(c)->rotor;
     const int n = m->stations, own = rotor->stations, planes = rotor->plane_count;
     double power = m->per_rate * m->per_rate;
+    bool is_pushed = false;
     int i, k, order;
-    for (order = 0; order < SIGNAL_ORDERS; order++, power *= m->per_rate / order) {
-        for (i = 0; i < n; i++) {
-            m->push[order * n + i] = pair_of(0.0, 0.0);
-        }
+    for (i = 0; i < (int)outside_count(c); i++) {
+        is_pushed |= forces[i] != 0.0;
+    }
+    for (i = 0; i < SIGNAL_ORDERS * n; i++) {
+        m->push[i] = pair_zero();
+    }
+    for (order = 0; order < SIGNAL_ORDERS && is_pushed; order++, power *= m->per_rate / order) {
         for (k = 0; k < planes; k++) {
             const Pair force = outside_derivative(c, forces, k, order, time);
             for (i = 0; i < own; i++) {
@@ -97,8 +101,12 @@ int one_piece_load_step(Unit *unit, double *angle, bool *is_wanted)
     Composite *c = unit->own;
     Pieces *pieces = &c->pieces;
     const OnePiece *one_piece = &c->course->one_piece;
-    const size_t forces = outside_count(c), phases = one_piece_phase_doubles(c);
-    double *key = pieces->wanted;
+    const size_t forces = outside_count(c);
+    const double numbers[KEY_NUMBERS] = {
+        one_piece->speed, one_piece->acceleration, one_piece->changes_behind, one_piece->line,
+        one_piece->bearing_line, one_piece->order, one_piece->collocated, one_piece->pushed};
+    double *of_forces = pieces->key + KEY_NUMBERS, *of_phases = of_forces + forces, *of_states;
+    size_t phases;
     *is_wanted = false;
     if (!pieces->is_made && one_piece_make(unit)) {
         return 1;
@@ -109,25 +117,22 @@ int one_piece_load_step(Unit *unit, double *angle, bool *is_wanted)
                          one_piece->speed, unit_host_time(unit, c->course->clock.begin), b->speeds[0],
                          b->speeds[b->speed_count - 1]);
     }
-    *key++ = one_piece->speed;
-    *key++ = one_piece->acceleration;
-    *key++ = one_piece->changes_behind;
-    *key++ = one_piece->line;
-    *key++ = one_piece->bearing_line;
-    *key++ = one_piece->order;
-    *key++ = one_piece->collocated;
-    *key++ = one_piece->pushed;
-    memcpy(key, pieces->begun_forces, forces * sizeof(double));
-    memcpy(key + forces, pieces->phases, phases * sizeof(double));
-    memcpy(key + forces + phases, c->at_begin, c->state_count * sizeof(double));
-    if (!memcmp(pieces->wanted, pieces->key, pieces->key_count * sizeof(double))) {
+    phases = pieces->is_eventful ? one_piece_phase_doubles(c) : 0;
+    of_states = of_phases + phases;
+    if (!memcmp(numbers, pieces->key, sizeof numbers) &&
+        !memcmp(pieces->begun_forces, of_forces, forces * sizeof(double)) &&
+        !memcmp(pieces->phases, of_phases, phases * sizeof(double)) &&
+        !memcmp(c->at_begin, of_states, c->state_count * sizeof(double))) {
         return 0;
     }
     if (one_piece->changes_behind != (double)c->made_with &&
         one_piece_make(unit)) { /* the state is a restored one */
         return 1;
     }
-    memcpy(pieces->key, pieces->wanted, pieces->key_count * sizeof(double));
+    memcpy(pieces->key, numbers, sizeof numbers);
+    memcpy(of_forces, pieces->begun_forces, forces * sizeof(double));
+    memcpy(of_phases, pieces->phases, phases * sizeof(double));
+    memcpy(of_states, c->at_begin, c->state_count * sizeof(double));
     one_piece_push(c, &pieces->step, pieces->begun_forces, one_piece->pushed);
     *angle =
         one_piece_load(c, &pieces->step, c->at_begin, one_piece->speed, one_piece->acceleration);

@@ -268,7 +268,7 @@ int one_piece_step(Unit *unit)
         return fail_as_too_fast(unit);
     }
     course->total.passes += (double)((int)one_piece->looks / LOOKS_OF_PASS); /* they take time as passes do */
-    if (one_piece_is_unwatched(unit)) {
+    if (one_piece_is_unwatched(unit, length)) {
         one_piece->looked = one_piece->looks;
     }
     course->total.steps += 1.0;

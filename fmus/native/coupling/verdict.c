@@ -87,25 +87,32 @@ void verdict_begin(Composite *c)
     begin_extents(c, c->parts->unit->memory + MOTION);
 }
 
-/* Take over displacements at an angle of the rotor in this revolution. */
-static void look_at(Composite *c, const double *place, double angle)
+/* Take displacements at an angle of the rotor in this revolution to the least squares. */
+static void take_products(Composite *c, const double *place, double angle)
 {
     const double s = angle / TAU, terms[FITTED] = {1.0, s, s * s, cosine(angle), sine(angle)};
     double *products = products_of(c), *own = products + FITTED * FITTED;
     size_t k;
     int j;
-    for (k = 0; k < axes_of(c); k++) {
-        c->extent[2 * k] = smaller(c->extent[2 * k], place[k]);
-        c->extent[2 * k + 1] = larger(c->extent[2 * k + 1], place[k]);
-    }
-    if (!c->course->vibration.drifts) {
-        return;
-    }
     for (j = 0; j < FITTED; j++) {
         add_multiple(1, FITTED, terms + j, terms, products + FITTED * j);
     }
     for (k = 0; k < axes_of(c); k++) {
         add_multiple(1, FITTED, place + k, terms, own + FITTED * k);
+    }
+}
+
+/* Take over displacements at an angle of the rotor in this revolution. */
+static void look_at(Composite *c, const double *place, double angle)
+{
+    const size_t axes = axes_of(c);
+    size_t k;
+    for (k = 0; k < axes; k++) {
+        c->extent[2 * k] = smaller(c->extent[2 * k], place[k]);
+        c->extent[2 * k + 1] = larger(c->extent[2 * k + 1], place[k]);
+    }
+    if (c->course->vibration.drifts) {
+        take_products(c, place, angle);
     }
 }
 

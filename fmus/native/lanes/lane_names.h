@@ -9,13 +9,16 @@
 #define machine_constants lane_machine_constants
 #define machine_coupled lane_machine_coupled
 #define machine_expand lane_machine_expand
+#define machine_factorise lane_machine_factorise
 #define machine_reshape lane_machine_reshape
 #define machine_results lane_machine_results
 #define machine_set_carrier lane_machine_set_carrier
 #define machine_shape lane_machine_shape
 #define machine_solve lane_machine_solve
+#define machine_solve_factors lane_machine_solve_factors
 #define machine_start lane_machine_start
 #define machine_state lane_machine_state
+#define machine_take_off_weights lane_machine_take_off_weights
 #define machine_take_pull lane_machine_take_pull
 #define machine_take_weight lane_machine_take_weight
 #define machine_times_speed lane_machine_times_speed

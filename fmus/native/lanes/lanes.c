@@ -4,6 +4,7 @@
 #include "lanes/lanes.h"
 #include "machine/allocate.c"
 #include "machine/blocks.c"
+#include "machine/factors.c"
 #include "machine/race_series.c"
 #include "machine/series.c"
 #include "machine/shaft_series.c"

@@ -21,9 +21,11 @@ int machine_allocate(Unit *unit, Machine *machine, int stations, int weights, in
     const size_t n = (size_t)stations, width = n + ((size_t)weights + 1) / 2, square = n * n;
     const size_t unknowns = 2 * n + 1;
     int k, missing = 0;
-    for (k = 1; k < (int)(sizeof machine->per / sizeof *machine->per); k++) {
-        machine->per[k] = 1.0 / k;
+    double *per = unit_allocate(unit, COEFFICIENTS + 1, sizeof *per);
+    for (k = 1; k <= COEFFICIENTS && per; k++) {
+        per[k] = 1.0 / k;
     }
+    machine->per = per;
     machine->stations = stations;
     machine->width = (int)width;
     machine->mass = counted_numbers(unit, square, &missing);
@@ -54,7 +56,7 @@ int machine_allocate(Unit *unit, Machine *machine, int stations, int weights, in
     machine->tracks = unit_allocate(unit, (size_t)tracks, sizeof(MachineTrack));
     machine->weights = unit_allocate(unit, (size_t)weights, sizeof(SeriesWeight));
     machine->races = unit_allocate(unit, (size_t)weights, sizeof *machine->races);
-    if (missing || !machine->tracks || !machine->weights || !machine->races) {
+    if (missing || !per || !machine->tracks || !machine->weights || !machine->races) {
         return 1;
     }
     for (k = 0; k < tracks; k++) {

@@ -70,7 +70,7 @@ typedef struct {
     int width;    /* columns of a series of the motion: n, and N/2 rounded up */
     int unknowns; /* 2 n, one more for a motor */
     int turns;    /* whether forces turn the rotor's velocity: internal damping or gyroscopic */
-    double per[MOST_ORDER + 4]; /* 1/k */
+    const double *per; /* (K + 4,) 1/k */
     double rate, per_rate; /* 2^k, 2^-k: one over the unit of time [1/s] */
     /* of the rotor, in the machine's time; pairs are of x and y.  blocks.c lists all that is read here */
     Number *mass;                          /* (n, n) [kg] */
@@ -156,8 +156,16 @@ void machine_start(Machine *machine, Number angle);
 Pair machine_turn_twice(const Machine *machine, int k);
 /* Coefficient k of w times a series whose elements stand `stride` apart, up to that order. */
 Pair machine_times_speed(const Machine *machine, const Pair *series, int stride, int k);
-/* The unknowns of an order in place of their right-hand sides. */
+
+/* -- factors.c ------------------------------------------------------------------------------------ */
+
+/* Take off M and I what the weights take with them. */
+void machine_take_off_weights(Machine *machine);
+/* Of two unknowns the inverse, of more the factors. */
+void machine_factorise(Machine *machine);
+/* The unknowns of an order in place of their right-hand sides; the same where nothing touches or sticks. */
 void machine_solve(const Machine *machine, Number *right);
+void machine_solve_factors(const Machine *machine, Number *right);
 
 /* -- unknowns.c -------------------------------------------------------------------------------------- */
 
@@ -169,10 +177,12 @@ void machine_set_carrier(Machine *machine);
 /* Complete the pull of a track from the solution of order k; its acceleration less what was known. */
 Pair machine_take_pull(Machine *machine, MachineTrack *track, int k);
 /* Complete a weight with its phi'' of order k, and the pull of its track. */
-void machine_take_weight(Machine *machine, int weight, int k, Number acceleration, Number speed_gained, Pair pull);
+void machine_take_weight(Machine *machine, int weight, int k, Number acceleration, Number speed_gained, Pair pull,
+                         bool is_plain);
 /* What is known of a weight before the solution of order k: 'turned' and 'free'; its force on the track by that. */
-void machine_advance_weight(Machine *machine, const MachineTrack *track, int weight, int k, Number carried);
-Pair machine_weight_force(const SeriesWeight *weight, int k);
+void machine_advance_weight(Machine *machine, const MachineTrack *track, int weight, int k, Number carried,
+                            bool is_plain);
+Pair machine_weight_force(const SeriesWeight *weight, int k, bool is_plain);
 
 /* -- carriage.c ---------------------------------------------------------------------------------- */
 
@@ -206,6 +216,8 @@ double machine_root(double term, double tolerance, int k);
 /* Of a column of the motion at a time of the step: the place and the velocity. */
 Pair machine_place(const Machine *machine, int column, int order, double time);
 Pair machine_velocity(const Machine *machine, int column, int order, double time);
+/* A bound on the sum of both numbers of a place, in a step of this length. */
+double machine_most(const Machine *machine, int column, int order, double length);
 /* Speed of the rotor, and the angle turned. */
 double machine_speed_at(const Machine *machine, int order, double time);
 double machine_turned(const Machine *machine, int order, double time);

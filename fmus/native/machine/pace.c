@@ -129,6 +129,18 @@ Pair machine_place(const Machine *m, int column, int order, double time)
     return m->collocated_order ? collocated_at(m, series, m->width, time) : series_at(series, m->width, order, time);
 }
 
+double machine_most(const Machine *m, int column, int order, double length)
+{
+    const Pair *series = m->motion + column;
+    Pair sum = pair_zero();
+    int k;
+    for (k = m->collocated_order ? m->collocated_order : order; k >= 0; k--) {
+        const Pair term = series[k * m->width], size = pair_of(absolute(pair_x(term)), absolute(pair_y(term)));
+        sum = pair_sum(m->collocated_order ? sum : pair_scaled(sum, length), size);
+    }
+    return pair_x(sum) + pair_y(sum);
+}
+
 Pair machine_velocity(const Machine *m, int column, int order, double time)
 {
     const Pair *series = m->velocity + column;

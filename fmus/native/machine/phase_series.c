@@ -213,7 +213,7 @@ void phase_push_weights(Machine *m, int k, Pair spun_twice)
         for (w = track->first; w < track->end; w++) {
             PhaseWeight *own = phase->weights + w;
             SeriesWeight *weight = m->weights + w;
-            machine_advance_weight(m, track, w, k, carried);
+            machine_advance_weight(m, track, w, k, carried, false);
             own->free = weight->free;
             if (own->grip > 0.0) {
                 own->load[k] = known_load(m, track, weight, own->radius, k);
@@ -226,7 +226,7 @@ void phase_push_weights(Machine *m, int k, Pair spun_twice)
         const MachineTrack *track = m->tracks + t;
         Pair force = pair_both(0.0);
         for (w = track->first; w < track->end; w++) {
-            force = pair_sum(force, machine_weight_force(m->weights + w, k));
+            force = pair_sum(force, machine_weight_force(m->weights + w, k, false));
         }
         for (i = 0; i < n; i++) {
             m->right[2 * i] += track->row[i] * pair_x(force);
@@ -360,7 +360,7 @@ void phase_take(Machine *m, int k, double speed_gained)
         }
         sum = group->rests ? carried : sum / group->share;
         for (j = 0, w = group->first; j < group->size; j++, w = phase->weights[w].ahead) {
-            machine_take_weight(m, w, k, sum, speed_gained, m->tracks[phase->weights[w].track].pull[k]);
+            machine_take_weight(m, w, k, sum, speed_gained, m->tracks[phase->weights[w].track].pull[k], false);
         }
     }
 }

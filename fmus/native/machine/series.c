@@ -7,85 +7,8 @@
 #include "machine/rings.h"
 #endif
 
-/* Take off M and I what the weights take with them. */
-static void take_off_weights(Machine *m)
-{
-    const int size = m->unknowns;
-    Number *a = m->matrix;
-    int i, j, t, w;
-    for (t = 0; t < m->track_count; t++) {
-        const MachineTrack *track = m->tracks + t;
-        for (w = track->first; w < track->end; w++) {
-            const SeriesWeight *weight = m->weights + w;
-            for (i = 0; i < size; i++) {
-                const Number scaled = weight->share * machine_coupled(m, track, weight, i);
-                for (j = 0; j <= i && !number_is_zero(scaled); j++) {
-                    a[i * size + j] -= scaled * machine_coupled(m, track, weight, j);
-                }
-            }
-        }
-    }
-}
-
-/* Of two unknowns the inverse, of more the factors. */
-static void factorise(Machine *m)
-{
-    const int size = m->unknowns;
-    Number *a = m->matrix;
-    int i, j, k;
-    if (size == 2) {
-        const Number over = 1.0 / (a[0] * a[3] - a[2] * a[2]), xx = a[0];
-        a[0] = a[3] * over;
-        a[3] = xx * over;
-        a[1] = a[2] = -a[2] * over;
-        return;
-    }
-    for (j = 0; j < size; j++) {
-        for (i = j; i < size; i++) {
-            Number sum = a[i * size + j];
-            for (k = 0; k < j; k++) {
-                sum -= a[i * size + k] * a[j * size + k];
-            }
-            a[i * size + j] = i == j ? 1.0 / number_root(sum) : sum * a[j * size + j];
-        }
-    }
-}
-
-void machine_solve(const Machine *m, Number *b)
-{
-    const int size = m->unknowns;
-    const Number *a = m->matrix;
-    int i, k;
-#ifndef SIDE_BY_SIDE
-    if (m->phase) {
-        phase_solve(m, b);
-        return;
-    }
-#endif
-    if (size == 2) {
-        const Number x = b[0], y = b[1];
-        b[0] = a[0] * x + a[1] * y;
-        b[1] = a[2] * x + a[3] * y;
-        return;
-    }
-    for (i = 0; i < size; i++) {
-        Number sum = b[i];
-        for (k = 0; k < i; k++) {
-            sum -= a[i * size + k] * b[k];
-        }
-        b[i] = sum * a[i * size + i];
-    }
-    for (i = size - 1; i >= 0; i--) {
-        Number sum = b[i];
-        for (k = i + 1; k < size; k++) {
-            sum -= a[k * size + i] * b[k];
-        }
-        b[i] = sum * a[i * size + i];
-    }
-}
-
 /* What w' leads E'' to without that of order k, and with it where it is prescribed. */
-static Pair spun(const Machine *m, int k)
+static IN_LINE Pair spun(const Machine *m, int k)
 {
     const int last = k < m->speed_order ? k : m->speed_order;
     Pair sum = pair_scaled(m->spin[k + 1], m->speed[0]);
@@ -112,7 +35,7 @@ Pair machine_turn_twice(const Machine *m, int k)
 #endif
 
 /* What bearings that change with the speed pull by w, of order k. */
-static Pair sloped(Machine *m, int i, int k)
+static IN_LINE Pair sloped(Machine *m, int i, int k)
 {
     const int n = m->stations;
     const Pair *q = m->motion + k * m->width, *v = m->velocity + k * m->width;
@@ -130,7 +53,7 @@ static Pair sloped(Machine *m, int i, int k)
 }
 
 /* Forces on the stations of order k, apart from the weights'. */
-static void push_stations(Machine *m, int k, Pair spun_twice)
+static IN_LINE void push_stations(Machine *m, int k, Pair spun_twice, bool is_plain)
 {
     const int n = m->stations;
     const Pair *q = m->motion + k * m->width, *v = m->velocity + k * m->width;
@@ -164,7 +87,7 @@ static void push_stations(Machine *m, int k, Pair spun_twice)
             sum = pair_sum(sum, m->push[k * n + i]);
         }
 #ifndef SIDE_BY_SIDE
-        if (m->waves && machine_is_wave(m, i)) {
+        if (!is_plain && m->waves && machine_is_wave(m, i)) {
             sum = pair_sum(sum, rings_push(m, i, k));
         }
 #endif
@@ -173,14 +96,8 @@ static void push_stations(Machine *m, int k, Pair spun_twice)
     }
 }
 
-static void push_weights(Machine *m, int k, Pair spun_twice)
+static IN_LINE void push_weights(Machine *m, int k, Pair spun_twice, bool is_plain)
 {
-#ifndef SIDE_BY_SIDE
-    if (m->phase) {
-        phase_push_weights(m, k, spun_twice);
-        return;
-    }
-#endif
     const int n = m->stations;
     const Number carried = m->drive.motor || k >= m->speed_order ? number_of(0.0) : m->speed[k + 1] * (double)(k + 1);
     int t, w, i;
@@ -189,8 +106,8 @@ static void push_weights(Machine *m, int k, Pair spun_twice)
         Pair force = pair_zero();
         track->known = track->is_off ? pair_product(track->offset, spun_twice) : force;
         for (w = track->first; w < track->end; w++) {
-            machine_advance_weight(m, track, w, k, carried);
-            force = pair_sum(force, machine_weight_force(m->weights + w, k));
+            machine_advance_weight(m, track, w, k, carried, is_plain);
+            force = pair_sum(force, machine_weight_force(m->weights + w, k, is_plain));
         }
         for (i = 0; i < n; i++) {
             m->right[2 * i] += track->row[i] * pair_x(force);
@@ -200,7 +117,7 @@ static void push_weights(Machine *m, int k, Pair spun_twice)
 }
 
 /* Coefficients of order k from the solution; the motion's of k + 2 but for the weights of k + 1. */
-static void take_stations(Machine *m, int k)
+static IN_LINE void take_stations(Machine *m, int k)
 {
     const int n = m->stations, falling = k == 0 ? n - m->waves : 0;
     Pair *v = m->velocity + (k + 1) * m->width, *q = m->motion + (k + 2) * m->width;
@@ -213,14 +130,8 @@ static void take_stations(Machine *m, int k)
     }
 }
 
-static void take_weights(Machine *m, int k, Number speed_gained)
+static IN_LINE void take_weights(Machine *m, int k, Number speed_gained, bool is_plain)
 {
-#ifndef SIDE_BY_SIDE
-    if (m->phase) {
-        phase_take(m, k, speed_gained);
-        return;
-    }
-#endif
     const int n = m->stations;
     int t, w;
     for (t = 0; t < m->track_count; t++) {
@@ -233,12 +144,13 @@ static void take_weights(Machine *m, int k, Number speed_gained)
             if (m->drive.motor) {
                 pulled -= weight->roll * m->right[2 * n];
             }
-            machine_take_weight(m, w, k, weight->free - weight->lever * pulled, speed_gained, track->pull[k]);
+            machine_take_weight(m, w, k, weight->free - weight->lever * pulled, speed_gained, track->pull[k],
+                                is_plain);
         }
     }
 }
 
-static void take_angles(Machine *m, int k)
+static IN_LINE void take_angles(Machine *m, int k)
 {
     int w;
     for (w = m->stations; w < m->width; w++) {
@@ -284,8 +196,8 @@ void machine_start(Machine *m, Number angle)
         return;
     }
 #endif
-    take_off_weights(m);
-    factorise(m);
+    machine_take_off_weights(m);
+    machine_factorise(m);
 }
 
 #ifndef SIDE_BY_SIDE
@@ -303,7 +215,7 @@ static void carry_station(Machine *m, int k)
 #endif
 
 /* The unknowns of order k. */
-static void solve_order(Machine *m, int k)
+static IN_LINE void solve_order(Machine *m, int k)
 {
 #ifndef SIDE_BY_SIDE
     if (m->carried) {
@@ -330,6 +242,15 @@ static void push_events(Machine *m, int k)
 #endif
 }
 
+static bool has_phase(const Machine *m)
+{
+#ifdef SIDE_BY_SIDE
+    return false;
+#else
+    return m->phase;
+#endif
+}
+
 static bool is_carried(const Machine *m)
 {
 #ifdef SIDE_BY_SIDE
@@ -344,8 +265,42 @@ static bool sees_from_rotor(const Machine *m)
     return is_carried(m) && m->from_rotor;
 }
 
+/* Push all but the stations, and solve for the unknowns of order k. */
+static IN_LINE void push_and_solve(Machine *m, int k, Pair spun_twice, bool is_plain)
+{
+    if (is_plain) {
+        push_weights(m, k, spun_twice, true);
+        machine_solve_factors(m, m->right);
+        return;
+    }
+#ifndef SIDE_BY_SIDE
+    if (m->phase) {
+        phase_push_weights(m, k, spun_twice);
+    }
+#endif
+    if (!has_phase(m)) {
+        push_weights(m, k, spun_twice, false);
+    }
+    if (m->drive.motor) {
+        shaft_push(m, k);
+    }
+    push_events(m, k);
+    solve_order(m, k);
+}
+
+static IN_LINE void take_all_weights(Machine *m, int k, Number speed_gained, bool is_plain)
+{
+#ifndef SIDE_BY_SIDE
+    if (!is_plain && m->phase) {
+        phase_take(m, k, speed_gained);
+        return;
+    }
+#endif
+    take_weights(m, k, speed_gained, is_plain);
+}
+
 /* E'' of order k without what waits for w'. */
-static Pair turn_twice(const Machine *m, int k)
+static IN_LINE Pair turn_twice(const Machine *m, int k)
 {
 #ifndef SIDE_BY_SIDE
     if (m->from_rotor) {
@@ -355,9 +310,64 @@ static Pair turn_twice(const Machine *m, int k)
     return spun(m, k);
 }
 
-void machine_expand(Machine *m, Number angle, int order)
+/* The recurrence from order to order.  Of a plain machine (is_plain_machine) no function that is not in line gets to
+   see m, so that it may lie in registers. */
+static IN_LINE void go_through_orders(Machine *m, int order, bool is_plain)
 {
     int k;
+    for (k = 0; k <= order - 2; k++) {
+        Pair spun_twice = is_plain ? spun(m, k) : turn_twice(m, k);
+        Number gained = !m->drive.motor && k < m->speed_order ? m->speed[k + 1] : number_of(0.0);
+        if (is_plain || !is_carried(m)) {
+            push_stations(m, k, spun_twice, is_plain);
+        }
+        push_and_solve(m, k, spun_twice, is_plain);
+        take_stations(m, k);
+        if (!is_plain && m->drive.motor) {
+            gained = shaft_take(m, k);
+        }
+        take_all_weights(m, k, gained, is_plain);
+        take_angles(m, k);
+        if (m->drive.motor) {
+            spun_twice = pair_add_scaled(spun_twice, pair_turned(m->spin[0]), gained * (double)(k + 1));
+        }
+        m->spin[k + 2] = !is_plain && sees_from_rotor(m) ? pair_zero() : pair_scaled(spun_twice, number_of(m->per[k + 1] * m->per[k + 2]));
+    }
+    for (k = m->stations; k < m->width; k++) { /* the last of the weights' angles */
+        m->motion[order * m->width + k] = pair_scaled(m->velocity[(order - 1) * m->width + k], number_of(m->per[order]));
+    }
+}
+
+/* Whether a machine's motion is not told, and it has no motor, no lobes, no rings, no restraints and no events. */
+static bool is_plain_machine(const Machine *m)
+{
+    int t;
+    for (t = 0; t < m->track_count; t++) {
+        if (m->tracks[t].lobes) {
+            return false;
+        }
+    }
+#ifndef SIDE_BY_SIDE
+    if (m->carried || m->from_rotor || m->waves || m->restraints || m->phase) {
+        return false;
+    }
+#endif
+    return !m->drive.motor;
+}
+
+/* The same for plain machines of so many stations, a copy of its own.  No store to a series can change `here`: the
+   compiler need not read it again. */
+static IN_LINE void go_through_plain(const Machine *m, int order, int stations)
+{
+    Machine here = *m;
+    here.stations = stations;
+    here.unknowns = 2 * stations;
+    here.drive.motor = NULL;
+    go_through_orders(&here, order, true);
+}
+
+void machine_expand(Machine *m, Number angle, int order)
+{
     m->speed_order = m->drive.motor ? 0 : !number_is_zero(m->speed[1]);
 #ifndef SIDE_BY_SIDE
     if (m->carried) {
@@ -369,31 +379,17 @@ void machine_expand(Machine *m, Number angle, int order)
     if (m->waves) {
         rings_expand_root(m, order);
     }
+    switch (is_plain_machine(m) ? m->stations : 0) { /* side by side the numbers themselves take the time */
+    case 1:
+        go_through_plain(m, order, 1);
+        return;
+    case 2:
+        go_through_plain(m, order, 2);
+        return;
+    case 3:
+        go_through_plain(m, order, 3);
+        return;
+    }
 #endif
-    for (k = 0; k <= order - 2; k++) {
-        Pair spun_twice = turn_twice(m, k);
-        Number gained = !m->drive.motor && k < m->speed_order ? m->speed[k + 1] : number_of(0.0);
-        if (!is_carried(m)) {
-            push_stations(m, k, spun_twice);
-        }
-        push_weights(m, k, spun_twice);
-        if (m->drive.motor) {
-            shaft_push(m, k);
-        }
-        push_events(m, k);
-        solve_order(m, k);
-        take_stations(m, k);
-        if (m->drive.motor) {
-            gained = shaft_take(m, k);
-        }
-        take_weights(m, k, gained);
-        take_angles(m, k);
-        if (m->drive.motor) {
-            spun_twice = pair_add_scaled(spun_twice, pair_turned(m->spin[0]), gained * (double)(k + 1));
-        }
-        m->spin[k + 2] = sees_from_rotor(m) ? pair_zero() : pair_scaled(spun_twice, number_of(m->per[k + 1] * m->per[k + 2]));
-    }
-    for (k = m->stations; k < m->width; k++) { /* the last of the weights' angles */
-        m->motion[order * m->width + k] = pair_scaled(m->velocity[(order - 1) * m->width + k], number_of(m->per[order]));
-    }
+    go_through_orders(m, order, false);
 }

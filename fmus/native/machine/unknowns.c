@@ -51,7 +51,7 @@ void machine_set_carrier(Machine *m)
     }
 }
 
-Pair machine_take_pull(Machine *m, MachineTrack *track, int k)
+IN_LINE Pair machine_take_pull(Machine *m, MachineTrack *track, int k)
 {
     const int n = m->stations;
     Pair a = track->known;
@@ -66,28 +66,28 @@ Pair machine_take_pull(Machine *m, MachineTrack *track, int k)
     return pair_difference(a, track->known);
 }
 
-void machine_take_weight(Machine *m, int w, int k, Number acceleration, Number speed_gained, Pair pull)
+IN_LINE void machine_take_weight(Machine *m, int w, int k, Number acceleration, Number speed_gained, Pair pull, bool is_plain)
 {
     SeriesWeight *weight = m->weights + w;
 #ifndef SIDE_BY_SIDE
-    if (m->from_rotor) {
+    if (!is_plain && m->from_rotor) {
         acceleration -= speed_gained * (k + 1);
         speed_gained = 0.0;
     }
 #endif
     series_weight_finish(weight, k, acceleration, m->per + k + 1);
-    if (weight->race) {
+    if (!is_plain && weight->race) {
         const Number spun = speed_gained * (double)(k + 1);
         series_race_finish(weight, k, acceleration, spun, m->drive.motor ? spun : number_of(0.0), pull);
     }
     pair_set(&m->velocity[(k + 1) * m->width + m->stations + w / 2], w % 2, pair_x(weight->rate[k + 1]) - speed_gained);
 }
 
-void machine_advance_weight(Machine *m, const MachineTrack *track, int w, int k, Number carried)
+IN_LINE void machine_advance_weight(Machine *m, const MachineTrack *track, int w, int k, Number carried, bool is_plain)
 {
     SeriesWeight *weight = m->weights + w;
     const Number speed = pair_at(m->velocity[k * m->width + m->stations + w / 2], w % 2);
-    if (weight->race) {
+    if (!is_plain && weight->race) {
         const Turning rotor = {m->speed, m->speed_order};
         series_race_advance(weight, k, track->known, speed, carried, rotor);
     } else {
@@ -95,13 +95,13 @@ void machine_advance_weight(Machine *m, const MachineTrack *track, int w, int k,
     }
 }
 
-Pair machine_weight_force(const SeriesWeight *weight, int k)
+IN_LINE Pair machine_weight_force(const SeriesWeight *weight, int k, bool is_plain)
 {
-    return weight->race ? pair_scaled(series_race_known(weight, k), -weight->race->mass)
-                        : series_weight_force(weight);
+    return !is_plain && weight->race ? pair_scaled(series_race_known(weight, k), -weight->race->mass)
+                                     : series_weight_force(weight);
 }
 
-Pair machine_times_speed(const Machine *m, const Pair *series, int stride, int k)
+IN_LINE Pair machine_times_speed(const Machine *m, const Pair *series, int stride, int k)
 {
     const int last = k < m->speed_order ? k : m->speed_order;
     Pair sum = pair_scaled(series[k * stride], m->speed[0]);

@@ -22,7 +22,7 @@ void series_weight_start(SeriesWeight *weight, Number angle)
 }
 
 /* Im(a p*) is the sum of both numbers of (-i a) p. */
-void series_weight_advance(SeriesWeight *weight, int k, const Pair *pull, Pair known, Number speed, Number carried)
+IN_LINE void series_weight_advance(SeriesWeight *weight, int k, const Pair *pull, Pair known, Number speed, Number carried)
 {
     const Pair *unit = weight->unit + k, *rate = weight->rate;
     const Pair none = pair_zero();
@@ -46,13 +46,13 @@ void series_weight_advance(SeriesWeight *weight, int k, const Pair *pull, Pair k
                    weight->damping_rate * speed;
 }
 
-Pair series_weight_force(const SeriesWeight *weight)
+IN_LINE Pair series_weight_force(const SeriesWeight *weight)
 {
     const Pair moved = pair_add_scaled(weight->turned, weight->unit[0], weight->free);
     return pair_scaled(pair_turned_back(moved), weight->moment);
 }
 
-void series_weight_finish(SeriesWeight *weight, int k, Number acceleration, const double *per)
+IN_LINE void series_weight_finish(SeriesWeight *weight, int k, Number acceleration, const double *per)
 {
     const Number second = number_of(per[0] * per[1]);
     weight->rate[k + 1] = pair_both(acceleration * per[0]);

@@ -1,0 +1,90 @@
+/* The matrix of the unknowns, less what the weights take with them, and what solves with it. */
+#include "machine/machine.h"
+#ifndef SIDE_BY_SIDE
+#include "machine/phase.h"
+#endif
+
+/* Take off M and I what the weights take with them. */
+void machine_take_off_weights(Machine *m)
+{
+    const int size = m->unknowns;
+    Number *a = m->matrix, *coupled = m->right; /* which is free until there is a right-hand side */
+    int i, j, t, w;
+    for (t = 0; t < m->track_count; t++) {
+        const MachineTrack *track = m->tracks + t;
+        for (w = track->first; w < track->end; w++) {
+            const SeriesWeight *weight = m->weights + w;
+            for (i = 0; i < size; i++) {
+                coupled[i] = machine_coupled(m, track, weight, i);
+            }
+            for (i = 0; i < size; i++) {
+                const Number scaled = weight->share * coupled[i];
+                for (j = 0; j <= i && !number_is_zero(scaled); j++) {
+                    a[i * size + j] -= scaled * coupled[j];
+                }
+            }
+        }
+    }
+}
+
+/* Of two unknowns the inverse, of more the factors. */
+void machine_factorise(Machine *m)
+{
+    const int size = m->unknowns;
+    Number *a = m->matrix;
+    int i, j, k;
+    if (size == 2) {
+        const Number over = 1.0 / (a[0] * a[3] - a[2] * a[2]), xx = a[0];
+        a[0] = a[3] * over;
+        a[3] = xx * over;
+        a[1] = a[2] = -a[2] * over;
+        return;
+    }
+    for (j = 0; j < size; j++) {
+        for (i = j; i < size; i++) {
+            Number sum = a[i * size + j];
+            for (k = 0; k < j; k++) {
+                sum -= a[i * size + k] * a[j * size + k];
+            }
+            a[i * size + j] = i == j ? 1.0 / number_root(sum) : sum * a[j * size + j];
+        }
+    }
+}
+
+IN_LINE void machine_solve_factors(const Machine *m, Number *b)
+{
+    const int size = m->unknowns;
+    const Number *a = m->matrix;
+    int i, k;
+    if (size == 2) {
+        const Number x = b[0], y = b[1];
+        b[0] = a[0] * x + a[1] * y;
+        b[1] = a[2] * x + a[3] * y;
+        return;
+    }
+    for (i = 0; i < size; i++) {
+        Number sum = b[i];
+        for (k = 0; k < i; k++) {
+            sum -= a[i * size + k] * b[k];
+        }
+        b[i] = sum * a[i * size + i];
+    }
+    for (i = size - 1; i >= 0; i--) {
+        Number sum = b[i];
+        for (k = i + 1; k < size; k++) {
+            sum -= a[k * size + i] * b[k];
+        }
+        b[i] = sum * a[i * size + i];
+    }
+}
+
+void machine_solve(const Machine *m, Number *b)
+{
+#ifndef SIDE_BY_SIDE
+    if (m->phase) {
+        phase_solve(m, b);
+        return;
+    }
+#endif
+    machine_solve_factors(m, b);
+}
