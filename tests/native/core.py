@@ -121,7 +121,7 @@ STRUCTURES = (
 _RETURNS = {
     c_double: (
         "sine cosine natural_exp arc_sine hypotenuse modulo ieee_remainder nearest scaled_by_power"
-        " find_first_fall find_polynomial_fall"
+        " find_first_fall find_polynomial_fall collocated"
     ),
     Complex: "rect track_static_moment hat_half pulse_ahead",
     c_size_t: ("linear_rotor_size step_matrix_scratch taylor_step_size impact_doubles"),

@@ -28,3 +28,25 @@ int carried_push(CarriedWeights *carried, const double *angles, const double *sp
     machine_reaction(&carried->step, 0, carried->track, force, torque);
     return 0;
 }
+
+/* Move weights that cannot touch by one collocation of this step, solved to a share of `tolerance` [rad]; the error that it
+   states, whatever that is [rad]. */
+double collocated(CarriedWeights *c, const CentreMotion *plane, double step, double tolerance, const double *contacts,
+                  double *angles, double *speeds)
+{
+    Collocation *made = &c->collocation;
+    const double *places, *rates;
+    double error;
+    int k;
+    carried_set_pace(c, 1.0 / step);
+    carried_load(c, plane->signal, SIGNAL_ORDERS, &plane->spin, angles, speeds, contacts);
+    collocation_start(made, &c->step, &c->at, 0.0);
+    error = tolerance * collocation_solve(made, step * c->step.rate, tolerance, 1.0);
+    places = made->places + (made->rule->stages - 1) * made->unknowns;
+    rates = made->speeds + (made->rule->stages - 1) * made->unknowns;
+    for (k = 0; k < made->unknowns; k++) {
+        angles[k] += places[k];
+        speeds[k] += rates[k] * c->step.rate;
+    }
+    return error;
+}
