@@ -14,6 +14,7 @@ from ..ring import Ring
 
 _ORDER = 20
 _TURN = 0.75  # rad of the rotor in one series
+_MOST = 100_000  # series in a step
 
 
 def advance(
@@ -30,15 +31,27 @@ def advance(
     Args:
         signal: (4,) acceleration of the centre at the start of the step, and its derivatives.
         speed, spin_up: w at the start and w', which is constant.
+
+    Raises:
+        ArithmeticError: the step is too long.
     """
+
+    def rate_from(here: float) -> float:
+        fastest = max(abs(here), abs(speed + spin_up * step))
+        return max(fastest, 0.5 * ring.damping(fastest), 1e-300)
+
+    if not rate_from(speed) * step < _TURN * _MOST:
+        raise ArithmeticError(
+            f"a step of {step:g} s is too long: speed or damping of the liquid times it must be "
+            "below 75000; use shorter communication steps"
+        )
     done = 0.0
     while done < step:
         here = speed + spin_up * done
-        fastest = max(abs(here), abs(speed + spin_up * step))
-        part = min(step - done, _TURN / max(fastest, 0.5 * ring.damping(fastest), 1e-300))
+        part = min(step - done, _TURN / rate_from(here))
         if ring.viscosity and spin_up and here:
             part = min(part, 0.25 * abs(here) / abs(spin_up))
-        part = max(part, 1e-5 * step)
+        part = max(part, step / _MOST)
         if done + part >= step:
             part = step - done
         now = [_derivative(signal, k, done) for k in range(4)]

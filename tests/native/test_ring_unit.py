@@ -32,6 +32,25 @@ def test_a_ring_that_turns_backwards_is_the_mirror_image(fmus, packaging, backen
         assert backwards[name] == pytest.approx(-value if is_odd else value, rel=1e-12)
 
 
+@pytest.mark.parametrize("backend", ["native", "python"])
+@pytest.mark.parametrize("wrong", [{"speed": 1e12}, {"wave_damping": 1e15}])
+def test_a_step_that_no_series_resolve_ends_with_a_message(fmus, packaging, backend, wrong):
+    host = packaging.Host(getattr(fmus, backend)("RingBalancer")).begin(wrong)
+    assert "s is too long" in host.refused(lambda: host.step(1e-3))
+
+
+def test_a_step_that_ends_where_the_rotor_comes_to_rest_is_made(fmus, packaging):
+    """The film's series has no radius there."""
+    waves = []
+    for path in (fmus.native("RingBalancer"), fmus.python("RingBalancer")):
+        host = packaging.Host(path)
+        host.begin({"viscosity": 1e-3, "speed": 3.0, "acceleration": -3000.0, "wave_xi0": 1e-4})
+        host.step(1e-3)
+        waves.append(host.get("wave_xi", "wave_speed_xi"))
+    np.testing.assert_allclose(*waves, rtol=1e-6)
+    assert 0.0 < waves[0][0] < 1e-4
+
+
 def test_a_machine_with_a_ring_that_turns_backwards_is_the_mirror_image(instance):
     def displacements(way):
         host = instance(load_scene("washing_machine_ring"))

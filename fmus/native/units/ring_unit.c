@@ -129,6 +129,10 @@ static int ring_step(Unit *unit, double length)
     RingUnit *own = unit->own;
     CentreMotion motion = ring_signal(unit);
     RingState state = ring_state(unit);
+    if (!ring_resolves(&own->ring, &motion.spin, length)) {
+        return unit_fail(unit, "a step of %6 s is too long: speed or damping of the liquid times it must be below "
+                         "75000; use shorter communication steps", length);
+    }
     if (unit->layout.sizes.fixed_frame) {
         rotate_signal(&motion, length);
     }

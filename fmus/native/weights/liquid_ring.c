@@ -150,17 +150,28 @@ static void ring_advance_once(const LiquidRing *ring, const CentreMotion *motion
     state->rate = rate;
 }
 
-/* A longest length for one series: by the turn of the rotor and, as the root of a rising speed has no series at
-   rest, by the time since then. */
-static double ring_longest(const LiquidRing *ring, const Spin *spin, double length)
+/* Rate that series of a length must resolve: of the rotor, or of the damping [1/s]. */
+static double ring_fastest(const LiquidRing *ring, const Spin *spin, double length)
 {
     const double end = spin_after(spin, length).speed, fastest = larger(absolute(spin->speed), absolute(end));
     const double damping = ring->wave_damping + ring_root_damping(ring) * square_root(fastest);
-    double part = smaller(length, RING_TURN / larger(fastest, 0.5 * damping + 1e-300));
+    return larger(fastest, 0.5 * damping + 1e-300);
+}
+
+bool ring_resolves(const LiquidRing *ring, const Spin *spin, double length)
+{
+    return ring_fastest(ring, spin, length) * length < RING_TURN * MOST_RING_SERIES;
+}
+
+/* A longest length for one series: by the turn of the rotor and, as the root of a rising speed has no series at
+   rest, by the time since then, down to the least length: a rotor that comes to rest has no last series. */
+static double ring_longest(const LiquidRing *ring, const Spin *spin, double length, double least)
+{
+    double part = smaller(length, RING_TURN / ring_fastest(ring, spin, length));
     if (ring->viscosity > 0.0 && spin->rates[0] != 0.0 && spin->speed != 0.0) {
         part = smaller(part, 0.25 * absolute(spin->speed) / absolute(spin->rates[0]));
     }
-    return larger(part, length / MOST_RING_SERIES);
+    return larger(part, least);
 }
 
 void ring_advance(const LiquidRing *ring, const CentreMotion *motion, double length, RingState *state)
@@ -179,7 +190,7 @@ void ring_advance(const LiquidRing *ring, const CentreMotion *motion, double len
                 here.signal[k] = complex_sum(here.signal[k], complex_scaled(power, motion->signal[j]));
             }
         }
-        part = ring_longest(ring, &here.spin, length - done);
+        part = ring_longest(ring, &here.spin, length - done, length / MOST_RING_SERIES);
         if (done + part >= length || part <= 0.0) {
             part = length - done;
         }

@@ -35,6 +35,8 @@ double ring_thinness(const LiquidRing *ring, Complex wave);
 Complex ring_acceleration(const LiquidRing *ring, const RingState *state, const Instant *now);
 /* Force beside that of the added mass, and its slope [N, N/s]. */
 void ring_force(const LiquidRing *ring, const RingState *state, const Instant *now, Complex *force);
+/* Whether a step of this length [s] is one that `ring_advance` resolves. */
+bool ring_resolves(const LiquidRing *ring, const Spin *spin, double length);
 /* Go on by a step of this length, by power series. */
 void ring_advance(const LiquidRing *ring, const CentreMotion *motion, double length, RingState *state);
 
