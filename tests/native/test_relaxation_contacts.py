@@ -58,11 +58,11 @@ class Case:
         span = (0.0, self.step)
         return solve_ivp(slope, span, [angle, rate], "DOP853", rtol=1e-12, atol=1e-15)
 
-    def advance(self, angles, speeds, contacts):
+    def advance(self, angles, speeds, contacts, size=SIZE):
         count = len(angles)
         drag = self.fast * KAPPA * MASS
-        weights = Weights(count, MASS, RADIUS, drag=drag, kappa=KAPPA, radius=SIZE)
-        self.track = Track(self.core, weights, SIZE)
+        weights = Weights(count, MASS, RADIUS, drag=drag, kappa=KAPPA, radius=size)
+        self.track = Track(self.core, weights, size)
         return self.track.advance(
             angles,
             speeds,
@@ -146,3 +146,35 @@ def test_balls_that_cease_to_press_within_a_long_step_part_there(core, number):
         right = case.integrated(angle, 0.0, 1).y[:, -1]
         assert found.angles[k] == pytest.approx(right[0], abs=1e-10)
         assert found.speeds[k] == pytest.approx(right[1], abs=1e-10 * case.fast)
+
+
+@pytest.mark.parametrize("number", range(4))
+def test_a_ball_that_drifts_to_one_at_rest_is_not_carried_through_it(core, number):
+    case = symmetric(core, 400 + number, 0.0)
+    size = 0.02
+    spacing = 2.0 * math.asin(size / RADIUS)
+    drift = abs(case.free(0.0, 0.5 * math.pi)) / case.fast * case.step  # at most
+    case.signal[0] *= min(1.0, 0.05 / drift)
+    gap = 0.5 * min(drift, 0.05)
+    found = case.advance([math.pi - spacing - gap, math.pi], [0.0] * 2, [0.0] * 2, size)
+    assert found.events >= 1
+    assert found.contacts == [1.0, 0.0]
+    assert found.angles[1] - found.angles[0] == pytest.approx(spacing, abs=1e-12)
+
+
+def test_balls_that_part_between_the_points_of_a_step_are_seen_to(core):
+    """The plane's acceleration turns round for less than a fifth of the step."""
+    case = symmetric(core, 500, 0.0)
+    strength = abs(case.signal[0])
+    case.signal = [
+        complex(strength * share / case.step**k) for k, share in enumerate((0.1945, -0.9, 2.0, 0.0))
+    ]
+    angles = [math.pi - 0.5 * APART, math.pi + 0.5 * APART]
+    assert case.advance(angles, [0.0, 0.0], [1.0, 0.0]).events >= 1
+
+
+def test_balls_that_press_take_no_collocation(core):
+    case = symmetric(core, 600, 0.0)
+    found = case.advance([math.pi - 0.5 * APART, math.pi + 0.5 * APART], [0.0] * 2, [1.0, 0.0])
+    assert found.contacts == [1.0, 0.0]
+    assert core("collocated_passes", case.track._carried) == 0

@@ -60,6 +60,14 @@ def test_the_speed_that_fast_weights_leave_a_rotor_errs_by_what_is_stated(
     assert not found.is_understated
 
 
+def test_the_speed_of_a_shaft_is_part_of_the_error_of_a_step():
+    """Steps that bound places and the rotor's speeds alone err by more than they state here."""
+    found = one_piece.compared(
+        one_piece.drawn("motor", 77).replace({"coupling.tolerance": 1e-2, "run.revolutions": 4.0})
+    )
+    assert found.true <= found.estimate
+
+
 def stiff(changes):
     """The two-ball machine on a support that rings at 1,600 times the speed."""
     scene = load_scene("two_balls").replace(

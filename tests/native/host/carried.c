@@ -50,3 +50,9 @@ double collocated(CarriedWeights *c, const CentreMotion *plane, double step, dou
     }
     return error;
 }
+
+/* Passes of the last step by collocation that was tried; 0: none was. */
+int collocated_passes(const CarriedWeights *carried)
+{
+    return carried->collocation.passes;
+}
