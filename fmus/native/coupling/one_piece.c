@@ -159,6 +159,21 @@ static void make(const Composite *c, double rate, Machine *machine)
     }
 }
 
+/* A weight swings as a pendulum of its race's radius; the shaft of a motor by its unbalance U as one of I/U. */
+static double shortest_pendulum(const Composite *c, const Machine *m)
+{
+    double shortest = infinity(), moment = 0.0;
+    int k;
+    for (k = 1; k < c->parts_without_motor; k++) {
+        const Balls *balls = part_balls(c->parts + k);
+        shortest = balls ? smaller(shortest, balls->track.weights.track_radius) : shortest;
+    }
+    for (k = 0; k < m->stations && c->motor; k++) {
+        moment += hypotenuse(pair_x(m->unbalance[k]), pair_y(m->unbalance[k]));
+    }
+    return moment > 0.0 ? smaller(shortest, m->drive.inertia / moment) : shortest;
+}
+
 int one_piece_make(Unit *unit)
 {
     Composite *c = unit->own;
@@ -175,6 +190,7 @@ int one_piece_make(Unit *unit)
         pieces->is_stiff = !pieces->is_eventful && !pieces->step.restraints && fastest_of(c) > STIFF_RATE * c->course->drive.fastest;
         make(c, rate, &pieces->step);
         make(c, rate, &pieces->instant);
+        pieces->shortest = shortest_pendulum(c, &pieces->step);
         pieces->is_made = true;
         pieces->times_made++;
         pieces->key[0] = not_a_number();

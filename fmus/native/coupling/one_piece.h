@@ -68,6 +68,7 @@ typedef struct {
     double *impact;        /* scratch of impacts */
     struct Phase *step_phase, *instant_phase; /* of both machines, where they are eventful */
     bool is_eventful;      /* weights can touch or stick, or supports stick or have stops */
+    double shortest;       /* of pendulums in a field of acceleration, lengths of weights and shaft; infinite: none [m] */
     bool is_stiff;         /* steps by collocation are tried */
     Collocation collocation;
     double *begun_forces;  /* in the unit's memory: from outside, at the start of the step (planes, 2) [N] */

@@ -9,6 +9,9 @@ enum { FEWEST_LOOKS_OF_STEP = 8, LOOKS_OF_PASS = 64, MOST_EVENTS_AT_ONCE = 30 };
 #define SHORTEST_STEP 1e-15   /* of the time, and of the machine's unit of it */
 #define CROWDED_STEP 1e-14    /* of the same: an event that follows so soon is hardly apart from the last */
 #define SHORTEST_LENGTH 1e-12 /* of a step to a corner: less is none */
+/* Speed of a station over that of a weight which its race carries along at the fastest speed.  Of what moves so fast
+   doubles resolve angles of weights to 2e-10 rad, and the weights swing up to a thousand times in a turn. */
+#define MOST_MOTION 1e6
 
 /* Ends of a line of the motor's torque, in the machine's time; the outer ones go on for ever. */
 static void ends_of_line(const Machine *m, int line, double *ends)
@@ -81,6 +84,23 @@ int one_piece_begin_anew(Unit *unit)
     one_piece->event = NO_EVENT;
     one_piece->undecided = c->pieces.is_eventful;
     return 0;
+}
+
+/* Fail where a station is so fast that what it moves cannot be followed: the rotor whirls without bound, or starts so.
+   Where nothing swings the motion is linear, and followed however large it is. */
+static int refuse_unbounded(Unit *unit)
+{
+    const Composite *c = unit->own;
+    const int n = composite_rotor(c)->stations;
+    const double *velocity = c->parts->unit->memory + MOTION + 2 * n;
+    const double fastest = largest_of(2 * n, velocity), carried = c->pieces.shortest * c->course->drive.fastest;
+    const double time = unit_host_time(unit, c->course->clock.time);
+    if (fastest <= MOST_MOTION * carried || !is_finite(fastest)) { /* what is not finite is refused in its own words */
+        return 0;
+    }
+    return unit_fail(unit, "the rotor moves at %6 m/s at t = %6 s, more than 1e6 times as fast as what swings on it (%6 m/s), "
+                     "which cannot be followed: it vibrates more and more by itself, or starts too fast; it needs more damping, "
+                     "another speed or a shorter run, or smaller start values", fastest, time, carried);
 }
 
 /* The parts stand at the start of a step. */
@@ -176,7 +196,7 @@ static int begin_next(Unit *unit)
         return 1;
     }
     begin_step(unit);
-    return 0;
+    return refuse_unbounded(unit);
 }
 
 static int fail_as_too_fast(Unit *unit)
