@@ -10,7 +10,7 @@ from autobalancer.harness.master.one_file_run import OneFileRun
 from autobalancer.harness.master.recorder import Recorder, divided
 from autobalancer.harness.master.schedule import end_time
 from tests.studies.truth.draw import draw
-from tests.studies.truth.judge import deviations, motion
+from tests.studies.truth.judge import beside_jumps, deviations, motion
 
 PARTS = 4
 GRID = np.linspace(0.0, 1.0, 21)
@@ -55,6 +55,24 @@ def test_an_angle_is_compared_as_it_is_on_both_sides_of_an_impact():
     compared = on_the_same_side(run, fine, PARTS, UNITS)
     own = fine.at(slice(None, None, PARTS)).signals
     assert largest_difference(compared, own, LEAST) == pytest.approx(1e-3, rel=1e-5)
+
+
+def test_runs_that_have_passed_unlike_numbers_of_events_are_compared_point_by_point():
+    """An event that one of them lacks is no reason to take any value near a point for right."""
+    fine = struck(divided(GRID, PARTS), [0.1])
+    run = fine.at(slice(None, None, PARTS))
+    off = Counted({n: each + 1e-3 for n, each in run.signals.items()}, run.events + 1.0)
+    compared = on_the_same_side(off, fine, PARTS, UNITS)
+    assert largest_difference(compared, run.signals, LEAST) == pytest.approx(1e-3, rel=1e-6)
+
+
+@pytest.mark.parametrize(("points", "allowed"), [(1, 1e-6), (2, 1.01)])
+def test_the_judge_takes_one_point_for_the_other_side_of_a_jump_and_no_two(points, allowed):
+    right = struck(GRID, [GRID[6] - 1e-9]).signals["motor.speed"]
+    found = right + 1e-7
+    found[6 : 6 + points] += 0.9
+    worst = np.abs(beside_jumps(found, right)).max()
+    assert 0.9 * (points > 1) < worst <= allowed
 
 
 # balls that strike each other and slow a motor's shaft by steps
