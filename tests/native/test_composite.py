@@ -198,3 +198,11 @@ def test_a_liquid_shows_its_mass_and_the_mass_that_it_adds():
     whole = 1000.0 * math.pi * 0.1**2 * 0.05
     assert run["liquid.added_mass"][-1] == pytest.approx(whole, rel=1e-12)
     assert run["liquid.liquid_mass"][-1] == pytest.approx(whole - 0.9**2 * whole, rel=1e-12)
+
+
+def test_a_float_that_touches_is_seen_whatever_is_recorded():
+    """Steps in which a float cannot touch are not looked at where only places are recorded."""
+    scene = load_scene("liquid_touch").replace({"run.revolutions": 2})
+    few, all_of_it = cosimulate(scene, record=["rotor.x"]), cosimulate(scene)
+    assert few.events == all_of_it.events
+    assert any("touches the chamber" in str(event) for event in few.events)
