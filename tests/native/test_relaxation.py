@@ -67,3 +67,37 @@ def test_a_step_under_heavy_drag_is_right_however_long_it_is(core, number):
         fast = weights.drag / (weights.kappa * weights.mass)
         assert abs(found.angles[k] - right[0]) <= BOUND
         assert abs(found.speeds[k] - right[1]) <= BOUND * fast
+
+
+@pytest.mark.parametrize("step", [0.03, 0.1])
+def test_a_track_off_the_centre_moves_its_weight_by_its_own_acceleration_alone(core, step):
+    """The plane is at rest: a bound that leaves the offset out ends the iteration at once."""
+    weights = Weights(1, 0.01, RADIUS, drag=1000.0 * 1.4 * 0.01, kappa=1.4, radius=0.005)
+    offset, speed = 4e-3 + 3e-3j, 60.0
+    track = Track(core, weights, weights.radius, offset=offset)
+    still, steady = [0j] * 4, [0.0] * 4
+    found = track.advance([1.0], [0.0], [0.0], still, speed, 0.0, step, steady[1:])
+    angle, rate = integrated(weights, offset, 1.0, 0.0, still, speed, steady, step)
+    assert abs(angle - 1.0) > 1e-3
+    assert abs(found.angles[0] - angle) <= BOUND
+    assert abs(found.speeds[0] - rate) <= BOUND * 1000.0
+
+
+@pytest.mark.parametrize("turn", [0.01, 0.03, 0.1])
+def test_iteration_leaves_a_small_share_of_the_bound_of_a_step(core, turn):
+    """Of any displacement, against the closed form of a pendulum that drag brakes.
+
+    `turn` is what one iteration leaves of the one before, about; the points give far more digits.
+    """
+    drag, step = 1000.0, 0.1
+    square = turn * drag / step
+    track = Track(core, Weights(1, 0.01, RADIUS, drag=drag * 0.01))
+    root = math.sqrt(0.25 * drag**2 - square)
+    slow = -square / (0.5 * drag + root)
+    for displaced in np.geomspace(1e-8, 1e-4, 60):  # sin differs from it by 2e-13 at most
+        found = track.advance(
+            [math.pi + displaced], [slow * displaced], [0.0], [RADIUS * square + 0j, 0j, 0j, 0j],
+            0.0, 0.0, step, [0.0] * 3,
+        )  # fmt: skip
+        right = math.pi + displaced * math.exp(slow * step)
+        assert abs(found.angles[0] - right) <= 0.1 * BOUND

@@ -178,3 +178,67 @@ def test_balls_that_press_take_no_collocation(core):
     found = case.advance([math.pi - 0.5 * APART, math.pi + 0.5 * APART], [0.0] * 2, [1.0, 0.0])
     assert found.contacts == [1.0, 0.0]
     assert core("collocated_passes", case.track._carried) == 0
+
+
+def row_alone(case, start, masses, drags):
+    """Angle and speed of the first ball of a row that moves as one: momenta of all add up."""
+    shares = np.divide(masses, sum(masses))
+    drag = np.dot(shares, drags)
+
+    def slope(t, state):
+        pushes = case.pushed(t, state[0], len(masses))
+        return [state[1], np.dot(shares, pushes) - drag * state[1]]
+
+    span = (0.0, case.step)
+    return solve_ivp(slope, span, [start, 0.0], "Radau", rtol=1e-12, atol=1e-15).y[:, -1]
+
+
+def unlike_row(core, ratios):
+    """A case, and masses: the plane pushes a row of balls together and along, nearly steadily."""
+    case = symmetric(core, 700, 0.02)
+    case.fast, case.step, case.signal = 1000.0, 0.05, [5.0 + 0j, 4.0 + 0j, 0j, 0j]
+    return case, [ratio * MASS for ratio in ratios]
+
+
+def advanced_row(case, start, masses, drags):
+    weights = Weights(
+        len(masses), MASS, RADIUS, drag=case.fast * KAPPA * MASS, kappa=KAPPA, radius=SIZE,
+        masses=tuple(masses),
+        drags=tuple(rate * KAPPA * mass for rate, mass in zip(drags, masses, strict=True)),
+    )  # fmt: skip
+    case.track = Track(case.core, weights, SIZE)
+    angles = [start + k * APART for k in range(len(masses))]
+    return case.track.advance(
+        angles, [0.0] * len(masses), [1.0] * (len(masses) - 1) + [0.0], case.signal,
+        case.speed, case.rates[0], case.step, case.rates[1:],
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize("ratios", [(1.0, 4.0), (4.0, 1.0), (1.0, 2.0, 8.0), (4.0, 1.0, 2.0)])
+def test_unlike_balls_that_press_move_by_the_sum_of_their_momenta(core, ratios):
+    """A mean that counts each ball alike leads them elsewhere by more than 1e-4 rad."""
+    case, masses = unlike_row(core, ratios)
+    start, drags = math.pi - 0.5 * (len(ratios) - 1) * APART, [case.fast] * len(ratios)
+    found = advanced_row(case, start, masses, drags)
+    angle, rate = row_alone(case, start, masses, drags)
+    alike, _ = row_alone(case, start, [MASS] * len(ratios), drags)
+    assert found.events == 0
+    assert core("collocated_passes", case.track._carried) == 0
+    assert abs(alike - angle) > 1e-4
+    for k in range(len(ratios)):
+        assert found.angles[k] == pytest.approx(angle + k * APART, abs=BOUND)
+        assert found.speeds[k] == pytest.approx(rate, abs=BOUND * case.fast)
+
+
+@pytest.mark.parametrize("ratios", [(1.0, 4.0), (4.0, 1.0, 2.0)])
+def test_balls_of_unlike_drag_that_press_are_braked_by_the_sum_of_their_drags(core, ratios):
+    """Such a row takes collocation, whose passes come together as fast as those of one ball."""
+    case, masses = unlike_row(core, ratios)
+    start = math.pi - 0.5 * (len(ratios) - 1) * APART
+    drags = [case.fast * (1.0 + 0.2 * k) for k in range(len(ratios))]
+    found = advanced_row(case, start, masses, drags)
+    angle, rate = row_alone(case, start, masses, drags)
+    assert found.events == 0
+    assert 0 < core("collocated_passes", case.track._carried) <= 6
+    assert found.angles[0] == pytest.approx(angle, abs=2.0 * BOUND)
+    assert found.speeds[0] == pytest.approx(rate, abs=2.0 * BOUND * case.fast)
