@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import random
+
 import numpy as np
 import pytest
 from fmpy import platform_tuple
@@ -66,6 +68,29 @@ def test_the_speed_of_a_shaft_is_part_of_the_error_of_a_step():
         one_piece.drawn("motor", 77).replace({"coupling.tolerance": 1e-2, "run.revolutions": 4.0})
     )
     assert found.true <= found.estimate
+
+
+@pytest.mark.parametrize("number", [158, 188, 244])
+def test_a_pass_is_judged_by_one_with_the_same_derivatives(number):
+    """The first pass has those at the start of a step: what it leaves says nothing of the next.
+
+    Three draws, picked from 160 because they err by 1.3 to 2.5 times what they state where passes
+    end by that, and by less than a tenth of it where they do not.  No claim about other draws:
+    by either rule three of the 160 err by more than they state.
+    """
+    draw = random.Random(number)
+    ratio, tolerance, damping = (
+        10 ** draw.uniform(*powers) for powers in ((7.3, 8.3), (-5.0, -2.0), (-1.5, 0.0))
+    )
+    scene = load_scene("balls_and_liquid")
+    rotor = scene.document["rotor"]
+    stiffness, braking = rotor["stiffness"][0], rotor["damping"][0]
+    changes = {"coupling.steps_per_rev": None, "coupling.corrections": None}
+    changes |= {"coupling.scheme": "auto", "coupling.tolerance": tolerance}
+    changes |= {"rotor.stiffness": [stiffness, stiffness * ratio], "run.revolutions": 1.5}
+    changes |= {"rotor.damping": [braking, braking * damping * ratio**0.5]}
+    found = one_piece.compared(scene.replace(changes))
+    assert found.true <= 0.5 * found.estimate
 
 
 def stiff(changes):
