@@ -118,3 +118,34 @@ def test_a_rotor_that_speeds_up_by_itself_takes_no_speed(hosted):
     host.step(2.0)  # over the end of the rise
     assert host.get("rotor.speed") == [pytest.approx(150.0, rel=1e-12)]
     assert host.get("rotor.angle") == [pytest.approx(150.0 + 150.0, rel=1e-9)]
+
+
+def test_an_unbalance_tuned_before_the_event_of_a_step_moves_the_rotor_from_then_on(hosted):
+    """Of a step whose ball comes to rest later; as a scene's unbalance that changes by itself."""
+    times, after = (
+        [0.003697, 0.008904, 0.01006],
+        [(0.005093, 3.553), (0.005229, 1.487), (0.001231, 2.247)],
+    )
+    rotor = {
+        "kind": "planar",
+        "mass": 3.078,
+        "stiffness": [11136.0, 11136.0],
+        "unbalance": 0.004551,
+    }
+    ball = {"kind": "balls", "count": 1, "mass": 0.2968, "track_radius": 0.02479, "drag": 0.0}
+    ball |= {"angles": [4.847], "rolling_resistance": 0.006717}
+    tuned = {"rotor": rotor, "balancer": [ball], "operation": {"speed": 179.5}}
+    tuned |= {"run": {"revolutions": 0.4849}, "coupling": {"tolerance": 1e-8}}
+    changes = [
+        {"time": time, "amount": amount, "angle": angle}
+        for time, (amount, angle) in zip(times, after, strict=True)
+    ]
+    operation = {"speed": 179.5, "unbalance_changes": changes}
+    expected = cosimulate(Scene.from_document({**tuned, "operation": operation}))
+    host = hosted(Scene.from_document(tuned))
+    for end, (amount, angle) in zip(times, after, strict=True):
+        host.step(end - host.time)
+        host.set({"rotor.unbalance": amount, "rotor.unbalance_angle": angle})
+    host.step(expected.time[-1] - host.time)
+    found = host.get("rotor.x", "rotor.y")
+    assert found == pytest.approx([expected["rotor.x"][-1], expected["rotor.y"][-1]], rel=1e-6)

@@ -56,6 +56,24 @@ RIGHT = {
         {"speed": 200.0},
         {"revolutions": 1.0},
     ),
+    "an unbalance that changes within a step at whose end a ball comes to rest": scene(
+        planar(3.078, [11136.0, 11136.0], [0.0847, 0.0847], 0.004551),
+        [
+            {
+                **{"kind": "balls", "count": 1, "mass": 0.2968, "track_radius": 0.02479},
+                **{"drag": 0.0, "angles": [4.847], "rolling_resistance": 0.006717},
+            }
+        ],
+        {
+            "speed": 179.5,
+            "unbalance_changes": [
+                {"time": 0.003697, "amount": 0.005093, "angle": 3.553},
+                {"time": 0.008904, "amount": 0.005229, "angle": 1.487},
+                {"time": 0.01006, "amount": 0.001231, "angle": 2.247},
+            ],
+        },
+        {"revolutions": 0.4849},
+    ),
     "a balanced rotor's run-up with a weight all but fixed by drag": scene(
         planar(3.0, 2000000.0),
         pendulums(1, 0.05, 0.3, drag=30000.0),

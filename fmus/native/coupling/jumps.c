@@ -7,8 +7,11 @@ static const double SAME_SPEED = 1e-9; /* of the speed: what differs less is no 
 int composite_begin_anew(Unit *unit, double time)
 {
     const Composite *c = unit->own;
+    if (one_piece_begin_anew(unit)) { /* while the time is still the end of the present step */
+        return 1;
+    }
     c->course->clock.time = time;
-    return one_piece_begin_anew(unit);
+    return 0;
 }
 
 double composite_next_jump(const Composite *c)
