@@ -168,7 +168,7 @@ def test_the_wheel_has_libraries_sources_and_the_manual_in_at_most_7_million_byt
     home = "autobalancer/fmus/native"
     with zipfile.ZipFile(wheel) as archive:
         manual = [e.compress_size for e in archive.infolist() if "/manual/" in e.filename]
-        assert wheel.stat().st_size - sum(manual) <= 2_500_000
+        assert wheel.stat().st_size - sum(manual) <= 2_700_000
         for target, path in libraries().items():
             assert archive.read(f"{home}/bin/{target}/{path.name}") == path.read_bytes()
             assert archive.read(f"{home}/bin/{target}/stamp").decode() == stamp()
