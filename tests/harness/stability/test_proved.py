@@ -211,7 +211,7 @@ def test_the_command_writes_bands_without_gaps(invoke, tmp_path):
     ("name", "words"),
     [
         ("optical_drive", "balls.weight_radius: contacts"),
-        ("sommerfeld", "2 weights can make at most 4000 g mm"),
+        ("sommerfeld", "2 weights can make at most 4 g m"),
     ],
 )
 def test_what_is_not_proved_is_refused_by_name(name, words):
