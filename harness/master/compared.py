@@ -17,7 +17,8 @@ from .recorder import Recorder, Signal
 from .scales import least_motion
 from .schedule import step_size
 
-ASYMPTOTIC = 0.03  # of the motion: runs that differ by more need not differ by their order
+# of the motion: where two runs differ by more, their difference need not follow the order
+ASYMPTOTIC = 0.03
 
 
 class Compared(NamedTuple):

@@ -63,19 +63,24 @@ def turned(scene: Scene, turn: float) -> Scene | None:
 
 
 def run_in_one_piece(
-    run: OneFileRun, share: float, points: Signal, names: Sequence[str], turn: float
+    run: OneFileRun,
+    share: float,
+    points: Signal,
+    names: Sequence[str],
+    turn: float = 0.0,
+    grain: float = 0.0,
 ) -> Counted:
     """Signals by `names` at some points [s] of the motion whose weights start so far elsewhere.
 
     Args:
-        share: of the tolerance of a step, as of `OneFileRun.start`.
+        share, grain: as of `OneFileRun.start`.
         turn: as of `turned_angles`; 0 is the scene's own motion.
 
     Raises:
         SimulationError: the motion cannot be computed.
     """
     recorder = Recorder(run.units, names)
-    run.start(share, points, angles=turned_angles(run.scene, turn) if turn else None)
+    run.start(share, points, grain, turned_angles(run.scene, turn) if turn else None)
     run.record(recorder, None)
     times, found = recorder.columns()
     at = np.searchsorted(times, points * (1.0 - SLIVER))

@@ -19,8 +19,6 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, NamedTuple
 
-import numpy as np
-
 from ...models.constants import SERIES_SHARE
 from ..errors import SimulationError
 from .at_events import Counted, on_the_same_side
@@ -31,7 +29,6 @@ from .names import is_count
 from .neighbours import BOTH_SIDES, RESOLVED, UNCOMPUTED, add_parting, run_in_one_piece
 from .recorder import Recorder, Signal, divided
 from .scales import least_motion
-from .schedule import SLIVER
 
 if TYPE_CHECKING:
     from ..output.workers import Progress
@@ -160,16 +157,11 @@ class TwoTolerances:
         """Add what runs differ by that take more, or less, for one impact of a row of weights."""
         apart = 0.0
         for grain in GRAINS:
-            recorder = Recorder(self._run.units, own.names)
             try:
-                self._run.start(share, own.points, grain)
-                self._run.record(recorder, None)
+                other = run_in_one_piece(self._run, share, own.points, own.names, grain=grain)
             except SimulationError as error:
                 self.unknown = f"impacts cannot be resolved otherwise: {error}"
                 return
-            times, found = recorder.columns()
-            at = np.searchsorted(times, own.points * (1.0 - SLIVER))
-            other = Counted(found, self._run.events).at(at)
             apart = max(apart, self._difference(other, own.fine, own.parts, scale))
         self.error = max(self.error, apart)
         if apart > self.tolerance and not self.unknown:

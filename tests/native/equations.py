@@ -101,20 +101,13 @@ class Track:
         impulse = complex(moved.impulse.re, moved.impulse.im)
         return Moved(*(e.tolist() for e in ends), impulse, moved.events, moved.turning)
 
-    def reaction(
-        self,
-        angles: Sequence[float],
-        speeds: Sequence[float],
-        contacts: Sequence[float],
-        acceleration: complex,
-        slope: complex,
-        rotor_speed: float,
-        *spin_up: float,
-    ) -> list[complex]:
-        """Force on the rotor and its slope, rotor frame, without N m a and without impulses."""
-        return self._reaction(angles, speeds, contacts, acceleration, slope, rotor_speed, *spin_up)[
-            0
-        ].tolist()
+    def reaction(self, *motion: Any) -> list[complex]:
+        """Force on the rotor and its slope, rotor frame, without N m a and without impulses.
+
+        Args:
+            motion: as of `_reaction`.
+        """
+        return self._reaction(*motion)[0].tolist()
 
     def torque(self, *motion: Any) -> float:
         """Torque on the rotor about the plane's centre, without impulses; as `reaction`."""

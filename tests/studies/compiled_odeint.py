@@ -3,8 +3,8 @@
     pip install numba
     python -m tests.studies.compiled_odeint [CASE ...]
 
-The one file, and `odeint` with the equations below compiled by numba, each with
-many tolerances and read at the same 20 points a revolution.  Prints the least processor time for
+The one file and `odeint`, with the equations below compiled by numba, run with many tolerances.
+Both are read at the same 20 points per revolution.  Prints the least processor time for
 an error of 1e-3, 1e-5, 1e-7 and 1e-9 [ms], and the ratio of the two.  The error is the largest
 difference from DOP853 with a tolerance of 1e-13, of displacements over the largest, of angles over
 1 rad.  Both are one run of a machine that is set up; what sets up the one file is printed beside

@@ -118,7 +118,8 @@ static bool stays_apart(const Relaxation *r, const Machine *m, const Bounds *bou
     return stays_above(r->now->rule, gaps, GAP_KEPT, greatest_speed(m, bounds, w) + greatest_speed(m, bounds, ahead), length);
 }
 
-/* Whether the first `count` weights of a group press on those ahead: their N less that of the group, by their share. */
+/* Whether the first `count` weights of a group press on the weights ahead of them.  The press is N of these weights less
+   N of the whole group, each weighted by its share. */
 static bool stays_pressed(const Relaxation *r, const Machine *m, const Bounds *bounds, const PhaseGroup *group,
                           int count, double length)
 {
