@@ -15,7 +15,7 @@ _ROTORS = {
     "planar": ("Filimonikhina 2017", "equations of the planar rotor"),
     "two_support": ("Polushkin 2016", "equations of the rotor on two supports"),
     "flexible": ("Filimonikhin 2011", "equations of the flexible rotor"),
-}  # by `kind`
+}  # by `kind`; the equations of a rotor by its matrices are the user's
 _LIQUID = "Dubovik 2006", "equations of a rotor with a liquid balancer"
 _RING = "Li, Wang and Yuan 2018", "stability of a rotor part filled with liquid"
 _WEIGHTS = "Filimonikhina 2017", "equations of the balls, rollers or pendulums"
@@ -56,7 +56,8 @@ def _cited(scene: Scene, in_one_piece: bool, collocates: bool) -> Iterator[tuple
     """What every part that runs cites, and for what."""
     yield scene.source, "source of the scene's values"
     liquid_only = all(balancer.kind == "liquid" for balancer in scene.balancer)
-    if scene.rotor.kind != "planar" or not scene.balancer or not liquid_only:
+    known = scene.rotor.kind in _ROTORS
+    if known and (scene.rotor.kind != "planar" or not scene.balancer or not liquid_only):
         yield _ROTORS[scene.rotor.kind]  # else Dubovik's equations are those of rotor and liquid
     for balancer in scene.balancer:
         yield {"liquid": _LIQUID, "ring": _RING}.get(balancer.kind, _WEIGHTS)

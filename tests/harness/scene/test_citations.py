@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 
+import autobalancer as ab
 from autobalancer.harness import load_scene
 from autobalancer.harness.scene.citations import program
 
@@ -44,6 +45,14 @@ def test_what_a_scene_does_not_use_is_not_cited(name, used, unused):
     keys = set(cited(name))
     assert used | {"autobalancer"} <= keys
     assert not keys & unused
+
+
+def test_a_rotor_by_its_matrices_cites_no_equations_of_a_paper():
+    matrices = {"kind": "matrices", "mass_matrix": [[2.0]], "stiffness_matrix": [[200.0]]}
+    document = load_scene("two_balls").document
+    scene = ab.Scene.from_document({**document, "source": "", "rotor": matrices, "check": []})
+    found = re.findall(r"^@\w+\{([^,]+),", scene.cite(), re.MULTILINE)
+    assert {"autobalancer", "Filimonikhina2017", "Jorba2005"} == set(found)  # its balls' equations
 
 
 def test_every_entry_says_what_it_is_cited_for():
