@@ -18,6 +18,8 @@ CLOSE = 0.04  # of a speed: the next row of a table
 MATRICES = ("stiffness", "damping")
 LONGEST = 0.5  # of the diameter: a longer film leaks along the axis less than is assumed
 THICKEST = 0.1  # of the journal's radius: Reynolds' equation holds for a thin film
+THINNEST = 0.003  # of the clearance: what is left of it is less than a surface is rough
+LIGHT = 1e8  # Sommerfeld number: from there on eccentricity is 1/(pi S) to the last digit
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,7 +50,8 @@ def short_bearing(
         speed: of the rotor, above 0 [rad/s].
 
     Raises:
-        ValueError: a value is not positive, the bearing is too long, or its film is not thin.
+        ValueError: a value is not positive, the bearing is too long, its film is not thin, or the
+            load leaves less of it than `THINNEST`.
     """
     given = {
         "diameter": diameter, "length": length, "clearance": clearance, "viscosity": viscosity,
@@ -69,6 +72,12 @@ def short_bearing(
         )
     sommerfeld = diameter * speed * viscosity * length**3 / (8.0 * load * clearance**2)
     e = _eccentricity(sommerfeld)
+    if e > 1.0 - THINNEST:
+        raise ValueError(
+            f"load = {load:g} N: leaves less than {100.0 * THINNEST:g} % of the clearance as oil "
+            f"film at {speed:.4g} rad/s, where journal and bearing touch; must be less, or the "
+            "lowest speed higher"
+        )
     a, b = coefficients(e)
     return Film(
         e,
@@ -153,9 +162,14 @@ def critical_mass(stiffness: Array, damping: Array) -> tuple[float, float]:
 
 
 def _eccentricity(sommerfeld: float) -> float:
-    """Smallest root of e^8 - 4 e^6 + (6 - S^2 (16 - pi^2)) e^4 - (4 + pi^2 S^2) e^2 + 1 = 0."""
+    """Smallest root of e^8 - 4 e^6 + (6 - S^2 (16 - pi^2)) e^4 - (4 + pi^2 S^2) e^2 + 1 = 0.
+
+    Four roots meet at 1 as S falls to 0, and cannot be told apart: 1 where none is below it.
+    """
+    if sommerfeld > LIGHT:
+        return 1.0 / (math.pi * sommerfeld)
     s2 = sommerfeld**2
     polynomial = [1.0, -4.0, 6.0 - s2 * (16.0 - math.pi**2), -(4.0 + math.pi**2 * s2), 1.0]
     roots = np.roots(polynomial)
     real = roots[(np.abs(roots.imag) < 1e-9) & (roots.real > 0.0) & (roots.real < 1.0)].real
-    return math.sqrt(float(real.min()))
+    return math.sqrt(float(real.min(initial=1.0)))

@@ -51,6 +51,11 @@ def command(
     threshold = found.threshold
     if threshold is None:
         say("A rigid rotor of this weight reaches no threshold of oil whirl within the table.")
+    elif threshold == found.rows[0, 0]:
+        say(
+            f"A rigid rotor of this weight whirls in the oil at {in_both(threshold, 'rad/s')} "
+            "already, where the table begins: a lower --range shows from which speed on."
+        )
     else:
         say(
             f"A rigid rotor of this weight whirls in the oil from {in_both(threshold, 'rad/s')} on."

@@ -56,11 +56,14 @@ class JournalBearing:
 
     @property
     def threshold(self) -> float | None:
-        """Speed from which on a rigid rotor of the load's weight whirls [rad/s]; None: none of the
-        table."""
-        load = self.journal.load or math.nan
-        own = load / GRAVITY
+        """Speed from which on a rigid rotor of the load's weight whirls in the oil [rad/s].
+
+        That of the first row where it whirls there already; None where it whirls at no row.
+        """
+        own = (self.journal.load or math.nan) / GRAVITY
         excess = [own - critical_mass(*_matrices(row))[0] for row in self.rows]
+        if excess[0] > 0.0:
+            return float(self.rows[0, 0])
         for k, (before, now) in enumerate(pairwise(excess)):
             if before <= 0.0 < now:
                 part = before / (before - now) if math.isfinite(before) else 0.5

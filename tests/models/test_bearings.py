@@ -11,8 +11,8 @@ from scipy.optimize import brentq
 
 from autobalancer.models.assembly import Assembly, Mounted, SpeedProfile
 from autobalancer.models.journal import coefficients, critical_mass, film_table, short_bearing
+from autobalancer.models.linear.critical import critical_speeds
 from autobalancer.models.linear.linearised import linearise
-from autobalancer.models.linear.modes import critical_speeds
 from autobalancer.models.reference.coupled import Monolith
 from autobalancer.models.rotor import LinearRotor
 from autobalancer.models.stability import growth_rates
@@ -155,6 +155,22 @@ def test_a_long_bearing_and_a_thick_film_are_refused():
         short_bearing(0.1, 0.06, 1e-4, 0.1, 525.0, 100.0)
     with pytest.raises(ValueError, match=r"at most 0\.1 of the journal's radius"):
         short_bearing(0.1, 0.03, 6e-3, 0.1, 525.0, 100.0)
+
+
+@pytest.mark.parametrize("load", [5e5, 1e9, 1e14])
+def test_a_load_that_leaves_no_film_is_refused(load):
+    with pytest.raises(ValueError, match=r"0\.3 % of the clearance as oil film at 1 rad/s"):
+        short_bearing(0.1, 0.03, 1e-4, 0.1, load, 1.0)
+
+
+@pytest.mark.parametrize("load", [1e5, 525.0, 1e-3, 1e-9, 1e-14])
+def test_the_journal_stands_where_the_film_bears_its_load(load):
+    """Ocvirk: S = (1 - e^2)^2/(e sqrt(pi^2 (1 - e^2) + 16 e^2))."""
+    e = short_bearing(0.1, 0.03, 1e-4, 0.1, load, 1.0).eccentricity
+    sommerfeld = 0.1 * 0.1 * 0.03**3 / (8.0 * load * 1e-4**2)
+    square = e * e
+    carried = (1.0 - square) ** 2 / (e * math.sqrt(math.pi**2 * (1.0 - square) + 16.0 * square))
+    assert carried == pytest.approx(sommerfeld, rel=1e-6)
 
 
 def squared_table(count=2001, high=200.0):

@@ -144,6 +144,19 @@ def test_a_film_is_saved_as_a_table_that_a_scene_reads(tmp_path):
     assert film.threshold == pytest.approx(2.741279 * np.sqrt(9.80665 / 1e-4), rel=0.01)
 
 
+@pytest.mark.parametrize(
+    ("low", "said"),
+    [
+        ("500rpm", "from 863.7 rad/s = 8248 rpm on"),
+        ("9000rpm", "at 942.5 rad/s = 9000 rpm already"),
+    ],
+)
+def test_whirl_below_the_first_row_is_not_said_to_be_none(invoke, low, said):
+    size = ["--diameter", "100mm", "--length", "30mm", "--clearance", "0.1mm", "--load", "525N"]
+    outcome = invoke("bearing", *size, "--viscosity", "0.1", "--range", low, "12000rpm")
+    assert said in " ".join(outcome.stdout.split())
+
+
 def test_speeds_beyond_the_rows_are_refused_with_the_rows():
     with pytest.raises(UserError, match=r"range 50 to 400 .* within 104\.72 to 1047\.2 rad/s"):
         ab.load("small_turbine").speeds(50.0, 400.0)
