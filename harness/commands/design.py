@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from ..design.fitting import Fitting
     from ..output.report import Report
 
+STARTS = 40  # at each end of drag and unbalance
 DETAILS_STARTS = 200  # of `Scene.settling`
 MEASURE = "Measure it (autobalancer drag) and give it in a [[balancer]] table: settling follows it."
 
@@ -59,7 +60,7 @@ def command(
     ] = "run-up",
     n: Annotated[
         int, typer.Option("-n", min=1, help="Starts at each end of drag and unbalance.")
-    ] = 40,
+    ] = STARTS,
     run_up: Annotated[
         float | None,
         options.quantity(
@@ -106,9 +107,13 @@ def command(
     space: dict[str, Any] = {"race": race, "width": width, "material": material}
     space |= {"reserve": reserve, "most": most, "workers": os.cpu_count() or 1}
     if details:
-        if save is not None:
-            raise UserError("--save: --details recommends no size; leave one of them out")
-        _details(loaded, unbalance, space, number or DETAILS_STARTS, page, output)
+        _refuse_beside_details(
+            {"--save": save, "--run-up": run_up, "--drag": drag, "--oil": oil,
+             "--clearance": clearance, "--standard": standard, "-n": n != STARTS,
+             "--starts rest": starts == "rest"}
+        )  # fmt: skip
+        count = DETAILS_STARTS if number is None else number
+        _details(loaded, unbalance, space, count, page, output)
         return
     if number is not None:
         starts, n = "run-up", number
@@ -128,6 +133,15 @@ def command(
         say(f"Picture: {data.plot(path)}")
     page.cited = "ISO 3290" if standard else ""
     page.write()
+
+
+def _refuse_beside_details(given: dict[str, Any]) -> None:
+    """Raise UserError for options, by name, that `--details` does not ask for."""
+    if unfit := [option for option, value in given.items() if value]:
+        raise UserError(
+            f"{', '.join(unfit)}: not with --details, which compares turning starts of the largest "
+            "weights that fit, at the scene's drag, and recommends no size; leave one of them out"
+        )
 
 
 def candidates_table(data: Fitting) -> Sheet:

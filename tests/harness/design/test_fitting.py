@@ -154,9 +154,16 @@ def test_the_command_saves_no_scene_where_none_is_recommended(invoke, fan, tmp_p
     assert outcome.exit_code == 0, outcome.output
     assert "not written, none is recommended" in " ".join(outcome.output.split())
     assert not target.exists()
-    outcome = invoke("design", path, *space, "--details", "--save", target)
+
+
+def test_details_refuse_what_they_do_not_ask_for(invoke):
+    outcome = invoke("design", "drum", "--details", "--save", "x.toml", "--run-up", "4s", "-n", 6)
     assert outcome.exit_code == 2
-    assert "leave one of them out" in outcome.stderr
+    assert "--save, --run-up, -n: not with --details" in outcome.stderr
+    outcome = invoke("design", "goncharov_balls", "--details", "--starts", "rest")
+    assert "--starts rest: not with --details" in outcome.stderr
+    outcome = invoke("design", "goncharov_balls", "--details", "--starts", "0")
+    assert "0 starts are too few" in outcome.stderr
 
 
 def test_balls_that_are_left_behind_are_not_recommended(fan):
