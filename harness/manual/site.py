@@ -11,6 +11,7 @@ from tempfile import TemporaryDirectory
 from typing import Any
 
 from ..errors import UserError
+from ..output.terminal import ready_to_fill
 from ..scene import bundled_scenes
 from . import scene_page
 
@@ -19,6 +20,7 @@ ROOT = MANUAL.parents[1]
 PROJECT = MANUAL / "project"  # where a wheel has the files at the top of a checkout
 TOP = {"README.md": "index.md", "CONTRIBUTING.md": "contributing.md"}
 TOP |= {"CHANGELOG.md": "changelog.md", "LICENSE": "licence.md", "CITATION.cff": "citation.md"}
+TITLE = re.compile(r"<title>[^<]*autobalancer")  # of the first page
 NAMED_BLOCK = re.compile(r"^```(\w+) ([^\s=]+)$", re.MULTILINE)
 # what the search ranks higher, or lower
 BOOSTS = {"scene.md": 8, "messages.md": 2, "python.md": 0.5}
@@ -61,10 +63,14 @@ def write_site(output: Path, track: Callable[..., Iterable[Any]], live: bool = T
     """Write the site into a folder, which is made anew.
 
     Raises:
-        UserError: MkDocs is not installed, or the folder holds something else.
+        UserError: MkDocs is not installed, or the folder holds something else or cannot be made.
     """
-    if output.exists() and not (output / "index.html").is_file() and any(output.iterdir()):
-        raise UserError(f"{output}: is not empty and holds no site: name another folder")
+    ready_to_fill(output)
+    if any(output.glob("*")) and not _holds_site(output):
+        raise UserError(
+            f"{output}: is not empty and holds no site of this manual, and everything in it would "
+            "be removed: name another folder"
+        )
     try:
         from mkdocs.commands.build import build
         from mkdocs.config import load_config
@@ -87,6 +93,13 @@ def write_site(output: Path, track: Callable[..., Iterable[Any]], live: bool = T
     shutil.rmtree(scripts / "lunr")  # other languages than English
     for source_map in (output / "assets").rglob("*.map"):
         source_map.unlink()
+
+
+def _holds_site(folder: Path) -> bool:
+    """Whether a folder holds a site that `write_site` wrote: no other one is made anew."""
+    index = folder / "index.html"
+    its_own = (folder / "search" / "search_index.json").is_file() and index.is_file()
+    return its_own and bool(TITLE.search(index.read_text(encoding="utf-8", errors="replace")))
 
 
 def _nav(pages: Path) -> list[dict[str, Any]]:

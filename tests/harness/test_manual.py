@@ -24,6 +24,7 @@ def built(tmp_path_factory):
     with pytest.MonkeyPatch.context() as patch:  # one scene stands for all
         patch.setattr(site.scene_page, "live", lambda _, path: shutil.copy(page, path))
         site.write_site(folder, lambda names, description: names)
+    assert site._holds_site(folder)  # it can be made anew
     return folder
 
 
@@ -150,7 +151,16 @@ def test_without_the_extra_one_reason_is_given(installed, tmp_path):
     assert list(tmp_path.iterdir()) == []
 
 
-def test_a_folder_with_something_else_is_refused(tmp_path):
-    (tmp_path / "thesis.tex").write_text("")
-    with pytest.raises(site.UserError, match=r"holds no site: name another folder"):
+@pytest.mark.parametrize("name", ["thesis.tex", "index.html"])
+def test_a_folder_with_something_else_is_refused(tmp_path, name):
+    """Also one with the first page of another site: MkDocs would remove all of it."""
+    (tmp_path / name).write_text("<title>My thesis</title>")
+    with pytest.raises(site.UserError, match=r"holds no site of this manual.*name another folder"):
         site.write_site(tmp_path, lambda names, description: names)
+    assert (tmp_path / name).is_file()
+
+
+def test_a_place_that_takes_no_folder_is_refused_before_the_work(tmp_path):
+    (tmp_path / "site").write_text("")
+    with pytest.raises(site.UserError, match="cannot be made a directory"):
+        site.write_site(tmp_path / "site", lambda names, description: pytest.fail("worked"))
