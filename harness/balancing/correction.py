@@ -169,30 +169,10 @@ def correct(
     place = ""
     if not isinstance(measured, MeasuredRuns):
         place, measured = f"{measured}: ", read_measured(Path(measured))
-    circles, initial = None, measured.responses[0]
-    try:
-        if measured.has_phase:
-            coefficients = from_runs(measured.responses, measured.mounted)
-        else:
-            circles = from_amplitudes(np.abs(measured.responses), measured.mounted)
-            coefficients, initial = circles.coefficients, circles.responses.astype(complex)
-    except ValueError as error:
-        raise UserError(f"{place}{error}") from error
-    readings, planes = coefficients.shape
+    coefficients, initial, circles = _coefficients(measured, place)
     condition = condition_number(coefficients)
-    for plane, moved in zip(measured.planes, np.abs(coefficients).T, strict=True):
-        if not moved.any():
-            raise UserError(
-                f"{place}the trial masses of plane {plane or 1} change no reading: check "
-                "them, or add a sensor or a speed"
-            )
-    if readings < planes or not condition < _LARGEST_CONDITION:
-        raise UserError(
-            f"{place}the readings in each run ({readings}) do not determine corrections "
-            f"in all planes ({planes}): condition number {condition:.3g}, must be below "
-            f"{_LARGEST_CONDITION:g}, with a reading for every plane: leave out a plane, or add a "
-            "sensor or a speed"
-        )
+    _refuse_undetermined(measured, coefficients, condition, place)
+    readings, planes = coefficients.shape
     if len(largest) not in (0, 1, planes) or not all(0.0 < mass < math.inf for mass in largest):
         raise UserError(
             f"largest mass {', '.join(f'{mass:g}' for mass in largest)}: must be grams above 0, "
@@ -225,6 +205,41 @@ def correct(
         grade=graded,
         circles=circles,
     )
+
+
+def _coefficients(
+    measured: MeasuredRuns, place: str
+) -> tuple[Complex, Complex, FromAmplitudes | None]:
+    """Influence coefficients (s, p), amplitudes of the first run (s,), and how both were found
+    where the runs have no phases."""
+    try:
+        if measured.has_phase:
+            found = from_runs(measured.responses, measured.mounted)
+            return found, measured.responses[0], None
+        circles = from_amplitudes(np.abs(measured.responses), measured.mounted)
+    except ValueError as error:
+        raise UserError(f"{place}{error}") from error
+    return circles.coefficients, circles.responses.astype(complex), circles
+
+
+def _refuse_undetermined(
+    measured: MeasuredRuns, coefficients: Complex, condition: float, place: str
+) -> None:
+    """Raise UserError where the readings do not determine the corrections of all planes."""
+    readings, planes = coefficients.shape
+    for plane, moved in zip(measured.planes, np.abs(coefficients).T, strict=True):
+        if not moved.any():
+            raise UserError(
+                f"{place}the trial masses of plane {plane or 1} change no reading: check "
+                "them, or add a sensor or a speed"
+            )
+    if readings < planes or not condition < _LARGEST_CONDITION:
+        raise UserError(
+            f"{place}the readings in each run ({readings}) do not determine corrections "
+            f"in all planes ({planes}): condition number {condition:.3g}, must be below "
+            f"{_LARGEST_CONDITION:g}, with a reading for every plane: leave out a plane, or add a "
+            "sensor or a speed"
+        )
 
 
 def split(

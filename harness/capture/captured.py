@@ -28,8 +28,9 @@ class Captured(Outcome):
         radii: of their tracks [m].
         drag_given: whether every balancer has a drag; without one every drag ratio is a drag
             [N s/m] of all weights.
-        gravity, can_stick, changes: what of the scene limits the closed form.
+        gravity, can_stick: what of the scene limits the closed form.
         found: what the closed form says.
+        scene: whose weights they are.
     """
 
     drawn_by: ClassVar[str] = "..capture.plot:plot_captured"

@@ -107,6 +107,8 @@ class Design(Outcome):
     """All numbers of weights for one rotor and space.
 
     Attributes:
+        title, kind: of the scene, of its weights.
+        race: radius on which they roll [m].
         unbalance: the largest to be balanced [kg m].
         choices: by number of weights.
         reserve: capacity that is asked for, over the unbalance.

@@ -31,6 +31,7 @@ class Batch:
     """Starts of one design, run one after the other by the same units.
 
     Attributes:
+        scene: with the weights.
         starts: angles of all weights [rad], one list a start.
         scale: residual unbalance 1 [kg m].
     """
