@@ -7,7 +7,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from typing import Any
 
-from ...models.linear.modes import speeds_of_interest
+from ...models.linear.critical import speeds_of_interest
 from ..capture.captured import captured, captured_or_none
 from ..errors import SceneError, UserError
 from ..motions.starts import run_up_begins

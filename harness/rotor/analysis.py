@@ -14,15 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...models.arrays import Array
-from ...models.linear.modes import (
-    FREE_RATE,
-    Campbell,
-    Modes,
-    campbell,
-    critical_speeds,
-    modes,
-    speeds_of_interest,
-)
+from ...models.linear.critical import critical_speeds, speeds_of_interest
+from ...models.linear.modes import FREE_RATE, Campbell, Modes, campbell, modes
 from ...models.linear.synchronous import synchronous
 from ...models.papers.influence import influence
 from ..errors import UserError

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
-from ...models.linear.modes import speeds_of_interest
+from ...models.linear.critical import speeds_of_interest
 from ...models.linear.on_race import has_lobes
 from ...models.papers.window import OPEN_END, LiquidWindow
 from ..scene import Scene

@@ -1,7 +1,7 @@
 """Boundaries of balancing: speeds at which it begins or ends, by four methods side by side.
 
 A boundary is where the largest growth rate of a small deviation crosses 0 (a `Crossing`); the
-critical speeds of the rotor alone, its resonances, are another matter (`models.linear.modes`).
+critical speeds of the rotor alone, its resonances, are another matter (`models.linear.critical`).
 
 criterion: the closed formula of Filimonikhina 2017 for planar rotors, a rule: fast, approximate.
 floquet: exact linear stability of the equations.

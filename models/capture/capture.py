@@ -22,7 +22,8 @@ import numpy as np
 from ..arrays import Array
 from ..assembly import Assembly, weights_of
 from ..harmonic_balance import NoResponse, largest_displacement, unbalance_response
-from .branch import WITH, Branches, drag_ratios, find_branches, follow, largest_slip
+from .branch import WITH, Branches, drag_ratios, find_branches
+from .crossing import follow, largest_slip
 from .groups import Group, Lag, groups_of
 from .limit import drag_limit
 from .receptance import Poles, Receptance

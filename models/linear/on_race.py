@@ -29,6 +29,8 @@ from ..assembly import Assembly, weights_of
 from ..harmonic_balance import unbalance_response
 from ..race import path
 from .balanced import balanced_angles
+from .creep import LONGEST_TURN, creep_balanced, creep_freely
+from .creep import NoRest as NoRest
 from .linearised import (
     Couplings,
     Linearised,
@@ -43,20 +45,8 @@ from .off_centre import centred
 Creeps = Literal["not", "freely", "balanced"]
 
 _NEWTON = 60  # iterations
-_RANK = 1e-9  # turns that change moments by a smaller share of the most do not
-_LONGEST_TURN = 0.3  # rad of an iteration
-_MOST_EVALUATIONS = 3_000  # of where weights creep freely
-_MOST_CREEPS = 200  # steps of weights that creep; those that come to rest do in about 50
-# rad of one; where weights creep without end, longer ones still find a rest that would hold them
-_LONGEST_CREEPS = 0.1, 0.3
-_STILL = 1e-9  # rad of Newton's method, and of the largest slope: rates of weights at rest
 _SOLVED = 1e-11  # of the radius: what is left of the equations
 _ANEW = 0.03  # of a speed at which weights crept to no rest: so much later they do once more
-_CREEP_TIMES, _LEAST_SLOPE = 60.0, 1e-7  # time constants, of the largest lobe over the radius
-
-
-class NoRest(ArithmeticError):
-    """No motion was found in which weights rest on their races and the rotor turns."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -91,7 +81,7 @@ class OnRace:
             )
 
     @cached_property
-    def _columns(self) -> tuple[NDArray[np.int_], Array, Array, Array]:
+    def columns(self) -> tuple[NDArray[np.int_], Array, Array, Array]:
         """Of each weight (K,): its plane, mass [kg], kappa and drag over mass [1/s]."""
         rows = [
             (m.plane, one.mass, one.kappa, one.drag / one.mass)
@@ -100,6 +90,12 @@ class OnRace:
         ]
         plane, *others = np.array(rows, float).reshape(-1, 4).T
         return plane.astype(int), others[0], others[1], others[2]
+
+    @cached_property
+    def sizes(self) -> Array:
+        """Radius of the track of each weight (K,) [m]."""
+        devices = [weights_of(m) for m in self.assembly.weights]
+        return np.concatenate([np.full(d.count, d.track_radius) for d in devices])
 
     def places(self, angles: Array) -> Places:
         """Where weights at `angles` (K,) [rad] are, and where they go."""
@@ -133,7 +129,7 @@ class OnRace:
 
     def unbalance(self, places: Places) -> Complex:
         """Of rotor and weights at the stations (n,) [kg m]."""
-        plane, mass, *_ = self._columns
+        plane, mass, *_ = self.columns
         rotor = self.assembly.loaded_rotor
         return np.asarray(rotor.unbalance + (mass * places.place) @ rotor.planes[plane])
 
@@ -149,13 +145,13 @@ class OnRace:
 
     def missing(self, angles: Array) -> Array:
         """Re(q* (zeta + P)) of each weight (K,) [m^2]."""
-        at, plane = self.places(angles), self._columns[0]
+        at, plane = self.places(angles), self.columns[0]
         centre = (self._forward @ self.unbalance(at))[plane]
         return np.asarray((at.along.conj() * (centre + at.place)).real)
 
-    def _slopes(self, angles: Array) -> Array:
+    def slopes(self, angles: Array) -> Array:
         """Derivatives (K, K) of `missing`."""
-        at, (plane, mass, *_) = self.places(angles), self._columns
+        at, (plane, mass, *_) = self.places(angles), self.columns
         rotor = self.assembly.loaded_rotor
         centre = (self._forward @ self.unbalance(at))[plane]
         moved = (self._forward @ rotor.planes.T)[np.ix_(plane, plane)] * (mass * at.along)
@@ -174,108 +170,22 @@ class OnRace:
         Raises:
             NoRest: none was found.
         """
-        if creeps == "balanced":
-            theta = self._crept_balanced(angles)
-        else:
-            theta = self._crept(angles) if creeps == "freely" else angles.copy()
-        size = self._sizes.max()
+        theta = angles.copy()
+        if creeps != "not":
+            theta = (creep_balanced if creeps == "balanced" else creep_freely)(self, angles)
+        size = self.sizes.max()
         for _ in range(_NEWTON):
             left = self.missing(theta)
             if np.abs(left).max() <= _SOLVED * size * size:
                 return theta
-            turn = np.linalg.lstsq(self._slopes(theta), -left, rcond=1e-14)[0]
-            theta = theta + turn * min(1.0, _LONGEST_TURN / max(np.abs(turn).max(), 1e-300))
+            turn = np.linalg.lstsq(self.slopes(theta), -left, rcond=1e-14)[0]
+            theta = theta + turn * min(1.0, LONGEST_TURN / max(np.abs(turn).max(), 1e-300))
         raise NoRest(f"no rest of weights on their race was found at {self.speed:g} rad/s")
-
-    def _crept(self, angles: Array) -> Array:
-        """Where weights creep to freely, as under a heavy drag."""
-        devices = [weights_of(m) for m in self.assembly.weights]
-        size = self._sizes
-        steep = [o.order**2 * o.amplitude / d.track_radius for d in devices for o in d.race]
-        length = _CREEP_TIMES / max([_LEAST_SLOPE, *(s for s in steep if s > 0.0)])
-
-        from scipy.integrate import solve_ivp  # a run that shows nothing but words does without
-
-        left = iter(range(_MOST_EVALUATIONS))
-
-        def rate(_t: float, theta: Array) -> Array:
-            if next(left, None) is None:
-                raise NoRest(f"weights creep without end on their race at {self.speed:g} rad/s")
-            pulled: Array = self.missing(theta) / size**2
-            return pulled
-
-        solved = solve_ivp(rate, (0.0, length), angles, "LSODA", rtol=1e-6, atol=1e-9)
-        found: Array = solved.y[:, -1]
-        return found if np.isfinite(found).all() else angles.copy()
-
-    @cached_property
-    def _sizes(self) -> Array:
-        """Radius of the track of each weight (K,) [m]."""
-        devices = [weights_of(m) for m in self.assembly.weights]
-        return np.concatenate([np.full(d.count, d.track_radius) for d in devices])
-
-    def _crept_balanced(self, angles: Array) -> Array:
-        """Where weights creep to by turns that leave the rotor nearly at rest.
-
-        Turns that change moments follow Newton's method, x = -S^-1 (s + B y); the others creep at
-        the rate g of what is missing.  Implicit steps of Euler's method solve both: short ones as
-        long as weights go far, long ones near the rest, where they become Newton's; never so long
-        that one could pass from a rest that is left to its neighbour.
-
-        Raises:
-            NoRest: they do not come to rest.
-        """
-        plane, mass, *_ = self._columns
-        pulls = (mass[:, None] * self.assembly.loaded_rotor.planes[plane]).T
-        for longest in _LONGEST_CREEPS:
-            found = self._crept_in_steps(angles, pulls, longest)
-            if found is not None:
-                return found
-        raise NoRest(f"weights creep without end on their race at {self.speed:g} rad/s")
-
-    def _crept_in_steps(self, angles: Array, pulls: Array, longest: float) -> Array | None:
-        """Where steps of at most so many rad lead; None where they do not come to rest.
-
-        Args:
-            pulls: (n, K) of each weight on the moments of the stations [kg].
-        """
-        theta, least = angles.copy(), 1.0
-        try:
-            for _ in range(_MOST_CREEPS):
-                moments = pulls * self.places(theta).along
-                _, values, rows = np.linalg.svd(np.vstack([moments.real, moments.imag]))
-                rank = int((values > _RANK * values[0]).sum())
-                seen, unseen = rows[:rank], rows[rank:]
-                left = self.missing(theta) / self._sizes**2
-                slopes = self._slopes(theta) / self._sizes[:, None] ** 2
-                own, across = seen @ slopes @ seen.T, seen @ slopes @ unseen.T
-                newton, answer = np.hsplit(
-                    -np.linalg.solve(own, np.column_stack([seen @ left, across])), [1]
-                )
-                pull = unseen @ (left + slopes @ seen.T @ newton[:, 0])
-                slope = unseen @ slopes @ (unseen.T + seen.T @ answer)
-                growth = float(np.linalg.eigvals(slope).real.max(initial=-np.inf))
-                least_pull = _STILL * np.abs(slope).max(initial=0.0)
-                still = np.abs(newton[:, 0]).max(initial=0.0) <= _STILL
-                if still and growth < 0.0 and np.abs(pull).max(initial=0.0) <= least_pull:
-                    return theta
-                rate = max(least, 2.0 * growth)
-                while True:
-                    crept = np.linalg.solve(rate * np.eye(len(pull)) - slope, pull)
-                    if not np.abs(crept).max(initial=0.0) > longest:
-                        break
-                    rate *= 2.0
-                turn = unseen.T @ crept + seen.T @ (newton[:, 0] + answer @ crept)
-                theta = theta + turn * min(1.0, _LONGEST_TURN / max(np.abs(turn).max(), 1e-300))
-                least = 0.5 * rate
-        except np.linalg.LinAlgError:
-            return None
-        return None
 
     def linearised(self, angles: Array) -> Linearised:
         """Small motions about the rest at these angles, at this speed alone."""
         rotor, at = self.assembly.loaded_rotor, self.places(angles)
-        plane, mass, kappa, slowing = self._columns
+        plane, mass, kappa, slowing = self.columns
         centre = (self._forward @ self.unbalance(at))[plane]
         square = np.abs(at.along) ** 2
         spring = -(square + (at.bend.conj() * (centre + at.place)).real) / (kappa * square)
@@ -343,7 +253,7 @@ def main_motion(
     if near is not None:
         try:
             angles = found.rest_near(near)
-            if np.abs(angles - near).max() < _LONGEST_TURN:
+            if np.abs(angles - near).max() < LONGEST_TURN:
                 return found, angles
         except NoRest:
             pass

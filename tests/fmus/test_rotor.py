@@ -14,7 +14,7 @@ from autobalancer.harness import Scene, SceneError, cosimulate, load_scene
 from autobalancer.harness.master.plan import plan
 from autobalancer.harness.stability.main_motion import MainMotion
 from autobalancer.models.boundaries import balancing_boundaries
-from autobalancer.models.linear.modes import critical_speeds as rotor_critical_speeds
+from autobalancer.models.linear.critical import critical_speeds as rotor_critical_speeds
 from autobalancer.models.monolith import reference
 from autobalancer.models.stability import growth_rates
 from tests.fmus.conftest import BACKENDS

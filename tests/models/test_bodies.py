@@ -10,7 +10,8 @@ from scipy.optimize import brentq
 
 from autobalancer.models.bodies import Body, Foot, with_bodies
 from autobalancer.models.forces import forces, hand_weight, largest
-from autobalancer.models.linear.modes import critical_speeds, modes
+from autobalancer.models.linear.critical import critical_speeds
+from autobalancer.models.linear.modes import modes
 from autobalancer.models.linear.rigid import rigid_rates
 from autobalancer.models.papers.influence import influence
 from autobalancer.models.rotor import LinearRotor

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from autobalancer.models.linear.modes import critical_speeds
+from autobalancer.models.linear.critical import critical_speeds
 from autobalancer.models.papers.influence import (
     find_correction,
     from_runs,

@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from autobalancer.models.linear.modes import campbell, critical_speeds, modes
+from autobalancer.models.linear.critical import critical_speeds
+from autobalancer.models.linear.modes import campbell, modes
 from autobalancer.models.papers.influence import influence
 from autobalancer.models.rotor import LinearRotor
 

@@ -11,7 +11,8 @@ import pytest
 flint = pytest.importorskip("flint", reason="the extra `proof` is not installed")
 
 from autobalancer.harness import load_scene  # noqa: E402
-from autobalancer.harness.stability.exact import Change, system  # noqa: E402
+from autobalancer.harness.stability.ball_tables import Change  # noqa: E402
+from autobalancer.harness.stability.exact import system  # noqa: E402
 from autobalancer.models.boundaries import balancing_boundaries  # noqa: E402
 from autobalancer.models.proof.certificate import Certificate  # noqa: E402
 from autobalancer.models.proof.rotors import Unproved  # noqa: E402

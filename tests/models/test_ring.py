@@ -14,7 +14,7 @@ from scipy.integrate import solve_ivp
 
 from autobalancer.models.assembly import Assembly, Mounted, SpeedProfile
 from autobalancer.models.boundaries import balancing_regions
-from autobalancer.models.linear.modes import critical_speeds
+from autobalancer.models.linear.critical import critical_speeds
 from autobalancer.models.linear.ring_band import critical_speed, ring_of, unstable_band
 from autobalancer.models.monolith import simulate
 from autobalancer.models.ring import Ring

@@ -13,7 +13,8 @@ from scipy.optimize import brentq
 from autobalancer.models.bodies import Body, Foot, with_bodies
 from autobalancer.models.forces import forces
 from autobalancer.models.harmonic_balance import unbalance_response
-from autobalancer.models.linear.modes import critical_speeds, modes
+from autobalancer.models.linear.critical import critical_speeds
+from autobalancer.models.linear.modes import modes
 from autobalancer.models.rotor import LinearRotor
 from autobalancer.models.rubber import Zener, with_rubber, with_turning_rubber, zener
 

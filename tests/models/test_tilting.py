@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from autobalancer.models.assembly import Assembly, Mounted
-from autobalancer.models.linear.modes import critical_speeds, modes
+from autobalancer.models.linear.critical import critical_speeds
+from autobalancer.models.linear.modes import modes
 from autobalancer.models.papers.influence import influence
 from autobalancer.models.rotor import LinearRotor
 from autobalancer.models.stability import growth_rates

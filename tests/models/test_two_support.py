@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from autobalancer.models.linear.modes import critical_speeds
+from autobalancer.models.linear.critical import critical_speeds
 from autobalancer.models.papers.influence import influence
 from autobalancer.models.rotor import LinearRotor
 from autobalancer.models.rotor_kinds import line_rows

@@ -4,7 +4,7 @@ import pytest
 
 from autobalancer.harness import cosimulate, load_scene
 from autobalancer.harness.commands.new import MACHINES
-from autobalancer.models.linear.modes import critical_speeds
+from autobalancer.models.linear.critical import critical_speeds
 
 LONGER = {"drum": 219, "grinder": 42}  # revolutions; the bundled runs show the beginning
 

@@ -18,7 +18,8 @@ from autobalancer.harness.checks.filimonikhina import OUTSIDE, RANGE, TABLES, va
 from autobalancer.harness.checks.proved import bracket_rows  # noqa: E402
 from autobalancer.harness.checks.row import Rows  # noqa: E402
 from autobalancer.harness.commands.speeds import bands_table  # noqa: E402
-from autobalancer.harness.stability.exact import Tables, tolerances  # noqa: E402
+from autobalancer.harness.stability.ball_tables import Tables  # noqa: E402
+from autobalancer.harness.stability.exact import tolerances  # noqa: E402
 from autobalancer.harness.stability.proved import Band, Proof, prove  # noqa: E402
 from autobalancer.models.boundaries import balancing_boundaries  # noqa: E402
 from autobalancer.models.stability import growth_rates  # noqa: E402
