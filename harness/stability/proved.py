@@ -26,7 +26,8 @@ from ...models.proof.window import WindowBalls, ends
 from ..output.workers import Progress
 from ..scene import Scene
 from ..units import rounded_outwards, shown_in
-from .exact import Change, system, tolerances, window
+from .ball_tables import Change
+from .exact import system, tolerances, window
 
 PRECISION = 128  # bits, of balls
 NARROWEST = 1e-7  # of the range: an undecided band, where nothing else is asked for

@@ -20,7 +20,8 @@ from ..output.workers import Progress, Workers, in_order
 from ..scene import Scene
 from ..scene.replace import SPEED
 from .axis import Axis, Map, refuse_axes
-from .exact import Change, Tables, refuse_unproved, system
+from .ball_tables import Change, Tables
+from .exact import refuse_unproved, system
 from .proved import PRECISION
 
 PARTS = 4  # of a cell's side: smaller boxes are left undecided
