@@ -186,7 +186,7 @@ double collocation_solve(Collocation *c, double length, double tolerance, double
 {
     const double enough = larger(LEFT_BY_PASSES * tolerance, ROUNDING_OF_PASSES);
     const int renewed = c->at->carried ? 0 : 1; /* passes with the derivatives at the start */
-    double before = infinity();
+    double before = infinity(), left_before = 0.0;
     int k;
     collocation_differentiate(c, 0.0, c->start);
     if (collocation_factorise(c, length)) {
@@ -196,15 +196,18 @@ double collocation_solve(Collocation *c, double length, double tolerance, double
     place_points(c, length);
     for (k = 0; k < MOST_PASSES; k++) {
         const double moved = correct_points(c, length, largest), left = moved / before;
+        /* with the same derivatives passes leave more and less in turn: what those of the middle leave of an error
+           that is even about it is odd, and the other way round */
+        const double most_left = larger(left, left_before);
         c->passes = k + 1;
-        /* with the same derivatives a pass leaves as much of the next as of the one before */
-        if (moved <= enough || (k > renewed && left < 1.0 && moved * left <= enough * (1.0 - left))) {
+        if (moved <= enough || (k > renewed && most_left < 1.0 && moved * most_left <= enough * (1.0 - most_left))) {
             return error_of_points(c, length, largest) / tolerance;
         }
         if (!(k < 2 || left <= SLOWEST_PASSES)) {
             break;
         }
         before = moved;
+        left_before = k > renewed ? left : 0.0;
         if (k < renewed && refresh_modes(c, length)) {
             break;
         }
