@@ -6,8 +6,13 @@ import math
 
 import numpy as np
 import pytest
+from fmpy import platform_tuple
 
 from autobalancer.harness import Scene, cosimulate, load_scene
+from autobalancer.harness.export.one_file import build_one_file
+from autobalancer.harness.master.one_file_run import OneFileRun
+from autobalancer.harness.master.recorder import Recorder
+from tests.native.packaging import Host
 
 RISE, STAY = 300, 200  # steps
 
@@ -149,3 +154,36 @@ def test_an_unbalance_tuned_before_the_event_of_a_step_moves_the_rotor_from_then
     host.step(expected.time[-1] - host.time)
     found = host.get("rotor.x", "rotor.y")
     assert found == pytest.approx([expected["rotor.x"][-1], expected["rotor.y"][-1]], rel=1e-6)
+
+
+def test_an_unbalance_tuned_at_the_event_of_a_step_leaves_the_rotor_where_it_is(tmp_path):
+    """Where a ball comes to rest, to the last digits of the time; read before the next step or not.
+
+    Parts that were placed once more by the step that is over stood where it leads with the new
+    unbalance.
+    """
+    rotor = {"kind": "planar", "mass": 3.0, "stiffness": [1.1e4, 1.1e4], "unbalance": 0.0045}
+    ball = {"kind": "balls", "count": 1, "mass": 0.3, "track_radius": 0.025, "drag": 0.0}
+    ball |= {"angles": [4.847], "speeds": [20.0], "rolling_resistance": 0.05}
+    scene = Scene.from_document(
+        {"rotor": rotor, "balancer": [ball], "operation": {"speed": 179.5},
+         "run": {"revolutions": 0.5}, "coupling": {"tolerance": 1e-8}}
+    )  # fmt: skip
+    with OneFileRun(scene) as run:
+        recorder = Recorder(run.units, ["rotor.x"])
+        run.start()
+        run.record(recorder, None)
+        at = int(np.argmax(run.events > 0))
+        event = recorder.columns()[0][at - 1]
+    path = build_one_file(scene, tmp_path / "one.fmu", platforms=[platform_tuple])
+    for time in event * (1.0 + np.arange(-3, 4) * 2.0**-53):
+        untuned, unread, read = (Host(path).begin() for _ in range(3))
+        for host in (untuned, unread, read):
+            host.step(time)
+        unread.set({"rotor.unbalance": 0.02})
+        read.set({"rotor.unbalance": 0.02})
+        place = untuned.get("rotor.x", "rotor.y")
+        assert read.get("rotor.x", "rotor.y") == pytest.approx(place, rel=1e-12)
+        for host in (unread, read):
+            host.step(1e-3)
+        assert read.get("rotor.x", "rotor.y") == unread.get("rotor.x", "rotor.y")

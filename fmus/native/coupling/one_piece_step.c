@@ -79,7 +79,7 @@ int one_piece_begin_anew(Unit *unit)
             return 1;
         }
     }
-    one_piece->stands = 1.0;
+    one_piece->stands = one_piece->placed = 1.0;
     one_piece->line = -1.0;
     one_piece->event = NO_EVENT;
     one_piece->undecided = c->pieces.is_eventful;
