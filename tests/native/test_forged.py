@@ -146,3 +146,17 @@ def test_an_event_of_a_spring_that_the_machine_does_not_have_does_no_harm(hosted
             host.slave.setFMUState(host.slave.deserializeFMUState(bytes(data)))
             host.step(1e-2)
     assert "must be a whole number from 0" in host.messages[-1][1]
+
+
+def test_a_state_whose_outputs_cannot_be_computed_says_why(hosted):
+    """Of its step, whose speed is beyond the table of the bearings."""
+    host = hosted(load_scene("small_turbine"))
+    host.step(1e-4)
+    data = bytearray(host.slave.serializeFMUState(host.slave.getFMUState()))
+    before = 6 * 8  # the speed, in front of what is declared as `placed`
+    struct.pack_into("<d", data, field_at(host, bytes(data), "one_piece.placed") - before, 1e5)
+    data[-8:] = fnv(bytes(data[:-8]))
+    host.slave.setFMUState(host.slave.deserializeFMUState(bytes(data)))
+    said = host.refused(lambda: host.outputs())
+    assert "speed = 100000 rad/s" in said
+    assert "the speeds of the bearings' table" in said

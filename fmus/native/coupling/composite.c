@@ -237,37 +237,42 @@ static int stand_for(Unit *unit, OutputKind kind)
     }
 }
 
-static void composite_observe(Unit *unit)
+static int composite_observe(Unit *unit)
 {
     const Composite *c = unit->own;
     const OutputKind kind = one_piece_outputs(unit);
     int k;
     if (stand_for(unit, kind)) {
-        fill_doubles(unit->layout.observed.count, not_a_number(), unit->real + unit->layout.observed.first);
-        return;
+        return 1;
     }
     for (k = 0; k < c->part_count && kind != OUTPUTS_ARE_PLACES; k++) {
         if (composite_asked(unit, c->parts + k)) {
-            c->parts[k].unit->equations->observe(c->parts[k].unit);
+            if (c->parts[k].unit->equations->observe(c->parts[k].unit)) {
+                return composite_part_failed(unit, c->parts + k);
+            }
             show_outputs(unit, c->parts + k);
         }
     }
     if (kind == OUTPUTS_OF_SIGNALS) {
         observe_results(unit);
     }
+    return 0;
 }
 
-static void composite_observe_torques(Unit *unit)
+static int composite_observe_torques(Unit *unit)
 {
     const Composite *c = unit->own;
     int k;
     for (k = 0; k < c->part_count; k++) {
         Unit *part = c->parts[k].unit;
         if (part->equations->observe_torques && composite_asked(unit, c->parts + k)) {
-            part->equations->observe_torques(part);
+            if (part->equations->observe_torques(part)) {
+                return composite_part_failed(unit, c->parts + k);
+            }
             show_outputs(unit, c->parts + k);
         }
     }
+    return 0;
 }
 
 static bool composite_is_torque(const Unit *unit, size_t reference)

@@ -79,19 +79,23 @@ void composite_place(const Composite *c, const Part *part)
 
 /* -- torques ------------------------------------------------------------------------------------- */
 
-/* Torque of all units on the shaft, and its slope. */
-static void read_torque(const Composite *c, double *torque)
+/* Torque of all units on the shaft, and its slope; 1 with the reason. */
+static int read_torque(Unit *unit, double *torque)
 {
+    const Composite *c = unit->own;
     int k;
     torque[0] = torque[1] = 0.0;
     for (k = 0; k < c->parts_without_motor; k++) {
         const Part *part = c->parts + k;
         if (part->torque >= 0) {
-            part->unit->equations->observe_torques(part->unit);
+            if (part->unit->equations->observe_torques(part->unit)) {
+                return composite_part_failed(unit, part);
+            }
             torque[0] += part->unit->real[part->torque];
             torque[1] += part->unit->real[part->torque + 1];
         }
     }
+    return 0;
 }
 
 int composite_answer_torque(Unit *unit)
@@ -100,6 +104,8 @@ int composite_answer_torque(Unit *unit)
     Unit *motor = c->motor->unit;
     double *input = motor->real + motor->layout.inputs.first;
     memset(input, 0, SIGNAL_ORDERS * sizeof(double));
-    read_torque(c, input);
+    if (read_torque(unit, input)) {
+        return 1;
+    }
     return motor->equations->outputs(motor) && composite_part_failed(unit, c->motor);
 }

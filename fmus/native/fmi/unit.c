@@ -209,12 +209,14 @@ int unit_refresh(Unit *unit, int level)
         unit->stale = OBSERVED;
     }
     if (unit->stale == OBSERVED && level < OBSERVED) {
-        equations->observe(unit);
+        if (equations->observe(unit)) {
+            return 1;
+        }
         unit->stale = WITHOUT_TORQUES;
     }
     if (unit->stale == WITHOUT_TORQUES && level < WITHOUT_TORQUES) {
-        if (equations->observe_torques) {
-            equations->observe_torques(unit);
+        if (equations->observe_torques && equations->observe_torques(unit)) {
+            return 1;
         }
         unit->stale = FRESH;
     }

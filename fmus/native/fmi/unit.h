@@ -54,9 +54,9 @@ typedef struct {
     /* Compute the outputs from `memory` and the inputs as they are now. */
     int (*outputs)(Unit *unit);
     /* Compute the outputs declared as observed, without torques, */
-    void (*observe)(Unit *unit);
+    int (*observe)(Unit *unit);
     /* and these; NULL where there are none; whether an observed output is one. */
-    void (*observe_torques)(Unit *unit);
+    int (*observe_torques)(Unit *unit);
     bool (*is_torque)(const Unit *unit, size_t reference);
     /* Signals come as value and derivatives: their number, and their first value reference; NULL:
        there are none. */

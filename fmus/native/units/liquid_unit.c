@@ -84,9 +84,10 @@ static int liquid_outputs(Unit *unit)
     return 0;
 }
 
-static void liquid_observe(Unit *unit)
+static int liquid_observe(Unit *unit)
 {
     (void)unit;
+    return 0;
 }
 
 static size_t liquid_signals(const Layout *layout, size_t *first)

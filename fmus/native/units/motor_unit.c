@@ -86,13 +86,14 @@ static int motor_outputs(Unit *unit)
     return 0;
 }
 
-static void motor_observe(Unit *unit)
+static int motor_observe(Unit *unit)
 {
     const double speed = unit->memory[MEMORY_SPEED], torque = motor_torque(unit->own, speed);
     double *out = unit->real + unit->layout.computed.first;
     out[OUT_ANGLE] = angle_total(unit->memory);
     out[OUT_DRIVE_TORQUE] = torque;
     out[OUT_POWER] = torque * speed;
+    return 0;
 }
 
 static size_t motor_signals(const Layout *layout, size_t *first)

@@ -148,7 +148,7 @@ static int ring_outputs(Unit *unit)
     return ring_put_outputs(unit);
 }
 
-static void ring_observe(Unit *unit)
+static int ring_observe(Unit *unit)
 {
     const RingUnit *own = unit->own;
     const RingState state = ring_state(unit);
@@ -158,6 +158,7 @@ static void ring_observe(Unit *unit)
     out[4] = moment * state.wave.re;
     out[5] = moment * state.wave.im;
     out[6] = ring_thinness(&own->ring, state.wave);
+    return 0;
 }
 
 static size_t ring_signals(const Layout *layout, size_t *first)

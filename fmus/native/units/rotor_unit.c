@@ -174,7 +174,7 @@ static double largest_bending(const Rotor *own, const double *stations)
     return largest;
 }
 
-static void rotor_observe(Unit *unit)
+static int rotor_observe(Unit *unit)
 {
     const Rotor *own = unit->own;
     const double *memory = unit->memory, *motion = memory + MOTION;
@@ -200,14 +200,12 @@ static void rotor_observe(Unit *unit)
         out[3] = states[STOP_TOUCHES];
     }
     rotor_observe_forces(unit, out);
+    return 0;
 }
 
-static void rotor_observe_torques(Unit *unit)
+static int rotor_observe_torques(Unit *unit)
 {
-    double *out = unit->real + unit->layout.real_count - 2;
-    if (rotor_torque_now(unit, out)) {
-        out[0] = out[1] = not_a_number();
-    }
+    return rotor_torque_now(unit, unit->real + unit->layout.real_count - 2);
 }
 
 static size_t rotor_signals(const Layout *layout, size_t *first)

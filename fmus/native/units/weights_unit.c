@@ -262,7 +262,7 @@ static int weights_outputs(Unit *unit)
     return weights_put_outputs(unit);
 }
 
-static void weights_observe(Unit *unit)
+static int weights_observe(Unit *unit)
 {
     const Balls *own = unit->own;
     const size_t count = (size_t)own->count;
@@ -272,17 +272,19 @@ static void weights_observe(Unit *unit)
     out[2 * count] = moment.re;
     out[2 * count + 1] = moment.im;
     out[2 * count + 2] = weights_alignment(own->count, unit->memory, own->turned);
+    return 0;
 }
 
-static void weights_observe_torques(Unit *unit)
+static int weights_observe_torques(Unit *unit)
 {
     double *out = unit->real + unit->layout.real_count - 2;
     Complex pulse_acceleration, force[2];
     const Instant plane = find_plane_motion(unit, &pulse_acceleration);
     if (find_push(unit, &plane, force, out)) {
-        out[0] = out[1] = not_a_number();
+        return 1;
     }
     out[0] += weights_impulses(unit)[5];
+    return 0;
 }
 
 static size_t weights_signals(const Layout *layout, size_t *first)
