@@ -123,11 +123,13 @@ def reaction(
     """
     f, d, w = ring.hollow, ring.damping(speed), speed
     slope = 0.5 * (d - ring.wave_damping) * spin_up / w if w else 0.0
+    # a wave at rest stands still at any speed: the square of a speed alone may be infinite
+    swept, swept_rate = w * (w * wave), w * (w * rate)
     second = motion[0] + (d - 2j * (1.0 - f) * w) * rate
-    second += ((1.0 - f) * w * w + 1j * (1.0 + f) * spin_up) * wave
+    second += (1.0 - f) * swept + 1j * (1.0 + f) * spin_up * wave
     second /= -(1.0 + f)
-    value = (4j * w - d) * rate - 2.0 * w * w * wave
-    change = (4j * w - d) * second + (4j * spin_up - slope - 2.0 * w * w) * rate
+    value = (4j * w - d) * rate - 2.0 * swept
+    change = (4j * w - d) * second + (4j * spin_up - slope) * rate - 2.0 * swept_rate
     change -= 4.0 * w * spin_up * wave
     factor = -ring.added_mass * f
     return factor * value, factor * change

@@ -39,6 +39,15 @@ def test_a_step_that_no_series_resolve_ends_with_a_message(fmus, packaging, back
     assert "s is too long" in host.refused(lambda: host.step(1e-3))
 
 
+def test_a_wave_at_rest_stands_still_at_a_speed_whose_square_is_infinite(fmus, packaging):
+    """The unit in Python; what is wrong of it there is fatal to the instance, but for a step."""
+    host = packaging.Host(fmus.python("RingBalancer")).begin({"speed": 1e250})
+    assert host.get("F_xi", "F_eta") == [0.0, 0.0]
+    assert "s is too long" in host.refused(lambda: host.step(1e-3))
+    host.set({"speed": 100.0})
+    host.step(1e-3)
+
+
 def test_a_step_that_ends_where_the_rotor_comes_to_rest_is_made(fmus, packaging):
     """The film's series has no radius there."""
     waves = []
