@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -148,14 +148,14 @@ def wired(units: Mapping[str, Any], wires: Sequence[Wire]) -> Wiring:
     """
     found = Wiring(inlets={name: [] for name in units}, copied={name: [] for name in units})
     by_target: dict[str, list[tuple[str, float]]] = {}
-    fed = {wire.target for wire in wires}
     for wire in wires:
-        if _is_slope_of(wire.target, fed):
-            continue  # it goes with the value
+        if _goes_with_value(wire, wires):
+            _checked(*_ends(units, wire), wire)
+            continue
         source_unit, source = split_port(wire.source)
         target_unit, target = split_port(wire.target)
-        sender, taker = units[source_unit], units[target_unit]
-        gives, takes = _checked(sender, taker, source, target, wire)
+        sender, taker, *_ = ends = _ends(units, wire)
+        gives, takes = _checked(*ends, wire)
         factor = wire.factor * _scale(sender, taker, gives, takes, wire)
         if kind_of(gives.type) == kind_of(takes.type) == "real":
             by_target.setdefault(wire.target, []).append((wire.source, factor))
@@ -185,11 +185,44 @@ def wired(units: Mapping[str, Any], wires: Sequence[Wire]) -> Wiring:
     return found
 
 
-def _is_slope_of(target: str, fed: Collection[str]) -> bool:
-    """Whether an input is the derivative of another that is fed, such as `der(F)` of `F`."""
-    unit, name = split_port(target)
-    found = re.fullmatch(r"der\((.*?)(?:,\s*\d+)?\)", name)
-    return found is not None and f"{unit}.{found[1]}" in fed
+def _goes_with_value(wire: Wire, wires: Sequence[Wire]) -> bool:
+    """Whether a connection is that of a derivative whose value is connected too.
+
+    The derivative of an input is taken from where its value is.
+
+    Raises:
+        UnitError: it comes from somewhere else.
+    """
+    value, order = _slope_of(wire.target)
+    of_value = [other for other in wires if order and other.target == value]
+    if not of_value:
+        return False
+    source = _slope_of(wire.source)
+    if any((other.source, order, other.factor) == (*source, wire.factor) for other in of_value):
+        return True
+    slope = "{}.der({}" + (f",{order})" if order > 1 else ")")
+    wanted = [
+        slope.format(*split_port(other.source)) + (f" times {other.factor:g}") * (other.factor != 1)
+        for other in of_value
+    ]
+    raise UnitError(
+        f'{wire.where}.to = "{wire.target}": is the derivative of {value}, which '
+        f"{' and '.join(other.source for other in of_value)} feeds: it can come from "
+        f"{' and '.join(wanted)} alone; leave out this connection, or that of {value}"
+    )
+
+
+def _slope_of(port: str) -> tuple[str, int]:
+    """What a port is a derivative of, and of which order: `F` and 2 of `der(F,2)`; 0: of none."""
+    unit, name = split_port(port)
+    found = re.fullmatch(r"der\((.*?)(?:,\s*(\d+))?\)", name)
+    return (f"{unit}.{found[1]}", int(found[2] or 1)) if found else (port, 0)
+
+
+def _ends(units: Mapping[str, Any], wire: Wire) -> tuple[Any, Any, str, str]:
+    """Both units of a wire, and the variables."""
+    (sender, source), (taker, target) = split_port(wire.source), split_port(wire.target)
+    return units[sender], units[taker], source, target
 
 
 def _checked(

@@ -206,6 +206,22 @@ STARTS = {
 }
 
 
+def test_a_derivative_from_elsewhere_than_its_value_is_refused(guest, altered, ran):
+    """That of an input is taken from where its value is; the connection was passed over."""
+    spring = altered(guest("spring"), lambda text: text.replace('name="v1"', 'name="der(x1)"'))
+    unit = [{"name": "m", "fmu": str(guest("mass"))}, {"name": "s", "fmu": str(spring)}]
+    wires = [{"from": "m.x", "to": "s.x1"}, {"from": "m.v", "to": "s.der(x1)"}]
+    said = ran(unit=unit, connection=wires)
+    assert "is the derivative of s.x1, which m.x feeds: it can come from m.der(x) alone" in said
+
+
+def test_a_derivative_beside_its_value_must_exist(guest, altered, ran):
+    spring = altered(guest("spring"), lambda text: text.replace('name="v1"', 'name="der(x1)"'))
+    unit = [{"name": "m", "fmu": str(guest("mass"))}, {"name": "s", "fmu": str(spring)}]
+    wires = [{"from": "m.x", "to": "s.x1"}, {"from": "m.der(x)", "to": "s.der(x1)"}]
+    assert "Mass.fmu has no variable 'der(x)'" in ran(unit=unit, connection=wires)
+
+
 @pytest.mark.parametrize("case", STARTS)
 def test_a_wrong_start_value_is_refused(case, good, ran):
     start, words = STARTS[case]

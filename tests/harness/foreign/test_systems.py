@@ -200,6 +200,14 @@ def test_an_fmu_that_suggests_no_length_of_a_run_runs_for_a_second(suggested, gu
     assert (system.run.duration, system.coupling.step) == (1.0, 0.002)
 
 
+def test_an_fmu_that_suggests_a_later_start_is_refused_with_the_way_out(guest, altered):
+    """It would run from 0 s, and until its stop time: not what it suggests."""
+    element = '<DefaultExperiment startTime="5" stopTime="7.5"/><ModelVariables>'
+    path = altered(guest("mass"), lambda text: text.replace("<ModelVariables>", element))
+    with pytest.raises(ab.UnitError, match=r"startTime = 5: units start at 0 s here.*n = 2\.5"):
+        ab.load_system(path)
+
+
 def test_the_fixture_runs_a_system_and_its_signals_assert_themselves(cosim, guest, tmp_path):
     (tmp_path / "mass.toml").write_text(
         f'unit = [{{name = "m", fmu = "{guest("mass")}", start = {{x0 = 1.0, c = 0.0}}}}]\n'
