@@ -63,6 +63,7 @@ class RunFacts(Structure):
         ("passes", c_double),
         ("order", c_double),
         ("collocated", c_double),
+        ("stiff", c_double),
         ("reason", c_char_p),
         ("warnings", c_char_p),
     )

@@ -164,21 +164,20 @@ class FileMethods(OfScene):
     def cite(self, *, separate: bool = False) -> str:
         """BibTeX of the program and of the papers and methods that a run of the scene uses.
 
-        A comment above each entry says what it is cited for.  A scene that may be stiff is run to
-        see whether it is.
+        A comment above each entry says what it is cited for.  The scene is not run.
 
         Args:
             separate: of a run of separate FMUs, with the scheme that couples them.
 
         Raises:
-            SimulationError: the run cannot be completed.
+            SimulationError: the machine cannot be started.
 
         >>> print(*ab.load("drum").cite().splitlines()[:2], sep="\\n")
         % the program that ran the scene
         @software{autobalancer,
         """
-        from autobalancer.harness.result.run import is_in_one_piece, takes_collocation
+        from autobalancer.harness.result.run import is_in_one_piece, tries_collocation
         from autobalancer.harness.scene.citations import bibtex
 
         one = not separate and is_in_one_piece(self._scene)
-        return bibtex(self._scene, one, one and takes_collocation(self._scene))
+        return bibtex(self._scene, one, one and tries_collocation(self._scene))

@@ -153,6 +153,11 @@ class OneFileRun(Closing):
             collocated_steps=round(found.collocated),
         )
 
+    @property
+    def is_stiff(self) -> bool:
+        """Whether steps by collocation are tried, as of a stiff machine; known once started."""
+        return bool(self._run.facts.stiff)
+
     def close(self) -> None:
         """Free the run."""
         self._run.close()

@@ -20,7 +20,7 @@ from ..master.one_file import why_separate
 from ..master.recorder import Recorder, recorded
 from ..master.two_tolerances import TwoTolerances
 from ..scene import Scene, load_scene
-from ..scene.plausible import ImplausibleWarning, warn
+from ..scene.plausible import warn
 from .result import Result
 from .velocity import recorded_for, velocities, with_velocities
 
@@ -113,19 +113,19 @@ def is_in_one_piece(scene: Scene) -> bool:
     return not why_separate(scene)
 
 
-def takes_collocation(scene: Scene) -> bool:
-    """Whether a run in one piece takes steps by collocation, as a stiff machine does.
+def tries_collocation(scene: Scene) -> bool:
+    """Whether a run in one piece tries steps by collocation, as a stiff machine does.
 
-    It is run to see; of a machine with events it is known that it does not.
+    It is started to see, and not run.
 
     Raises:
-        SimulationError: the run cannot be completed.
+        SimulationError: the machine cannot be started.
     """
-    if scene.has_events:
-        return False
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", ImplausibleWarning)
-        return cosimulate(scene).collocated_steps > 0
+    from ..master.one_file_run import OneFileRun  # compiles where it has to
+
+    with OneFileRun(scene) as simulation:
+        simulation.start()
+        return simulation.is_stiff
 
 
 def controlled_runs(

@@ -18,6 +18,7 @@ _ROTORS = {
 }  # by `kind`; the equations of a rotor by its matrices are the user's
 _LIQUID = "Dubovik 2006", "equations of a rotor with a liquid balancer"
 _RING = "Li, Wang and Yuan 2018", "stability of a rotor part filled with liquid"
+STIFF = "steps of a stiff machine by collocation (Radau IIA), where a series needs many more"
 _WEIGHTS = "Filimonikhina 2017", "equations of the balls, rollers or pendulums"
 
 
@@ -38,7 +39,7 @@ def bibtex(scene: Scene, in_one_piece: bool = False, collocates: bool = False) -
 
     Args:
         in_one_piece: whether the machine is integrated without a coupling.
-        collocates: whether it then takes steps by collocation, as a stiff machine does.
+        collocates: whether it then tries steps by collocation, as a stiff machine does.
     """
     reasons: dict[str, list[str]] = {}
     for cited, reason in _cited(scene, in_one_piece, collocates):
@@ -77,7 +78,7 @@ def _cited(scene: Scene, in_one_piece: bool, collocates: bool) -> Iterator[tuple
     if in_one_piece:
         yield "Jorba & Zou 2005", "steps of the whole machine by Taylor series"
         if collocates:
-            yield "Hairer & Wanner 1996", "steps of a stiff machine by collocation (Radau IIA)"
+            yield "Hairer & Wanner 1996", STIFF
     elif scene.coupling.units == "native" and (scene.rotor.friction or not scene.operation.speed):
         yield "Jorba & Zou 2005", "steps of the rotor by Taylor series"
     elif not scene.operation.speed:

@@ -58,6 +58,7 @@ static void show_facts(KeptRun *run)
     shown->time = run->unit->time;
     shown->order = course->one_piece.order;
     shown->collocated = course->one_piece.collocated_steps;
+    shown->stiff = c->pieces.is_stiff;
     shown->steps = course->total.steps;
     shown->passes = course->total.passes;
 }

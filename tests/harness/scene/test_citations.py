@@ -77,6 +77,12 @@ def test_a_machine_in_one_piece_cites_no_coupling(coupling):
 
 
 @pytest.mark.parametrize(("drag", "is_stiff"), [(0.02, False), (200.0, True)])
-def test_collocation_is_cited_where_a_run_takes_such_steps(drag, is_stiff):
+def test_collocation_is_cited_where_a_run_tries_such_steps_and_nothing_runs(
+    drag, is_stiff, monkeypatch
+):
+    def refused(*_args):
+        raise AssertionError("a run of the scene")
+
+    monkeypatch.setattr("autobalancer.fmus.composite.run.Run.on", refused)
     keys = set(cited("two_balls", weights__drag=drag))
     assert ("Hairer1996" in keys) == is_stiff
