@@ -133,8 +133,8 @@ def refuse_few(path: str | Path, count: int, parameters: Sequence[Parameter]) ->
     """
     if count <= len(parameters):
         raise UserError(
-            f"{path}: {count} measured values for {len(parameters)} free parameters: there must be "
-            "more"
+            f"{path}: {count} measured value{'s' * (count != 1)} for {len(parameters)} free "
+            f"parameter{'s' * (len(parameters) != 1)}: there must be more"
         )
 
 

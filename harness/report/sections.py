@@ -16,14 +16,14 @@ from ..output.report import Part
 from ..output.table import GOOD, Sheet
 from ..result.compared import draw_both
 from ..result.result import Result
-from ..result.verdict.words import millimetres
+from ..result.verdict.words import millimetres, velocity
 from ..scatter.report import grade_table, lines
 from ..scatter.study import scatter
 from ..scatter.vary import variations
 from ..scene import Scene
 from ..scene.balancer import WeightBalancer
 from ..stability.boundaries import speeds
-from ..units import brief, in_both, in_words, readable_unbalance
+from ..units import in_both, in_words, readable_unbalance
 from .answers import distances, largest
 from .parts import Heading, Image, Note
 from .runs import SwitchedOn
@@ -105,11 +105,13 @@ def vibration(scene: Scene, own: Result, started: SwitchedOn, limit: float | Non
         summary = run.summary() if run else None
         if run is None or summary is None or summary.vibration is None:
             continue
-        velocity = summary.velocity or 0.0
-        over = "" if limit is None else "within" if velocity <= limit else "above"
-        sizes = [millimetres(summary.vibration), brief(1e3 * velocity), millimetres(largest(run))]
+        speed, over = "not known", "not known"
+        if summary.velocity is not None:
+            speed = velocity(summary.velocity)
+            over = "within" if limit is None or summary.velocity <= limit else "above"
+        sizes = [millimetres(summary.vibration), speed, millimetres(largest(run))]
         rows.append([name, *sizes, over])
-    columns = ["", "at the end", "[mm/s rms]", "largest of the run", "limit"]
+    columns = ["", "at the end", "velocity", "largest of the run", "limit"]
     if limit is None:
         parts.append(Note("No limit of the vibration velocity was given (--limit 4.5mm/s)."))
         columns, rows = columns[:-1], [row[:-1] for row in rows]

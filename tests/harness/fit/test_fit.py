@@ -253,7 +253,7 @@ def test_a_run_up_and_too_few_values_are_refused(rotor, tmp_path):
     path = tmp_path / "few.csv"
     path.write_text("speed,amplitude\n9,1e-4\n")
     measured, free = read_measured(path, rotor), parse_free(["rotor.mass"], rotor)
-    with pytest.raises(UserError, match="1 measured values for 1 free parameters"):
+    with pytest.raises(UserError, match="1 measured value for 1 free parameter:"):
         fit(rotor, measured, free)
     path.write_text("amplitude\n1e-4\n1e-4\n")
     rising = rotor.replace({"operation.run_up": {"from": 5.0, "to": 9.0, "seconds": 5.0}})

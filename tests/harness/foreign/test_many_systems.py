@@ -153,7 +153,7 @@ FILES = {
     "beyond the end": ("time,m.x\n1,1\n9,2\n", "beyond run.duration = 2 s: set that higher"),
     "text": ("time,m.x\n0,1\n1,many\n", "m.x = 'many': must be a number"),
     "empty": ("time,m.x\n0,\n1,\n", "m.x: has no values"),
-    "too few": ("time,m.x\n1,1\n", "1 measured values for 1 free parameters"),
+    "too few": ("time,m.x\n1,1\n", "1 measured value for 1 free parameter:"),
 }
 
 
