@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from itertools import combinations, product
 from typing import Any
 
 from ...models.papers.window import LiquidWindow
@@ -17,6 +19,8 @@ from ..scene.quantities import LARGEST
 from ..units import si_number
 from .ball_tables import Change, Tables, liquid_mass
 
+_FEW = 6  # bands: so many have 64 corners
+
 
 def tolerances(text: str, scene: Scene) -> tuple[Change, ...]:
     """PATH=5%, PATH=0.2 N/m, several with commas: tolerances on both sides of the scene's values.
@@ -25,7 +29,7 @@ def tolerances(text: str, scene: Scene) -> tuple[Change, ...]:
         UserError: it is not written like that, a path names no number of the machine, or a band
             reaches values that the scene does not allow.
     """
-    changes = []
+    changes, amounts = list[Change](), dict[str, str]()
     for item in text.split(","):
         path, _, amount = (part.strip() for part in item.partition("="))
         if not path or not amount:
@@ -38,30 +42,33 @@ def tolerances(text: str, scene: Scene) -> tuple[Change, ...]:
             raise UserError(f"within {item!r}: {size:g} must be 0 or more")
         kind = "relative" if percent != amount else "added"
         count = len(Tables(scene).numbers(path))
-        _refuse_beyond(scene, path, size, kind, amount)
+        amounts[path] = amount
         changes += [Change(path, -size, size, kind, k) for k in range(count) if size]
+    _refuse_beyond(scene, changes, amounts)
     return tuple(changes)
 
 
-def _refuse_beyond(scene: Scene, path: str, size: float, kind: str, amount: str) -> None:
-    """Raise UserError where an end of a band is a value that the scene does not allow."""
-    value = Tables(scene).value(path)
-    for way in (-1.0, 1.0):
-        end = _moved(value, way * size, kind)
-        try:
-            scene.replace({path: end})
-        except SceneError as error:
-            raise UserError(
-                f"within {path}={amount}: the band reaches a value that the scene does not allow: "
-                f"{error}"
-            ) from error
+def _refuse_beyond(scene: Scene, changes: Sequence[Change], amounts: Mapping[str, str]) -> None:
+    """Raise UserError where ends of bands, each alone or several together, are not allowed.
 
-
-def _moved(value: Any, amount: float, kind: str) -> Any:
-    """A value with all its numbers moved by an amount, or by that share of themselves."""
-    if isinstance(value, list):
-        return [_moved(each, amount, kind) for each in value]
-    return value * (1.0 + amount) if kind == "relative" else value + amount
+    Values can limit each other: the end of a band may be allowed beside the other's middle alone.
+    All corners of a few bands are looked at, of more those of every two.
+    """
+    whole = [tuple(changes)] if 2 < len(changes) <= _FEW else []
+    for some in [*combinations(changes, 1), *combinations(changes, 2), *whole]:
+        for ends in product(*((one.low, one.high) for one in some)):
+            tables = Tables(scene)
+            tables.change([replace(c, low=e, high=e) for c, e in zip(some, ends, strict=True)])
+            paths = dict.fromkeys(one.path for one in some)
+            try:
+                scene.replace({path: tables.value(path) for path in paths})
+            except SceneError as error:
+                named = ",".join(f"{path}={amounts[path]}" for path in paths)
+                reach = " reaches" if len(some) == 1 else "s together reach"
+                raise UserError(
+                    f"within {named}: the band{reach} a value that the scene does not allow: "
+                    f"{error}"
+                ) from error
 
 
 def refuse_unproved(scene: Scene) -> None:

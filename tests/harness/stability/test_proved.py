@@ -253,6 +253,18 @@ def test_bands_that_reach_values_the_scene_does_not_allow_are_refused(within, wo
         tolerances(within, load_scene("filimonikhina"))
 
 
+def test_bands_that_reach_what_the_scene_does_not_allow_only_together_are_refused():
+    """The polar inertia is at most twice the other one: each band alone keeps that."""
+    rotor = {"kind": "two_support", "mass": 8.0, "inertia": 0.5, "polar_inertia": 0.95,
+             "span": 0.4, "stiffness": [2e4, 2e4], "damping": [20.0, 20.0]}  # fmt: skip
+    scene = Scene(rotor=rotor, operation={"speed": 100.0})
+    for alone in ("rotor.inertia=4%", "rotor.polar_inertia=4%"):
+        assert len(tolerances(alone, scene)) == 1
+    within = "rotor.inertia=4%, rotor.polar_inertia=4%"
+    with pytest.raises(UserError, match=r"bands together reach a value .*polar_inertia"):
+        tolerances(within, scene)
+
+
 def test_a_band_may_reach_the_end_of_what_the_scene_allows():
     found = tolerances("weights.drag=100%", load_scene("filimonikhina"))
     assert [(one.low, one.high) for one in found] == [(-1.0, 1.0)]
