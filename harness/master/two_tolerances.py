@@ -79,6 +79,8 @@ class TwoTolerances:
 
     Attributes:
         error, unknown: estimated, and why it is not known, as of `global_error.Controlled`.
+        counts_before: what signals that count, such as touches of a stop, end with in the run
+            before the last, whose steps err more.
     """
 
     def __init__(
@@ -88,6 +90,7 @@ class TwoTolerances:
         self._run, self._names, self._uncompared = run, names, uncompared
         self.tolerance = run.scene.coupling.tolerance
         self.error, self.unknown = math.inf, ""
+        self.counts_before: dict[str, float] = {}
         self._units: Mapping[str, str] = {}
         self._can_collide = expectation(run.scene, meets_events=True).can_collide
 
@@ -100,7 +103,7 @@ class TwoTolerances:
         share, done = 1.0, 0
         recorder = self._recorded(share, self._run.rows, done, progress)
         grid, first = recorder.columns()
-        before = Counted(first, self._run.events)
+        before, counts = Counted(first, self._run.events), _counts(first)
         parts = PARTS if self._run.rows is None else 1
         points = divided(grid, parts)
         least = least_motion(self._run.scene)
@@ -110,6 +113,7 @@ class TwoTolerances:
             share, done = share * FINER, done + 1
             recorder = self._recorded(share, points, done, progress)
             _, signals = recorder.columns()
+            self.counts_before, counts = counts, _counts(signals)
             left = [n for n in signals if n not in self._uncompared and not is_count(n)]
             fine = Counted({name: signals[name] for name in left}, self._run.events)
             compared = fine.at(slice(None, None, parts))
@@ -176,3 +180,8 @@ class TwoTolerances:
         run.start(share, grid)
         run.record(recorder, progress and (lambda part: progress((done + part) / runs)))
         return recorder
+
+
+def _counts(signals: Mapping[str, Signal]) -> dict[str, float]:
+    """What signals that count end with."""
+    return {name: float(values[-1]) for name, values in signals.items() if is_count(name)}

@@ -58,6 +58,8 @@ class Result(Pictures):
             given steps are too long for the signals; 0 where nothing is estimated.
         unknown_error: why the error of a run with a tolerance is not known, as where impacts
             amplify what no run resolves; empty where it is.
+        counts_before: what signals that count, such as touches of a stop, end with in the run of
+            larger errors that this one was compared with; empty where none was.
         signal_units: what each signal is measured in.
         scene: that was run, as it was run.
     """
@@ -77,6 +79,7 @@ class Result(Pictures):
     collocated_steps: int = 0
     estimated_error: float = 0.0
     unknown_error: str = ""
+    counts_before: dict[str, float] = field(default_factory=dict)
     signal_units: dict[str, str] = field(default_factory=dict)
     scene: Scene | None = field(default=None, repr=False)
     velocity: dict[str, Signal] = field(default_factory=dict, repr=False)

@@ -168,7 +168,9 @@ def _run(
         facts = replace(facts, estimated_error=max(facts.estimated_error, own_error))
     merged = merged_now(simulation.scene, simulation.units) if known else []
     facts = replace(facts, messages=(*facts.messages, *merged))
-    return result(recorder, facts, seconds, names, velocities(scene) if names and known else [])
+    found = result(recorder, facts, seconds, names, velocities(scene) if names and known else [])
+    counts = controlled.counts_before if isinstance(controlled, TwoTolerances) else {}
+    return replace(found, counts_before=counts)
 
 
 def result(

@@ -11,6 +11,7 @@ from ..master.names import stations
 from ..output.picture import GREY, Line, Panel, PlotAxis, colour
 from ..output.plot import metres
 from ..scene import Scene
+from .verdict.words import times
 
 _FARTHEST = 3.0  # gaps: what is farther out is cut off, so that the gap can be seen
 
@@ -37,7 +38,7 @@ def stop_panel(scene: Scene, time: Array, signals: Mapping[str, Array]) -> Panel
         began = np.flatnonzero(np.diff(touches, prepend=0.0) > 0.0)
         if len(began):
             points = time[began], np.full(len(began), factor * stop.gap)
-            said = f"touched {touches[-1]:.0f} times"
+            said = f"touched {times(round(touches[-1]))}"
             lines.append(Line(points, said, colour(k - 1), "marks"))
     for gap in sorted(set(gaps)):
         ends = time[[0, -1]], np.full(2, factor * gap)

@@ -8,11 +8,11 @@ from functools import cached_property
 
 import numpy as np
 
-from ...units import brief, rounded
 from .known import Known
 from .outcome import Outcome
 from .record import Record
 from .seen import Vibration, Weights
+from .words import seconds
 
 MARGIN = 3.0  # of a deviation: what small motions may exceed their rule by
 SAFE = 1.3  # of a time: the same
@@ -94,6 +94,6 @@ class Case:
 def unsettled(case: Case) -> str:
     """How a reason of a run that has not settled begins."""
     begin, constant = float(case.record.time[0]), case.known.time_constant
-    since = f" since the change at {rounded(begin, 3)} s" if begin > 0.0 else ""
-    rule = f", time constant {brief(constant)} s" if math.isfinite(constant) else ""
+    since = f" since the change at {seconds(begin, 3)}" if begin > 0.0 else ""
+    rule = f", time constant {seconds(constant)}" if math.isfinite(constant) else ""
     return f"not settled yet{since}{rule}"

@@ -6,12 +6,13 @@ import math
 
 import numpy as np
 
-from ...units import brief, in_both, readable_apart
+from ...units import in_both, readable_apart, rounded
 from .case import MARGIN, OFFSETS_TELL, SAFE, Case, Ruling
 from .known import SURELY_BEYOND, Known
 from .outcome import Outcome
 from .steady import size_of
 from .words import millimetres, percent
+from .words import seconds as in_words
 
 
 def from_facts(known: Known) -> Ruling | None:
@@ -66,7 +67,7 @@ def from_facts(known: Known) -> Ruling | None:
     return Ruling(
         Outcome.UNSTABLE,
         f"unstable at this speed, {here}: a deviation from balance grows by "
-        f"{brief(known.growth.rate)} 1/s",
+        f"{rounded(known.growth.rate, 2)} 1/s",
     )
 
 
@@ -100,7 +101,7 @@ def rule_linear(case: Case) -> Ruling:
     seconds = None
     if away > 0.5 * known.limit and math.isfinite(away):
         seconds = SAFE * constant * math.log(MARGIN * away / (0.5 * known.limit))
-        unsettled = f"; the run has not settled yet, time constant {brief(constant)} s"
+        unsettled = f"; the run has not settled yet, time constant {in_words(constant)}"
     elif not math.isfinite(away):
         unsettled = "; the run is too short to show it"
     settled_at = f"{percent(share)} of the vibration without {case.called}{unsettled}"

@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING
 
 from ...master.names import OF_STOPS, stations
 from ...scene import Scene
-from ...units import rounded
 from .ahead import look_ahead
 from .case import DOUBT
 from .known import Known
@@ -19,6 +18,7 @@ from .ran import Ran
 from .steady import BALANCED
 from .stretches import SHORTEST, Stretch
 from .verdict import Stopped, Verdict
+from .words import seconds
 
 if TYPE_CHECKING:
     from ..result import Result
@@ -92,6 +92,7 @@ def _looked_ahead(run: Run, verdict: Verdict, last: Stretch) -> Verdict:
                 outcome=Outcome.BALANCED,
                 after=later.after,
                 reason="",
+                remedy="",
                 revolutions=None,
             )
         if verdict.revolutions is not None:
@@ -99,8 +100,8 @@ def _looked_ahead(run: Run, verdict: Verdict, last: Stretch) -> Verdict:
         outcome = Outcome.SPEED_CHANGES if not last.steady else Outcome.NOT_SETTLED
         reason, length = verdict.reason.removesuffix(DOUBT), _first_balanced(ahead, later)
         if last.end < float(run.time[-1]):
-            seconds = ahead.scene.profile().time_of(math.tau * length) - last.end
-            reason += f": keep this speed for {rounded(seconds, 3)} s more"
+            further = ahead.scene.profile().time_of(math.tau * length) - last.end
+            reason += f": keep this speed for {seconds(further, 3)} more"
             return replace(verdict, outcome=outcome, reason=reason, remedy="")
         reason += f": set run.revolutions = {length}"
         return replace(verdict, outcome=outcome, reason=reason, revolutions=length, remedy="")
@@ -158,7 +159,9 @@ def _stopped(result: Result, scene: Scene) -> tuple[Stopped, ...]:
         force, touches = (f"rotor.stop[{k}].{what}" for what in OF_STOPS)
         if force in result.signals and touches in result.signals:
             count, most = int(result[touches][-1]), float(result[force][-1])
-            found.append(Stopped(stop.called, count, most))
+            before = result.counts_before.get(touches)
+            before = before if before is None else int(before)
+            found.append(Stopped(stop.called, count, most, before))
     return tuple(found)
 
 

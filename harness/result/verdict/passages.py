@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ....models.arrays import Array
+from ....models.arrays import Array, Complex
 from ...master.names import stations
 from ...scene import Scene
 from ..sag import from_sag, sag_of
@@ -39,14 +39,21 @@ def passages(
 
 def without_balancers(scene: Scene) -> tuple[Array, Array] | None:
     """Times and largest distances of the rotor without balancers; None where it cannot run."""
+    found = motion_without_balancers(scene)
+    return None if found is None else (found[0], np.abs(found[1]).max(axis=0))
+
+
+def motion_without_balancers(scene: Scene) -> tuple[Array, Complex] | None:
+    """Times (T,) [s] and displacements x + i y from the sag (n, T) [m] of the rotor without
+    balancers; None where it cannot run."""
     bare = scene.without_balancers()
     prefixes = stations(len(bare.rotor.points))
     run = run_again(bare, [f"rotor.{p}{axis}" for p in prefixes for axis in "xy"])
     if run is None:
         return None
     moved = from_sag(run.signals, sag_of(bare, run.time))
-    sizes = [np.hypot(moved[f"rotor.{p}x"], moved[f"rotor.{p}y"]) for p in prefixes]
-    return run.time, np.asarray(np.max(sizes, axis=0))
+    motion = [moved[f"rotor.{p}x"] + 1j * moved[f"rotor.{p}y"] for p in prefixes]
+    return run.time, np.array(motion)
 
 
 def _largest(time: Array, size: Array, stretch: Stretch) -> float:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -12,25 +11,26 @@ from ....models.arrays import Array
 from ....models.harmonic_balance import NoResponse
 from ...master.merged import SHORT
 from ...master.names import stations
-from ...scene import Scene
-from ...scene.balancer import WeightBalancer
-from ...scene.grade import moments, residual_unbalance
-from ...units import rounded
+from ...scene.grade import residual_unbalance
 from ..sag import from_sag, sag_of
 from ..velocity import VELOCITY
+from .by_run import about_mean, rule_by_run, vibration_without
 from .case import Case, Ruling
+from .facts import from_facts
+from .held import held_at_end, shares_used
 from .known import Known
 from .outcome import Outcome
 from .ran import Ran
 from .record import Mask, Record
 from .ruling import rule
-from .seen import seen
+from .seen import Vibration, seen
+from .steady import BALANCED
 from .stretches import Stretch, driven, motor_angle, prescribed
 from .verdict import Verdict
+from .words import is_nothing, seconds
 
 MOST_REVOLUTIONS = 1e6  # that are advised
 SPARE = 2.0  # revolutions that are advised on top
-TURN_POINTS = 96  # at which the mean over one revolution is taken
 
 
 class Run:
@@ -76,13 +76,14 @@ class Run:
             Known(scene, stretch.end, speed).natural.tolist() if speed else (),
         )
         vibration, size = self._sizes(record, upto)
-        held = self._held(upto)
+        until = {name: np.asarray(values)[upto] for name, values in self.ran.signals.items()}
+        held = held_at_end(scene, until, self.angle[upto], steady=stretch.steady)
         bare = Verdict(
             self.called,
             vibration,
             self._velocity(upto),
             speed=speed,
-            used=_used(scene, held) if held else (),
+            used=shares_used(scene, held) if held else (),
             left=residual_unbalance(scene, held, stretch.end, speed) if held is not None else None,
         )
         if not speed:
@@ -100,21 +101,17 @@ class Run:
         angles = angles if angles is None or len(angles) else None
         known = Known(self.scene, stretch.end, record.speed, angles)
         if now is not None:
-            bare = replace(
-                bare,
-                synchronous=now.size,
-                mean=float(np.hypot(*now.mean).max()),
-                other=now.largest_other if now.others else None,
-                other_change=now.changes.get(now.largest_other[0]),
-            )
-        if now is not None and self.scene.rotor.is_free:  # where it is and drifts is no vibration
-            rate = None if bare.velocity is None else record.speed * now.size / math.sqrt(2.0)
-            bare = replace(bare, vibration=now.size, velocity=rate, drifts=True)
-        try:
-            bare = replace(bare, alone=known.alone)
-        except NoResponse as error:
-            return replace(bare, outcome=Outcome.NO_RESPONSE, reason=str(error) * bool(self.called))
-        if not known.alone:
+            bare = self._with_parts(bare, record, now)
+        wanted = bool(self.called) and now is not None
+        alone, unknown = vibration_without(known, record, wanted)
+        if alone is None:
+            reason = unknown * bool(self.called)
+            return replace(bare, outcome=Outcome.NO_RESPONSE, reason=reason)
+        bare = replace(bare, alone=alone)
+        if unknown and is_nothing(alone):
+            reason = "the supports hold the rotor at rest, also without balancers"
+            return replace(bare, outcome=Outcome.NO_RESPONSE, reason=reason)
+        if not alone:
             reason = "the rotor has no unbalance" * bool(self.called)
             return replace(bare, outcome=Outcome.NO_UNBALANCE, reason=reason)
         if not self.called:
@@ -122,10 +119,18 @@ class Run:
         together = final and any(SHORT in event for event in self.ran.events)
         case = Case(known, record, self.called, together, now, before, weights)
         try:
-            found = rule(case) if stretch.steady else self._changing(stretch, known)
+            if not stretch.steady:
+                found = self._changing(stretch, known)
+            elif unknown:
+                size = about_mean(self.motion[:, np.isin(self.time, record.time)], record)
+                found = rule_by_run(case, alone, size)
+            else:
+                found = rule(case)
         except NoResponse as error:
             return replace(bare, outcome=Outcome.NO_RESPONSE, reason=str(error))
-        after = _after(record, known, size) if found.outcome is Outcome.BALANCED else None
+        after = None
+        if found.outcome is Outcome.BALANCED:
+            after = _after(record, None if unknown else known, BALANCED * alone, size)
         turn = stretch.steady and weights is not None and bool(weights.turning.any())
         if found.left_behind is not None or turn:
             # weights that turn in the rotor hold no unbalance
@@ -146,10 +151,31 @@ class Run:
         )
         return self._advised(bare, found, final)
 
+    def _with_parts(self, bare: Verdict, record: Record, now: Vibration) -> Verdict:
+        """With the vibration told apart by frequency."""
+        bare = replace(
+            bare,
+            synchronous=now.size,
+            mean=float(np.hypot(*now.mean).max()),
+            other=now.largest_other if now.others else None,
+            other_change=now.changes.get(now.largest_other[0]),
+        )
+        if not self.scene.rotor.is_free:
+            return bare
+        # where it is and drifts is no vibration
+        rate = None if bare.velocity is None else record.speed * now.size / math.sqrt(2.0)
+        return replace(bare, vibration=now.size, velocity=rate, drifts=True)
+
     def _changing(self, stretch: Stretch, known: Known) -> Ruling:
-        """Of a run that ends while the speed still changes."""
+        """Of a run that ends while the speed still changes; weights that hold too little do so at
+        every speed."""
         way = "rises" if stretch.speed > stretch.start else "falls"
-        return Ruling(Outcome.SPEED_CHANGES, f"the speed still {way} at the end of the run")
+        still = f"the speed still {way} at the end of the run"
+        if known.exceeds_capacity and not known.off_centre:
+            fact = from_facts(known)
+            assert fact is not None
+            return replace(fact, reason=f"{fact.reason}; {still}")
+        return Ruling(Outcome.SPEED_CHANGES, still)
 
     def _motor_stays(self, stretch: Stretch, found: Ruling) -> str:
         """What a motor's speed is beside that without load, where it is far below."""
@@ -168,7 +194,7 @@ class Run:
         if found.seconds is None or not math.isfinite(found.seconds):
             return verdict
         if not final:
-            reason = f"{verdict.reason}: keep this speed for {rounded(found.seconds, 3)} s more"
+            reason = f"{verdict.reason}: keep this speed for {seconds(found.seconds, 3)} more"
             return replace(verdict, reason=reason)
         end = float(self.time[-1]) + found.seconds
         turned = self.scene.profile().angle(end) / math.tau + SPARE
@@ -194,39 +220,12 @@ class Run:
             return None
         return max(float(self.ran.velocity[name][upto][-1]) for name in names)
 
-    def _held(self, upto: Mask) -> dict[str, float] | None:
-        """What the weights hold, by its signals [kg m]; None where it is not known.
 
-        Weights that gravity swings once per revolution hold their mean: what swings with the
-        revolution shakes at 0 and twice the rotor's frequency.
-        """
-        names = moments(self.scene)
-        if names is None or any(name not in self.ran.signals for name in names):
-            return None
-        values = {name: np.asarray(self.ran.signals[name])[upto] for name in names}
-        angle = self.angle[upto]
-        if not self.scene.operation.gravity or not angle[-1] - angle[0] > math.tau:
-            return {name: float(each[-1]) for name, each in values.items()}
-        turn = angle[-1] - math.tau * np.linspace(0.0, 1.0, TURN_POINTS, endpoint=False)
-        return {name: float(np.interp(turn, angle, each).mean()) for name, each in values.items()}
-
-
-def _after(record: Record, known: Known, size: Array) -> float:
+def _after(record: Record, known: Known | None, limit: float, size: Array) -> float:
     """Time from which on the vibration is below the limit [s]: all of it where that is, else that
-    of the unbalance left."""
-    if size[record.since(1.0)].max() > known.limit and record.weights is not None:
+    of the unbalance left, where that is known."""
+    if known and size[record.since(1.0)].max() > limit and record.weights is not None:
         size = known.sizes(record.weights)
-    beyond = np.flatnonzero(size > known.limit)
+    beyond = np.flatnonzero(size > limit)
     first = int(beyond[-1]) + 1 if len(beyond) else 0
     return float(record.time[min(first, len(record.time) - 1)])
-
-
-def _used(scene: Scene, held: Mapping[str, float]) -> tuple[tuple[str, float, float], ...]:
-    """Of each balancer: share of its capacity, and that; without the mass of a track off centre."""
-    used = []
-    for one in scene.balancer:
-        assert isinstance(one, WeightBalancer)
-        moment = complex(*(held[f"{one.label}.moment_{axis}"] for axis in ("xi", "eta")))
-        about_track = abs(moment - one.device.added_mass * one.offset)
-        used.append((one.label, about_track / one.capacity, one.capacity))
-    return tuple(used)

@@ -9,7 +9,7 @@ from ....models.ring import BELIEVED, DRY, WARNED
 from ...scene.grade import GRADES
 from ...units import brief, in_both, readable_unbalance, rounded
 from .outcome import Outcome
-from .words import is_nothing, millimetres, percent, velocity
+from .words import is_nothing, millimetres, percent, times, velocity
 
 if TYPE_CHECKING:
     from .verdict import Passage, Verdict
@@ -69,10 +69,10 @@ def _thinness(verdict: Verdict) -> Iterator[str]:
 
 def _stops(verdict: Verdict) -> Iterator[str]:
     """Which stops were touched, and how hard."""
-    touched = [one for one in verdict.stops if one.touches]
+    touched = [one for one in verdict.stops if one.touches or one.touches_before]
     for one in touched:
-        times = "once" if one.touches == 1 else f"{one.touches} times"
-        yield f"The {one.place} was touched {times}, with at most {rounded(one.force, 3)} N."
+        often = times(one.touches, one.touches_before)
+        yield f"The {one.place} was touched {often}, with at most {rounded(one.force, 3)} N."
     if verdict.stops and not touched:
         yield "No stop was touched."
 
@@ -84,7 +84,9 @@ def _vibration(verdict: Verdict) -> str:
     said = f"ibration {millimetres(verdict.vibration)}"
     if verdict.velocity is not None:
         said += f" ({velocity(verdict.velocity)})"
-    if verdict.balancers and verdict.alone:
+    if verdict.balancers and verdict.alone and is_nothing(verdict.alone):
+        said += f", without {verdict.balancers} {millimetres(verdict.alone)}"  # no share of nothing
+    elif verdict.balancers and verdict.alone:
         share = percent((size if mostly_other else verdict.vibration) / verdict.alone)
         at = f"; at the rotor's frequency {millimetres(size)}" if mostly_other else ""
         said += f"{at}, {share} of {_three(verdict.alone)} without {verdict.balancers}"
@@ -127,19 +129,21 @@ def _parts(verdict: Verdict) -> Iterator[str]:
 
 
 def _unbalance(verdict: Verdict) -> Iterator[str]:
+    """What the weights hold, and what is left; of a run whose speed changes only at its end."""
+    moment = " at this moment" if verdict.outcome is Outcome.SPEED_CHANGES else ""
     if len(verdict.used) == 1:
         used, most = verdict.used[0][1:]
         yield (
-            f"{verdict.balancers.capitalize()} use {100.0 * used:.0f} % of their capacity "
+            f"{verdict.balancers.capitalize()} use{moment} {100.0 * used:.0f} % of their capacity "
             f"({readable_unbalance(most)})."
         )
     elif verdict.used:
         parts = (
             f"{name} {100.0 * u:.0f} % of {readable_unbalance(c)}" for name, u, c in verdict.used
         )
-        yield f"Capacity in use: {', '.join(parts)}."
+        yield f"Capacity in use{moment}: {', '.join(parts)}."
     if verdict.left is not None:
-        word = "left" if verdict.balancers else "of the rotor"
+        word = f"left{moment}" if verdict.balancers else "of the rotor"
         yield f"Unbalance {word} {_unbalanced(verdict.left[0])}: {_grade(verdict.left[1])}."
 
 

@@ -34,11 +34,14 @@ class Stopped:
         place: what it is, and the support that has it.
         touches: how often the rotor has come to touch it.
         force: largest force of the stop [N].
+        touches_before: the same of the run of larger errors that this one was compared with; None:
+            there was none.
     """
 
     place: str
     touches: int
     force: float
+    touches_before: int | None = None
 
 
 @dataclass(frozen=True)

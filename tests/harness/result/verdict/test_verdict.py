@@ -458,3 +458,35 @@ def test_a_free_tool_is_judged_at_the_frequency_of_its_rotor_and_its_drift_named
     assert found.vibration == found.synchronous < 0.05 * found.alone
     assert "drifts and precesses" in str(found)
     assert found.growth < -1.0
+
+
+def test_a_vibration_of_nothing_has_no_share_and_no_exponent():
+    """An unbalance of 1e-12 kg m: some 1e-13 m without balls."""
+    found = str(verdict(drum(unbalance=1e-12, turns=40)))
+    assert "e-" not in found
+    assert "e+" not in found
+    assert "without balls below 0.0001 mm" in found
+
+
+def test_a_run_up_over_the_capacity_says_so_and_states_what_is_held_at_its_end():
+    rising = {"operation.run_up": {"from": 60.0, "to": 300.0, "seconds": 20.0},
+              "run.revolutions": 100}  # fmt: skip
+    over = verdict(drum(unbalance=0.05).replace(rising))
+    assert over.outcome is Outcome.OVER_CAPACITY
+    assert "the speed still rises" in over.reason
+    found = verdict(drum().replace(rising))
+    assert found.outcome is Outcome.SPEED_CHANGES
+    assert "Balls use at this moment" in str(found)
+    assert "Unbalance left at this moment" in str(found)
+
+
+@pytest.mark.parametrize(("limit", "balanced"), [(0.5, True), (60.0, False), (200.0, True)])
+def test_rigid_dry_friction_is_judged_by_runs_with_balls_and_without(limit, balanced):
+    """A slider with 0.5 N hardly matters, 200 N hold the rotor at rest before the balls do."""
+    scene = drum(turns=300, rotor__friction=[{"support": 1, "limit": limit}])
+    found = verdict(scene)
+    assert found.balanced is balanced
+    longer = cosimulate(scene.replace({"run.revolutions": 1500}))
+    late = longer.time > 0.2 * longer.time[-1]
+    motion = (longer["rotor.x"] + 1j * longer["rotor.y"])[late]
+    assert (abs(motion - motion.mean()).max() < 0.05 * found.alone) == balanced
