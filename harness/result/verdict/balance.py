@@ -29,6 +29,8 @@ SLOW_PULL = 0.3  # of the unbalance's pull: what other frequencies may shake wei
 def balanced(case: Case, now: Vibration, weights: Weights, left: float) -> Ruling | None:
     """Balanced, or kept from it by nothing but the swing in gravity."""
     known = case.known
+    if known.is_unstable:
+        return None
     still = now.largest <= AGREES * known.limit  # whatever its frequency
     if max(left, now.size) > known.limit or not (still or now.known):
         return None

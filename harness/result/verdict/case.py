@@ -96,4 +96,6 @@ def unsettled(case: Case) -> str:
     begin, constant = float(case.record.time[0]), case.known.time_constant
     since = f" since the change at {seconds(begin, 3)}" if begin > 0.0 else ""
     rule = f", time constant {seconds(constant)}" if math.isfinite(constant) else ""
+    if case.known.is_unstable:
+        rule = ", the weights leave a position of balance that is unstable for a stable one"
     return f"not settled yet{since}{rule}"

@@ -64,6 +64,8 @@ def from_facts(known: Known) -> Ruling | None:
             f"below the critical speed, {in_both(known.critical, 'rad/s')}: the weights go to the "
             "heavy side",
         )
+    if known.others_are_stable:  # the weights leave this one
+        return None
     return Ruling(
         Outcome.UNSTABLE,
         f"unstable at this speed, {here}: a deviation from balance grows by "

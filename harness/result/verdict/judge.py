@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from ...master.names import OF_STOPS, stations
 from ...scene import Scene
+from ...units import rounded
 from .ahead import look_ahead
 from .case import DOUBT
 from .known import Known
@@ -18,12 +19,13 @@ from .ran import Ran
 from .steady import BALANCED
 from .stretches import SHORTEST, Stretch
 from .verdict import Stopped, Verdict
-from .words import seconds
+from .words import millimetres, seconds
 
 if TYPE_CHECKING:
     from ..result import Result
 
 TIME_CONSTANTS_AT_LEAST = 3.0  # that a transient far from balance takes: to 5 %
+ALIKE = 1.2  # times a vibration: so near another one is the same to a reader
 _OPEN = (Outcome.NOT_SETTLED, Outcome.CANNOT_TELL)
 
 
@@ -107,17 +109,27 @@ def _looked_ahead(run: Run, verdict: Verdict, last: Stretch) -> Verdict:
         return replace(verdict, outcome=outcome, reason=reason, revolutions=length, remedy="")
     if later.outcome in _OPEN and verdict.revolutions is not None:
         return verdict
-    shown = f"a run of {ahead.scene.revolutions:.4g} revolutions"
+    shown = f"a run of {rounded(ahead.scene.revolutions)} revolutions"
     if later.outcome in _OPEN or later.outcome is Outcome.SPEED_CHANGES:
         doubt = f"{verdict.reason.removesuffix(DOUBT)}; {shown} does not show how it ends"
         return replace(verdict, reason=doubt)
     return replace(
         verdict,
         outcome=later.outcome,
-        reason=f"{later.reason}, as {shown} shows",
+        reason=f"{later.reason}, as {shown} shows{_then(later, verdict)}",
         remedy=later.outcome.remedy,
         left_behind=later.left_behind,
+        used=verdict.used if later.left_behind is None else (),
+        left=verdict.left if later.left_behind is None else None,
     )
+
+
+def _then(later: Verdict, verdict: Verdict) -> str:
+    """The vibration that a longer run ends with, where it is another one."""
+    if later.vibration is None or verdict.vibration is None:
+        return ""
+    low, high = sorted((later.vibration, verdict.vibration))
+    return f": the vibration is then {millimetres(later.vibration)}" if high > ALIKE * low else ""
 
 
 def _first_balanced(run: Run, verdict: Verdict) -> int:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -17,6 +17,7 @@ from ....models.linear.on_race import OnRace, main_motion, rounded
 from .steady import Steady, size_of
 
 _NEAR = 0.1  # rad: weights rest there
+_TRIED = 8  # other positions of balance that are tried
 SURELY_BEYOND = 1.5  # of the limit: least squares do not find the least of the largest
 
 
@@ -117,6 +118,24 @@ class Known(Steady):
             return find_growth(self.assembly if self.lobes else self.balancing, self.speed)
         except (ValueError, ArithmeticError):
             return None
+
+    @property
+    def is_unstable(self) -> bool:
+        """Whether a deviation from the balanced motion next to where the weights are grows."""
+        return self.growth is not None and self.growth.state == "unstable"
+
+    @cached_property
+    def others_are_stable(self) -> bool:
+        """Whether the weights balance in other positions too, of which one at least is stable.
+
+        Three weights in a plane balance at many angles, which can differ in stability.
+        """
+        count = len(self.table.angle)
+        if self.lobes or count <= 2 * len(np.unique(self.table.plane)):
+            return False
+        random = np.random.default_rng(0)
+        tried = (replace(self, angles=random.uniform(0.0, math.tau, count)) for _ in range(_TRIED))
+        return any(one.growth and one.growth.state == "stable" for one in tried)
 
     @property
     def is_damped(self) -> bool:

@@ -121,7 +121,8 @@ def _parts(verdict: Verdict) -> Iterator[str]:
     if verdict.other and verdict.other[1] > MATTERS * verdict.vibration:
         frequency, size = verdict.other
         kind = "a slow precession" if frequency < 0.5 * verdict.speed else "a vibration"
-        fades = verdict.other_change is not None and verdict.other_change < DECAYS
+        changes = verdict.other_change if verdict.left_behind is None else None  # it keeps them up
+        fades = changes is not None and changes < DECAYS
         decay = ", which decays" if fades else ""
         yield f"Beside it {kind} of {millimetres(size)} at {in_both(frequency, 'rad/s')}{decay}."
     if verdict.mean is not None and verdict.mean > MATTERS * verdict.vibration:

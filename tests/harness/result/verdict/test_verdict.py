@@ -490,3 +490,35 @@ def test_rigid_dry_friction_is_judged_by_runs_with_balls_and_without(limit, bala
     late = longer.time > 0.2 * longer.time[-1]
     motion = (longer["rotor.x"] + 1j * longer["rotor.y"])[late]
     assert (abs(motion - motion.mean()).max() < 0.05 * found.alone) == balanced
+
+
+def test_a_vibration_that_weights_left_behind_keep_up_is_not_said_to_decay():
+    """Right after the start it falls, and a longer run shows that the weights keep it up."""
+    parts = {"vibration": 2e-3, "alone": 1e-3, "synchronous": 1e-3, "other": (116.7, 1.6e-3),
+             "other_change": 0.7, "speed": 420.0}  # fmt: skip
+    for behind, says in ((None, True), ((110.6, 116.7), False)):
+        found = Verdict("balls", **parts, left_behind=behind, outcome=Outcome.ANOTHER_MOTION)
+        assert (", which decays." in " ".join(sentences(found))) == says
+
+
+def test_a_longer_run_that_ends_in_another_motion_states_its_vibration():
+    """Balls of little drag, captured later than the run shows."""
+    changes = {"rotor.stiffness": 20e3, "rotor.damping": 30.0, "balls.speeds": [-180.0] * 3}
+    scene = drum(speed=180.0, turns=10, balls__drag=1e-2).replace(changes)
+    found = verdict(scene)
+    assert found.outcome is Outcome.ANOTHER_MOTION
+    said = re.search(r"the vibration is then ([\d.]+) mm", found.reason)
+    assert said
+    longer = verdict(scene.replace({"run.revolutions": 3000}))
+    assert found.vibration < 0.5 * longer.vibration
+    assert 1e-3 * float(said[1]) == pytest.approx(longer.vibration, rel=0.1)
+
+
+def test_an_unstable_position_of_balance_is_left_where_others_are_stable():
+    """Three balls balance at many angles: they leave those that are unstable, and balance."""
+    scene = drum(speed=180.0, turns=20, balls__drag=0.01, rotor__damping=30.0)
+    near = {"rotor.stiffness": 20e3, "balls.angles": [3.435, 1.801, 4.345]}
+    found = verdict(scene.replace(near))
+    assert found.growth > 0.0
+    assert found.outcome is Outcome.NOT_SETTLED
+    assert verdict(scene.replace({**near, "run.revolutions": found.revolutions})).balanced
