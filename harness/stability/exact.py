@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from itertools import combinations, product
-from typing import Any
 
 from ...models.papers.window import LiquidWindow
 from ...models.proof.equations import Equations
