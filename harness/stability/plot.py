@@ -35,14 +35,15 @@ def plot_map(data: StabilityMap, path: Path | None) -> Path | Drawing:
     figure, axes = _framed(data)
     x, y = data.x.values, data.y.values
     finite = np.abs(data.growth[np.isfinite(data.growth)])
-    largest = float(np.quantile(finite, 0.98)) if finite.size else 1.0
+    largest = float(np.quantile(finite, 0.98)) if finite.size else 0.0
+    largest = largest or float(finite.max(initial=0.0)) or 1.0  # undamped machines neither grow
     # the tail is cut so that it cannot wash out the rest
     norm = SymLogNorm(largest / 10.0**DECADES, vmin=-largest, vmax=largest, base=10.0)
     colours = axes.pcolormesh(
         x, y, np.ma.masked_invalid(data.growth), cmap="RdBu_r", norm=norm,
         shading="nearest", rasterized=True,  # between colours is no growth: white stars
     )  # fmt: skip
-    first = 10.0 ** np.floor(np.log10(largest)) if largest > 0.0 else 1.0
+    first = 10.0 ** np.floor(np.log10(largest))
     ends = [first / 10.0**k for k in range(int(DECADES))]
     bar = figure.colorbar(colours, ax=axes, extend="both", pad=0.015)
     bar.set_ticks([*(-end for end in ends), 0.0, *ends[::-1]])

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+import autobalancer as ab
 from autobalancer.harness.stability.axis import Axis
 from autobalancer.harness.stability.plot import FLOOR, plot_run_map
 
@@ -36,3 +37,11 @@ def test_residuals_that_are_rounding_span_no_decades_of_colour(smallest):
 def test_residuals_alike_and_none_at_all_are_drawn(tmp_path):
     for residual in (np.full((2, 3), 1e-3), np.zeros((2, 3)), np.full((2, 3), np.nan)):
         assert plot_run_map(Machine(residual), tmp_path / "map.png").stat().st_size > 0
+
+
+def test_a_map_on_which_nothing_grows_or_decays_is_drawn(tmp_path):
+    """A rotor without damping: every growth rate is 0 to the last digit."""
+    rotor = ab.Planar(mass=1.0, stiffness=100.0, unbalance=1e-3)
+    found = ab.Scene(rotor=rotor, speed=20.0).map("speed=5:20:4", "rotor.mass=1:2:3")
+    assert not found.growth.any()
+    assert found.plot(tmp_path / "map.png").stat().st_size > 0
