@@ -9,7 +9,7 @@ import typer
 
 from ..output import options
 from ..output.files import write_json
-from ..output.terminal import say, show
+from ..output.terminal import progress_bars, say, show
 from .changes import changed_scene, set_option
 
 
@@ -30,7 +30,10 @@ def command(
     changes: Annotated[list[str] | None, set_option("balls.drag=0.1")] = None,
 ) -> None:
     """Say what a race that is not round leaves of the vibration."""
-    found = changed_scene(scene, changes).race(lobes, speed)
+    loaded = changed_scene(scene, changes)
+    with progress_bars() as bars:
+        bars.add_task(f"rests of the weights of {loaded.name}", total=None)
+        found = loaded.race(lobes, speed)
     show(found.readable())
     say(found.sentence())
     if json_file is not None:

@@ -160,10 +160,10 @@ def out_of_round(scene: Scene, text: str = "", speed: float | None = None) -> Ou
     except ValueError as error:
         if not assembly.weights:
             raise UserError(f"{scene.label}: {error}") from error
-        raise UserError(
-            f"{scene.label}: {error}; on supports alike in x and y give the lobes as the key race "
-            "of each balancer, and leave them out here"
-        ) from error
+        remedy = "; run the scene with them instead, as the key race of each balancer"
+        if assembly.rotor.isotropic:
+            remedy = "; give them as the key race of each balancer, and leave --lobes out"
+        raise UserError(f"{scene.label}: {error}{remedy}") from error
     points = replace(assembly, balancers=tuple(
         replace(one, half_angle=0.0) for one in assembly.balancers))  # fmt: skip
     round_race = _size(_least(Race(points, w, ())))

@@ -11,7 +11,7 @@ from ...fmus.catalogue import CATALOGUE
 from ..errors import UserError, is_own_file
 from ..output.outcome import Outcome
 from ..output.table import Sheet
-from ..output.terminal import ready_to_write
+from ..output.terminal import ready_to_fill, ready_to_write
 from ..output.workers import Progress
 from ..scene import Scene
 
@@ -167,5 +167,7 @@ def written(path: Path, make: Callable[[Path], object]) -> Path:
 
 def _check_place(path: Path) -> None:
     """Refuse a place that takes no file before anything is compiled, which can take minutes."""
-    there = next(folder for folder in path.parents if folder.exists())  # the others are made
-    ready_to_write(there / path.name)
+    if path.parent.exists():
+        ready_to_write(path)
+    else:  # it is made
+        ready_to_fill(path.parent)

@@ -177,6 +177,11 @@ def value_at(scene: Scene, path: str) -> float:
         raise UserError(f"{path}: the scene has no such value") from None
     if isinstance(found, tuple) and found and all(one == found[0] for one in found):
         found = found[0]  # one number for both axes
+    if isinstance(found, tuple) and found:
+        raise UserError(
+            f"{path}: has {len(found)} values that differ: name one of them, {path}[1] to "
+            f"{path}[{len(found)}]"
+        )
     if not isinstance(found, float):
         raise UserError(
             f"{path}: must be a number with a unit or a share, not a whole number or text; the "

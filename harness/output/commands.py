@@ -24,7 +24,7 @@ import typer
 from typer.core import TyperGroup
 
 from ..errors import SimulationError, UserError, is_own_file
-from ..units import engineering
+from ..units import QUANTITIES, engineering, to_si
 from . import options
 from .interrupts import ended_after, temporary_files
 from .machine import program_version
@@ -34,6 +34,7 @@ _SECONDS = {"s": 1.0, "m": 60.0, "h": 3600.0, "d": 86400.0, "": 1.0}
 # of the command line; its home differs between releases of typer
 _Misuse: type[Exception] = typer.BadParameter.__mro__[1]
 _OPTION = re.compile(r"--?[a-zA-Z]")
+_NUMBER = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?")
 _TIME = re.compile(r"(?P<number>\d+(?:\.\d*)?|\.\d+)\s*(?P<unit>[smhd]?)")
 
 
@@ -49,7 +50,8 @@ class Commands(TyperGroup):
             return super().invoke(ctx)
         except _Misuse as error:
             asked = self.commands.get(ctx.invoked_subcommand)
-            if not (words := _incomplete_option(asked, options.typed.get())):
+            typed = options.typed.get()
+            if not (words := _incomplete_option(asked, typed) or _divided_value(asked, typed)):
                 raise
             say(words, error=True)
             raise typer.Exit(2) from error
@@ -97,6 +99,25 @@ def _incomplete_option(command: Any, typed: Sequence[str]) -> str:
                     f"between: {name} {each.metavar}. {each.help}"
                 )
     return ""
+
+
+def _divided_value(command: Any, typed: Sequence[str]) -> str:
+    """How to write a number and its unit that were typed apart, such as --load 44 kN; or empty."""
+    for each in command.params if command else ():
+        for name in set(each.opts).intersection(typed) if each.nargs == 1 else ():
+            value, unit, *_ = *typed[typed.index(name) + 1 :], "", ""
+            if _NUMBER.fullmatch(value) and not _OPTION.match(unit) and _is_unit(unit):
+                return f'{name} {value} {unit}: a value with a space needs quotes: "{value} {unit}"'
+    return ""
+
+
+def _is_unit(text: str) -> bool:
+    """Whether it is the unit of some quantity of a scene."""
+    for symbol in QUANTITIES if text else ():
+        with suppress(ValueError):
+            to_si(f"1 {text}", symbol)
+            return True
+    return False
 
 
 def _where_room_is_missing(error: OSError) -> str:

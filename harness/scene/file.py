@@ -48,9 +48,15 @@ def bundled_scenes() -> list[str]:
     return sorted(path.stem for path in BUNDLED.glob("*.toml"))
 
 
-def _scenes_beside(path: Path) -> list[str]:
-    """Scene files in the folder of a path that does not exist, as one would write them."""
-    return [str(path.parent / other.name) for other in path.parent.glob("*.toml")]
+def _meant_beside(path: Path) -> str:
+    """' (did you mean ...?)', a scene file in the folder of a path that does not exist; or nothing.
+
+    Of the names alone: endings and folders are alike.
+    """
+    names = {other.stem: str(path.parent / other.name) for other in path.parent.glob("*.toml")}
+    if not (said := did_you_mean(path.stem, list(names))):
+        return ""
+    return said.replace(stem := said.split('"')[1], names[stem])
 
 
 def find(source: str | Path) -> Path:
@@ -72,7 +78,7 @@ def find(source: str | Path) -> Path:
     if path.exists():
         raise SceneError(f"{path}: is not a file that can be read; a scene is a TOML file")
     if path.suffix or path.name != str(source):
-        raise SceneError(f"{source}: no such file{did_you_mean(str(source), _scenes_beside(path))}")
+        raise SceneError(f"{source}: no such file{_meant_beside(path)}")
     raise SceneError(
         f"{source}: no such file, and no bundled scene of that name"
         f"{did_you_mean(str(source), names)}; bundled: {', '.join(names)}"

@@ -85,7 +85,7 @@ def replaced(
             ]
             near = f" (did you mean {' or '.join(within)}?)" if within else ""
             known = [*tables, *bodies]
-            near = near or did_you_mean(first, known)
+            near = near or did_you_mean(first, ["speed", *known])
             raise SceneError(f"{path!r}: unknown{near}; begins with one of: {', '.join(known)}")
         if first in balancers:
             holder = document["balancer"][balancers[first]]

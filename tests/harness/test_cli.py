@@ -195,7 +195,7 @@ def test_a_place_that_takes_no_fmu_is_refused_before_anything_is_built(invoke, m
     monkeypatch.setattr("autobalancer.fmus.native.build.compile._compiled", compiled)
     outcome = invoke("build", "two_balls", "-o", "/proc/made", *form)
     assert outcome.exit_code == 2, outcome.output
-    assert "/proc/two_balls" in outcome.stderr or "/proc/RotorOnSupports.fmu" in outcome.stderr
+    assert "/proc/made: cannot be made a directory" in outcome.stderr
 
 
 def test_a_missing_file_of_the_program_is_an_internal_error_to_report(
@@ -230,6 +230,7 @@ def test_a_missing_file_of_the_program_is_an_internal_error_to_report(
             "2 values, with spaces between: --range L",
         ),
         (["motions", "two_balls", "--speeds", "1", "2", "--sweep"], "between: --speeds LOW HIGH N"),
+        (["capture", "two_balls", "--speed", "20", "rpm"], 'needs quotes: "20 rpm"'),
     ],
 )
 def test_wrong_input_ends_with_two_and_one_line(invoke, arguments, message):

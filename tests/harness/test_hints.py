@@ -44,6 +44,25 @@ def test_a_path_that_does_not_exist_names_no_bundled_scenes(invoke, tmp_path):
     assert "no such file (did you mean" in outcome.stderr
     assert "two_balls" not in outcome.stderr
     assert "two_balls" in invoke("run", "two_bals").stderr
+    outcome = invoke("run", tmp_path / "undamped.toml")  # alike in its ending alone
+    assert outcome.stderr.endswith("undamped.toml: no such file\n")
+
+
+def test_a_number_and_another_mistake_are_not_taken_for_a_value_with_a_space(invoke):
+    outcome = invoke("capture", "--speed", "20", "two_balls", "--plt", "x.png")
+    assert "--plt" in outcome.stderr
+    assert "quotes" not in outcome.stderr
+
+
+def test_paths_that_are_nearly_right_say_how_they_are_written(invoke):
+    axes = ["--x", "spede=1:2:3", "--y", "weights.drag=1:2:3"]
+    assert 'did you mean "speed"?' in invoke("map", "two_balls", *axes).stderr
+    fit = ["fit", "two_balls", "--measured", "x.csv", "--free", "rotor.stiffness"]
+    assert "name one of them, rotor.stiffness[1] to rotor.stiffness[2]" in invoke(*fit).stderr
+    outcome = invoke("race", "two_balls", "--lobes", "2=20um")
+    assert "run the scene with them instead" in outcome.stderr  # its supports are not alike
+    outcome = invoke("race", "grinder", "--lobes", "2=20um")
+    assert "give them as the key race" in outcome.stderr
 
 
 def test_engineers_frequencies_stand_in_one_column(invoke):
