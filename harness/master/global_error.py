@@ -83,6 +83,11 @@ class Attempt:
     error: float
     allowed: float
 
+    @property
+    def is_far(self) -> bool:
+        """Whether the two runs differ by so much that their motions may part."""
+        return max(self.apart, self.at_rest) >= ASYMPTOTIC
+
 
 class Controlled:
     """The runs of one scene, each finer than the one before, until the tolerance is kept.
@@ -128,21 +133,23 @@ class Controlled:
             try:
                 recorder = self._run(parts, progress)
             except SimulationError:  # steps that the tolerance allowed are too long for the loop
-                if parts >= PARTING:
+                if parts < PARTING:
+                    continue
+                if last is None or not last.is_far:
                     raise
-                continue
+                recorder = self._run(self.parts, progress)  # it says as much as a finer one would
+                break
             finer = self._at(recorder, grid)
             apart = largest_difference(signals, finer, scale, slice(held))
             at_rest = largest_difference(signals, finer, scale, slice(held, None))
             last, signals = self._attempt(last, apart, at_rest, parts), finer
-            far = max(apart, at_rest) >= ASYMPTOTIC
             # two runs that hide a fast vibration between their points can agree by chance
             watched = self.cosim.facts().estimated_error
             self.parts, self.error = parts, max(last.error, watched)
             kept = last.error_by_order <= last.allowed and self.error <= self.tolerance
             last = replace(last, error_by_order=max(last.error_by_order, watched))
             # of motions that part no run says more than the one before
-            if kept or parts >= (PARTING if far else MOST_STEP_PARTS):
+            if kept or parts >= (PARTING if last.is_far else MOST_STEP_PARTS):
                 break
         self._compare_with_neighbours(grid, signals, scale, progress)
         return recorder

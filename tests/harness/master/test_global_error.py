@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from autobalancer.harness import Scene, load_scene
+from autobalancer.harness.errors import LoopError
 from autobalancer.harness.master.cosimulation import CoSimulation
 from autobalancer.harness.master.one_file_run import OneFileRun
 from autobalancer.harness.master.recorder import Recorder, recorded
@@ -74,6 +75,25 @@ def test_a_run_whose_motions_part_states_the_size_of_the_error():
     )
     assert "smaller run.revolutions" in note
     assert result.estimated_error > 0.03
+
+
+def test_motions_that_part_state_the_size_of_the_error_where_finer_steps_fail(monkeypatch):
+    """A finer run would say no more; whether its loop converges at every impact is chance."""
+    begin, begun = CoSimulation.start, []
+
+    def start(self, *arguments, parts=1, **options):
+        begun.append(parts)
+        if parts >= 32:
+            raise LoopError("the loop did not converge")
+        begin(self, *arguments, parts=parts, **options)
+
+    monkeypatch.setattr(CoSimulation, "start", start)
+    many = {"run.revolutions": 40, "rotor.damping": 1.0, "coupling.tolerance": 1e-4}
+    result = cosimulate(UNSTABLE.replace(many), separate=True)
+    assert begun[-1] == max(n for n in begun if n < 32) < max(begun)
+    assert result.estimated_error > 0.03
+    assert result.steps == len(result.time) - 1
+    assert result.events[0].startswith("tolerance = 0.0001 is not kept: runs with ever shorter")
 
 
 def test_a_tolerance_is_kept_at_the_end_of_a_run_up_under_heavy_drag():
