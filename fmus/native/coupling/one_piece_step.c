@@ -134,6 +134,22 @@ static void begin_step(Unit *unit)
     }
 }
 
+/* Whether steps by collocation are tried: of a machine that is stiff, or whose shaft internal damping takes along with
+   the whirl, the faster the larger that is. */
+static bool may_collocate(const Composite *c)
+{
+    const Machine *m = &c->pieces.step;
+    const int n = m->stations;
+    const double largest = c->course->one_piece.largest;
+    double damping = 0.0;
+    int k;
+    for (k = 0; k < n && c->motor && !c->pieces.is_eventful && !m->restraints; k++) {
+        damping += m->internal_damping[k * n + k];
+    }
+    return c->pieces.is_stiff ||
+           damping * largest * largest > STIFF_RATE * c->course->drive.fastest * m->per_rate * m->drive.inertia;
+}
+
 /* Length of the step in the machine's time; 1 with the reason. */
 static int choose_length(Unit *unit, double *length)
 {
@@ -141,6 +157,7 @@ static int choose_length(Unit *unit, double *length)
     const Composite *c = unit->own;
     const Machine *m = &c->pieces.step;
     OnePiece *one_piece = &c->course->one_piece;
+    const bool is_stiff = may_collocate(c);
     int k, leaves = 0;
     for (k = 0; k < MOST_LINES; k++) {
         double ends[2];
@@ -149,11 +166,11 @@ static int choose_length(Unit *unit, double *length)
             return 1;
         }
         *length = machine_length(m, one_piece_order(c), one_piece_step_tolerance(unit), one_piece->largest,
-                                 c->pieces.is_stiff);
+                                 is_stiff);
         if (c->pieces.rings) {
             *length = rings_length(m, *length);
         }
-        if (c->pieces.is_stiff && one_piece_try_collocation(unit, length)) {
+        if (is_stiff && one_piece_try_collocation(unit, length)) {
             return 1;
         }
         leaves = 0;
