@@ -113,6 +113,12 @@ def limits(data: Captured) -> list[str]:
             f"The largest damping ratio is {strongest:.2g}: in trials with {STRONG_DAMPING:g} "
             "weights were let go at 0.95 to 1.03 times the release speed."
         )
+    if found.motions and not data.scene.assembly().rotor.isotropic:
+        said.append(
+            "The supports are not alike along x and y: the closed form is an average there. In "
+            "trials weights were let go from about half of that drag on: none are left behind "
+            "beyond it, but whether they are below it `autobalancer motions` has to count."
+        )
     if found.unbalance_share >= SHARE_OF_CAPACITY:
         said.append(
             f"Unbalance is {100.0 * found.unbalance_share:.0f} % of the capacity: from "

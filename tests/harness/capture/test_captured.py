@@ -43,6 +43,15 @@ def test_large_unbalance_and_strong_damping_are_named_as_limits():
     assert not scene(0.0075, unbalance=0.001).capture().limits()
 
 
+def test_supports_that_are_not_alike_are_named_as_a_limit_where_weights_can_be_left_behind():
+    alike = scene(0.005)
+    unlike = alike.replace({"rotor.stiffness": [1.0, 1.2]})
+    words = "not alike along x and y"
+    assert unlike.capture().found.motions
+    assert any(words in line for line in unlike.capture().limits())
+    assert not any(words in line for line in alike.capture().limits())
+
+
 def test_json_holds_drag_release_and_every_motion(invoke, tmp_path):
     path = scene(0.006).save(tmp_path / "machine.toml")
     target = tmp_path / "found.json"
