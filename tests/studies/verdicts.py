@@ -21,7 +21,7 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from autobalancer.harness import Scene, cosimulate
+from autobalancer.harness import Scene, SimulationError, cosimulate
 from autobalancer.harness.output.table import Sheet
 from autobalancer.harness.output.workers import in_order
 from autobalancer.harness.result.verdict import Outcome, Verdict
@@ -81,7 +81,10 @@ def judge(family: str, number: int, seed: int, by: str = "reference") -> Judged:
     scene = Scene.from_document(drawn(family, number, seed))
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
-        result = cosimulate(scene)
+        try:
+            result = cosimulate(scene)
+        except SimulationError as error:  # a rotor that whirls beyond any bound has no verdict
+            return Judged(family, number, "refused", "", str(error), undecided=False)
         verdict = result.summary()
         found = partial(Judged, family, number, verdict.outcome.value, text=str(verdict),
                         undecided=is_undecided(verdict))  # fmt: skip
@@ -273,7 +276,8 @@ def _one(seed: int, by: str, item: tuple[str, int]) -> Judged:
 
 def table(found: list[Judged]) -> Sheet:
     """Outcomes by family, and how many are wrong."""
-    outcomes = [o.value for o in Outcome if any(j.outcome == o.value for j in found)]
+    every = (*(outcome.value for outcome in Outcome), "refused")
+    outcomes = [name for name in every if any(j.outcome == name for j in found)]
     rows = []
     for name in [*dict.fromkeys(j.family for j in found), "all"]:
         mine = [j for j in found if name in (j.family, "all")]
