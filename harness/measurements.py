@@ -20,7 +20,7 @@ import numpy as np
 from ..models.arrays import Array
 from .errors import UserError
 from .input_files import CsvRow, read_csv
-from .units import to_si
+from .units import WIDEST, to_si
 
 NOTES = ("note", "comment")  # columns for people
 _HEAD = re.compile(r"(?P<body>.*?\S)\s+[\[(](?P<unit>[^\[\]]*?)[\])]|(?P<alone>.*)")
@@ -154,7 +154,17 @@ class Measurements:
             value = factor * number.number(column.head)
         if not math.isfinite(value):
             raise UserError(f"{row.place}: {column.head} = {text}: must be a finite number")
+        if _is_in_degrees(column, value):
+            raise UserError(
+                f"{row.place}: {column.head} = {text}: more than two turns; is it in degrees? "
+                f"then name the column `{column.known.name} [deg]`"
+            )
         return value
+
+
+def _is_in_degrees(column: Column, value: float) -> bool:
+    """Whether a number of a column in rad is so large that it was probably measured in degrees."""
+    return column.symbol == "rad" and column.factor == 1.0 and abs(value) > WIDEST
 
 
 def _is_raw(column: Column) -> bool:

@@ -42,6 +42,7 @@ ips = inch / second; pound_force = 9.80665 * pound * meter / second**2 = lbf
 
 
 RPM = math.pi / 30.0  # rad/s
+WIDEST = 4.0 * math.pi  # rad: an angle beyond two turns is in degrees
 
 
 class Quantity(NamedTuple):

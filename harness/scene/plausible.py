@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...models.papers.capacity import weight_mass
-from ..units import engineers, in_both, readable_apart, readable_unbalance, rounded
+from ..units import WIDEST, engineers, in_both, readable_apart, readable_unbalance, rounded
 from .balancer import Liquid, Ring, WeightBalancer
 from .quantities import each_of
 from .rotor import Flexible
@@ -34,7 +34,6 @@ HELD = 3.0  # times gravity: centrifugal acceleration that surely keeps a liquid
 RING_RADIUS, RING_GAP = 0.15, 0.005  # m: chambers with a float are smaller or their gap is
 CAPACITY_ROUNDING = 1e-12  # of what weights hold
 MOST_GROWTH = 25.0  # of the logarithm of a motion: its weights then need a million short steps
-WIDEST = 4.0 * math.pi  # rad: an angle beyond two turns is in degrees
 
 
 class ImplausibleWarning(UserWarning):

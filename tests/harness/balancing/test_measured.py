@@ -124,6 +124,10 @@ GOOD = "run,sensor,amplitude_um,phase_lead_deg,mass_g[1],angle_deg[1]\nr,a,1,0,,
         (GOOD.replace("t,a,2", "t,b,2"), "do not have the same readings: a, b"),
         (GOOD.replace("t,a,2", "t,a,x"), r"line 3: amplitude_um = 'x': must be a number"),
         (GOOD.replace("t,a,2", "t,a,-2"), r"line 3: amplitude = -2: must not be below 0"),
+        (
+            GOOD.replace("phase_lead_deg", "phase_lead_rad").replace("t,a,2,0", "t,a,2,75"),
+            r"line 3: phase_lead_rad = 75: more than two turns; is it in degrees\? .*\[deg\]",
+        ),
         (GOOD + "t,a,2,0,1,0\n", r"line 4: run 't': a is read twice"),
         (GOOD + "t,b,2,0,3,0\n", "do not agree on the mass in plane 1"),
         (
