@@ -38,7 +38,7 @@ from ..errors import SimulationError
 from ..master.closing import Closing
 from ..scene import Scene
 from .crossings import Measured
-from .revolution import PERTURBATION, RANK, Matrix, Revolution, Vector, derivative
+from .revolution import PERTURBATION, RANK, TIGHT, Matrix, Revolution, Vector, derivative
 
 Outcome = TypeVar("Outcome")
 
@@ -51,6 +51,7 @@ MAP_ROUNDING = 3e-14  # of a state's scale, after a revolution in the given step
 LEAST_SHRINKING = 8.0  # of a change, by half the steps: signals are of order 4
 MOVED_BESIDE_OTHERS = 1e-4  # of a state's scale: weights must not touch
 OTHER_DISTANCE = 0.7  # times that, with every other number of steps
+OTHER_TOLERANCE = 10.0  # times that of a machine in one piece, there: its steps are its own
 
 
 @dataclass(frozen=True)
@@ -249,7 +250,8 @@ class MainMotion(Closing):
 
         The error is what the last halving of the steps changed, or an eighth of what the one before
         did, for two numbers of steps can agree by chance; and rounding.  Steps are halved until the
-        rate exceeds it, or until the rest is rounding.
+        rate exceeds it, or until the rest is rounding.  A machine in one piece has steps of its
+        own: every other time it has another tolerance instead.
 
         Raises:
             SimulationError: the units refuse the finest steps too.
@@ -285,13 +287,15 @@ class MainMotion(Closing):
     def _rate(self, speed: float, steps: int) -> tuple[float, float]:
         """Largest growth rate and its rounding [1/s], by a number of steps per revolution."""
         given, self.units.steps = self.units.steps, steps
-        # another distance for every other number of steps: what it changes belongs to the error
-        octave = round(math.log2(steps / given))
-        moved = self._accuracy.moved * (1.0 if octave % 2 else OTHER_DISTANCE)
+        # another distance and tolerance for every other number of steps: what they change belongs
+        # to the error
+        is_other = round(math.log2(steps / given)) % 2 == 0
+        moved = self._accuracy.moved * (OTHER_DISTANCE if is_other else 1.0)
+        self.units.tolerance = TIGHT * (OTHER_TOLERANCE if is_other else 1.0)
         try:
             reduced = self._rows @ self._map(self._columns, speed, moved, self._accuracy.order)
         finally:
-            self.units.steps = given
+            self.units.steps, self.units.tolerance = given, TIGHT
         noise = MAP_ROUNDING * max(1.0, steps / given) / moved / sys.float_info.epsilon
         values, errors = eigenvalues_with_errors(reduced[None], roundings=noise)
         sizes = np.maximum(np.abs(values), sys.float_info.min)

@@ -33,7 +33,7 @@ PERTURBATION = 1e-4  # of each state's scale: central differences err by 1e-8, r
 RANK = 1e-6  # smaller singular values of a derivative are zero: central differences err by 1e-8
 FIXED_POINT_TOLERANCE = 1e-9  # of each state's scale; iterated coupling is converged to 1e-10
 FIXED_POINT_ITERATIONS = 20
-TIGHT = 1e-12  # of a machine in one piece: what differences of its starts bear
+TIGHT = 1e-14  # of a machine in one piece: what differences of its starts bear
 
 
 @dataclass(frozen=True)
@@ -110,6 +110,7 @@ class Revolution(Closing):
 
     Attributes:
         rotor: parameters that every start gives the rotor on top of the scene's.
+        tolerance: of a machine in one piece, whose steps are its own.
     """
 
     def __init__(self, scene: Scene, *, steps: int | None = None, separate: bool = False) -> None:
@@ -122,6 +123,7 @@ class Revolution(Closing):
         self._one_file = None if separate or why_separate(scene) else composition_in_c(scene)
         self.states = states(scene)
         self.rotor: dict[str, float] = {}
+        self.tolerance = TIGHT
         units = plan(scene).units
         self._drives = [one.name for one in units if one.driven]
         start = {one.name: one.start for one in units}
@@ -145,7 +147,7 @@ class Revolution(Closing):
         """States (k, n) one revolution after each of (k, n), rotor at the same angle."""
         if self._one_file is None:
             return np.array([self._turned(state, speed) for state in states])
-        changed = {"coupling.tolerance": TIGHT, "speed": speed}
+        changed = {"coupling.tolerance": self.tolerance, "speed": speed}
         changed |= {f"rotor.{name}": value for name, value in self.rotor.items()}
         starts, outputs = (
             [f"{s.unit}.{name}" for s, name in zip(self.states, names, strict=True)]

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import autobalancer as ab
+from autobalancer.harness.stability.main_motion import MainMotion
 from tests.studies.regions import compare, contradictions, states_alternate, stretches
 
 pytestmark = pytest.mark.slow
@@ -125,6 +126,20 @@ def test_a_limit_stands_within_its_own_error():
     for exact, other in pairs:
         assert abs(exact.speed - other.speed) <= exact.error + other.error
         assert other.error < 1e-4 * other.speed
+
+
+@pytest.mark.parametrize("mass", [3e-8, 1e-8])
+@pytest.mark.parametrize("share", [0.2, 0.5, 0.9])
+def test_growth_at_a_limit_is_within_its_error_under_drag_that_outweighs_the_weights(mass, share):
+    """Below 1e-8 1/s steps of the units err by as much, alike for every distance of the starts."""
+    held = 2.0 * mass * 0.36
+    weights = ("rollers", mass, 0.36, 4.9e-5)
+    scene = disc(1.86, [6056.0, 2394.0], 1.19, share * held, [weights])
+    limits = [c.speed for c in scene.speeds(17.0, 342.0, "floquet").methods["floquet"]]
+    assert len(limits) == 3
+    with MainMotion(scene) as motion:
+        found = [motion.find_growth(speed).growth for speed in limits]
+    assert all(abs(one.rate) <= one.error for one in found), found
 
 
 def test_what_is_undecided_is_printed_and_written(invoke, tmp_path):
