@@ -70,7 +70,7 @@ def own_variables(sizes: CompositeSizes) -> list[Variable]:
         *_outer_forces(sizes),
         output("rotor.speed", "rad/s", "Speed of the rotor", observed=True),
         output("coupling.steps", "1", "Steps taken by the machine", observed=True),
-        output("coupling.error", "1", "Error of a step of the machine, estimated", observed=True),
+        output("coupling.error", "1", "Error that all steps so far may have made", observed=True),
         output("vibration", "m", VIBRATION, observed=True, quantity="Displacement"),
         output("residual_unbalance", "kg.m", RESIDUAL, observed=True),
         output("capacity_used", "1", CAPACITY, observed=True),

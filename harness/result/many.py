@@ -35,7 +35,7 @@ RESULTS = {
     "largest": "largest amplitude of the run [m]",
     "settling_time": "after which the amplitude stays near the last [s]; NaN: not settled",
     "settled": "1 where the last two revolutions are alike",
-    "error": "estimated error of a step, relative to the motion",
+    "error": "stated error of the run, relative to the motion: the sum of what its steps may err",
     "merged": "1 where identical point weights end at one angle, equal to the last bit: the run "
     "cannot part them again, even where that state is unstable (see `run`)",
 }

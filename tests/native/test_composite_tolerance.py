@@ -78,3 +78,26 @@ def test_what_is_read_beside_an_output_does_not_change_it():
     beside = cosimulate(scene, record=[*names, "balls.F_xi"])
     assert alone["liquid.clearance"].tolist() == beside["liquid.clearance"].tolist()
     assert np.ptp(alone["liquid.clearance"]) > 1e-3
+
+
+@pytest.mark.parametrize("tolerance", [1e-3, 1e-6])
+@pytest.mark.parametrize("name", ["two_balls", "run_up", "three_mass_shaft", "goncharov_balls"])
+def test_the_stated_error_of_a_run_so_far_covers_its_error(instance, name, tolerance):
+    """Against the same file with steps that err by rounding, within three times at every look."""
+    scene = loose(name, tolerance, 20)
+    names = [f"rotor.{each}" for each in ("x", "y")] if len(scene.rotor.stations) == 1 else [
+        f"rotor.station[{k + 1}].{axis}" for k in range(len(scene.rotor.stations)) for axis in "xy"
+    ]  # fmt: skip
+    length = scene.profile().time_of(math.tau * 20) / 40
+    hosts = [instance(each).begin() for each in (scene, loose(name, 1e-12, 20))]
+    rows, stated = ([], []), []
+    for _ in range(40):
+        for host, found in zip(hosts, rows, strict=True):
+            host.step(length)
+            found.append(host.get(*names))
+        stated.append(hosts[0].get("coupling.error")[0])
+    given, right = (np.array(each) for each in rows)
+    error = np.abs(given - right).max(axis=1) / np.abs(right).max()
+    assert (error <= 3.0 * np.array(stated) + 1e-12).all()
+    assert np.all(np.diff(stated) >= 0.0)
+    assert 0.0 < stated[-1] < tolerance

@@ -53,7 +53,7 @@ typedef struct {
         changes_behind; /* of the unbalance: as next_corner, and how many changes are behind */
 } DriveSignal;
 
-/* Of the run so far. */
+/* Of the run so far; error: the sum of what its steps may err. */
 typedef struct {
     double steps, passes, error;
 } Totals;

@@ -310,6 +310,6 @@ int one_piece_step(Unit *unit)
     }
     course->total.steps += 1.0;
     one_piece->collocated_steps += one_piece->collocated > 0.0;
-    course->total.error = one_piece_step_tolerance(unit);
+    course->total.error += one_piece_step_tolerance(unit);
     return 0;
 }
