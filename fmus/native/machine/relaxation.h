@@ -58,6 +58,13 @@ int relaxation_allocate(Unit *unit, Relaxation *made, int weights);
    may begin or cease to touch, nothing moves. */
 double relaxation_step(Relaxation *r, Machine *machine, double length, double tolerance);
 
+/* -- relaxation_drag.c ------------------------------------------------------------------------------- */
+
+/* What follows from a rule, with memory for so many weights, in `unit`; 1 where there is none. */
+int relaxation_allocate_rule(Unit *unit, RelaxedRule *made, const Radau *rule, int weights);
+/* What this drag makes of N in a step of this length. */
+void relaxation_prepare(const RelaxedRule *rule, Relaxed *made, double drag, double length);
+
 /* -- relaxation_contacts.c --------------------------------------------------------------------------- */
 
 /* Bounds of what moves the weights, of a step in which the plane moves so. */

@@ -101,7 +101,8 @@ double restraint_square(const RestraintSeries *s, int k)
     return s->square[2 * k] + s->square[2 * k + 1];
 }
 
-void restraint_distance(RestraintSeries *s, int k)
+/* Coefficient k of r where r is above 0. */
+static void add_distance(RestraintSeries *s, int k)
 {
     double *r = s->distance, sum = restraint_square(s, k);
     int j;
@@ -132,9 +133,9 @@ void cubic_series_force(const CubicSpring *spring, const RestraintSeries *s, int
 void stop_series_pressure(const Stop *stop, RestraintSeries *s, int k)
 {
     if (k == 0) {
-        restraint_distance(s, 0);
+        add_distance(s, 0);
     }
-    restraint_distance(s, k + 1);
+    add_distance(s, k + 1);
     s->pressure[k] = stop->stiffness * (s->distance[k] - (k == 0 ? stop->gap : 0.0)) +
                      stop->damping * (k + 1) * s->distance[k + 1];
 }

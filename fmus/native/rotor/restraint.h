@@ -55,9 +55,8 @@ size_t restraint_series_size(int coefficients);
 RestraintSeries restraint_series_in(double *memory, int coefficients);
 /* Coefficient k of the displacement, and of what follows from it alone. */
 void restraint_displace(RestraintSeries *series, int k, const double *displacement);
-/* Coefficient k of r^2 (`square` is known so far), and of r where r is above 0. */
+/* Coefficient k of r^2, where `square` is known so far. */
 double restraint_square(const RestraintSeries *series, int k);
-void restraint_distance(RestraintSeries *series, int k);
 /* Coefficient k of the force on the rotor (2,) of a cubic spring; of a stop that presses, for which the
    displacement is known up to k + 1; its stiffness and damping in the unit of time. */
 void cubic_series_force(const CubicSpring *spring, const RestraintSeries *series, int k, double *force);

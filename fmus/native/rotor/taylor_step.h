@@ -50,6 +50,8 @@ typedef struct {
     double *restraint_data; /* series of each cubic spring and stop */
 } TaylorStep;
 
+/* -- taylor_setup.c --------------------------------------------------------------------------------- */
+
 /* Doubles of the states of sliders, then stops. */
 size_t holds_doubles(const Holds *holds);
 
@@ -60,8 +62,7 @@ size_t taylor_step_size(int stations, int planes, const Holds *holds);
 int taylor_step_in(double *memory, const LinearRotor *rotor, const Holds *holds, double *scratch, TaylorStep *made,
                    Failure *failure);
 
-/* Length of a stretch from time t into the step on [s]. */
-double taylor_stretch(const TaylorStep *method, const Excitation *excitation, double t);
+/* -- taylor_step.c ---------------------------------------------------------------------------------- */
 
 /* State (q, v), sliders and stops one `step` [s] later, in place; with `stops` behind the first event at most,
    such that *reached [s] is 0 for one at the start. */
