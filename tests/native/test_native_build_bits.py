@@ -1,4 +1,4 @@
-"""One run has the same bits on glibc, musl, arm64 (under qemu-user) and Windows (under wine).
+"""One run has the same bits on glibc, musl, arm64 and older x86-64 (qemu-user), Windows (wine).
 
 A host in plain C (host/runner.c) runs a scene's one file and prints the bits of every output after
 every step.  It is compiled here for each machine, without a C library, like the units themselves.
@@ -69,6 +69,11 @@ MACHINES = {
         "aarch64-linux",
         ("qemu-aarch64-static", "-L", _ARM),
         {"qemu-aarch64-static": "qemu-user-static", f"{_ARM}/lib": "libc6-arm64-cross"},
+    ),
+    "without AVX2": Machine(
+        "x86_64-linux",
+        ("qemu-x86_64-static", "-cpu", "Nehalem"),
+        {"qemu-x86_64-static": "qemu-user-static", "/lib64/ld-linux-x86-64.so.2": "libc6"},
     ),
     "windows": Machine(
         "x86_64-windows", ("wine",), {"wine": "wine", "/usr/lib/wine/wine64": "wine64"}

@@ -5,19 +5,14 @@
 
 #include <stdint.h>
 
-#define WHOLE 4503599627370496.0   /* 2^52: from here on every number is whole */
-#define ROUNDER 6755399441055744.0 /* 3 2^51: leaves whole numbers of what is added to it */
-#define SPLITTER 134217729.0       /* 2^27 + 1 */
-#define SMALL_ANGLE 1.0e5          /* the products n P1, n P2 are exact up to here */
-#define CANCELLED 1e-17            /* less, a quarter turn, is left of an angle: too few digits */
+#include "base/direction.h"
 
-/* pi/2 in parts of 33 bits and the rest */
-static const double P1 = 1.5707963267341256, P2 = 6.077100506303966e-11,
-                    P3 = 2.0222662487959506e-21;
+#define WHOLE 4503599627370496.0   /* 2^52: from here on every number is whole */
+#define SPLITTER 134217729.0       /* 2^27 + 1 */
+
 /* pi/2 in parts of 53 bits */
 static const double HALF_PI[4] = {1.5707963267948966, 6.123233995736766e-17,
                                   -1.4973849048591698e-33, 5.562271104316826e-50};
-static const double TWO_OVER_PI = 0.6366197723675814;
 /* ln 2: 32 bits and the rest */
 static const double LN2_1 = 0.6931471803691238, LN2_2 = 1.9082149292705877e-10;
 static const double ONE_OVER_LN2 = 1.4426950408889634;
@@ -76,15 +71,6 @@ double scaled_by_power(double x, int exponent)
     return x * power_of_two(exponent);
 }
 
-/* a + b exactly, as rounded sum and error (Knuth). */
-static double two_sum(double a, double b, double *error)
-{
-    const double sum = a + b;
-    const double part = sum - a;
-    *error = (a - (sum - part)) + (b - part);
-    return sum;
-}
-
 /* a b exactly, as rounded product and error (Dekker). */
 static double two_product(double a, double b, double *error)
 {
@@ -141,16 +127,9 @@ static int reduced_exactly(double x, double *high, double *low)
 /* The angle x = high + low + quarters pi/2, |high| <= pi/4; returns quarters modulo 4. */
 static int reduced(double x, double *high, double *low)
 {
-    if (absolute(x) <= SMALL_ANGLE) {
-        const double n = (x * TWO_OVER_PI + ROUNDER) - ROUNDER;
-        double error;
-        const double near = two_sum(x - n * P1, -(n * P2), &error);
-        const double rest = n * P3 - error;
-        *high = near - rest;
-        *low = (near - *high) - rest;
-        if (n == 0.0 || absolute(*high) > CANCELLED * absolute(n)) {
-            return (int)n & 3;
-        }
+    const double n = angle_reduced(x, high, low);
+    if (angle_is_reduced(x, n, *high)) {
+        return (int)n & 3;
     }
     if (absolute(x) > WHOLE) {
         x = ieee_remainder(x, TAU);
@@ -158,52 +137,17 @@ static int reduced(double x, double *high, double *low)
     return reduced_exactly(x, high, low);
 }
 
-/* sin(x + low) for |x| <= pi/4 by its Taylor series; the first term left out is below 1e-19.  Every
-   other term is summed apart: two short chains of sums take half as long as one. */
-static double sine_near_zero(double x, double low)
-{
-    const double z = x * x, zz = z * z;
-    const double odd = -1.0 / 6.0 + zz * (-1.0 / 5040.0 +
-                                          zz * (-1.0 / 39916800.0 + zz * (-1.0 / 1307674368000.0)));
-    const double even = 1.0 / 120.0 + zz * (1.0 / 362880.0 +
-                                            zz * (1.0 / 6227020800.0 + zz * (1.0 / 355687428096000.0)));
-    const double tail = z * x * (odd + z * even);
-    return x + (tail + low * (1.0 - 0.5 * z));
-}
-
-/* cos(x + low), as above. */
-static double cosine_near_zero(double x, double low)
-{
-    const double z = x * x, zz = z * z, half = 0.5 * z;
-    const double odd = 1.0 / 24.0 + zz * (1.0 / 40320.0 +
-                                          zz * (1.0 / 479001600.0 + zz * (1.0 / 20922789888000.0)));
-    const double even = -1.0 / 720.0 + zz * (-1.0 / 3628800.0 +
-                                             zz * (-1.0 / 87178291200.0 + zz * (-1.0 / 6402373705728000.0)));
-    const double rest = zz * (odd + z * even);
-    const double main = 1.0 - half;
-    return main + (((1.0 - main) - half) + (rest - x * low));
-}
-
 Complex rect(double size, double angle)
 {
-    double high, low, s, c;
+    double high, low;
+    Complex turned;
     int quarters;
     if (!is_finite(angle)) {
         return complex_of(not_a_number(), not_a_number());
     }
     quarters = reduced(angle, &high, &low);
-    s = sine_near_zero(high, low);
-    c = cosine_near_zero(high, low);
-    switch (quarters) {
-    case 0:
-        return complex_of(size * c, size * s);
-    case 1:
-        return complex_of(size * -s, size * c);
-    case 2:
-        return complex_of(size * -c, size * -s);
-    default:
-        return complex_of(size * s, size * -c);
-    }
+    turned = turned_by_quarters(quarters, cosine_near_zero(high, low), sine_near_zero(high, low));
+    return complex_scaled(size, turned);
 }
 
 Complex turned_by(Turned *cache, double angle)

@@ -23,11 +23,4 @@ static inline Number number_root(Number a)
     return square_root(a);
 }
 
-static inline void number_direction(Number angle, Number *cosine, Number *sine)
-{
-    const Complex turned = rect(1.0, angle);
-    *cosine = turned.re;
-    *sine = turned.im;
-}
-
 #endif

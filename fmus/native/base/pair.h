@@ -7,7 +7,7 @@
 #ifndef AUTOBALANCER_PAIR_H
 #define AUTOBALANCER_PAIR_H
 
-#include "base/number.h"
+#include "base/direction.h"
 
 #if (defined(__x86_64__) || defined(_M_X64)) && !defined(SIDE_BY_SIDE)
 #include <emmintrin.h>
@@ -177,6 +177,16 @@ static inline Pair pair_scaled(Pair a, Number factor)
 static inline Pair pair_add_times(Pair a, Pair b, Pair c)
 {
     return pair_sum(a, pair_times(b, c));
+}
+
+/* The same where both numbers of c are one. */
+static inline Pair pair_add_by_both(Pair a, Pair b, Pair c)
+{
+#ifdef SIDE_BY_SIDE
+    return pair_of(a.x + b.x * c.x, a.y + b.y * c.x); /* the second is not read */
+#else
+    return pair_add_times(a, b, c);
+#endif
 }
 
 static inline Pair pair_add_scaled(Pair a, Pair b, Number factor)

@@ -32,6 +32,7 @@ from .targets import (
     PAGE,
     PLATFORMS,
     TARGETS,
+    WIDE_COMPILE,
     Platform,
 )
 
@@ -115,6 +116,7 @@ def _present_files() -> str:
         COMPILER,
         COMPILE,
         LANES_COMPILE,
+        WIDE_COMPILE,
         LINK,
         sorted(TARGETS.items()),
         *_times(SOURCES.parent),
@@ -148,12 +150,14 @@ def _sources(written: dict[str, str], folder: str) -> list[str]:
 def parts_of_library(platform: Platform) -> dict[str, tuple[str, tuple[str, ...]]]:
     """Text and options of each object of a library, by name; together they are `one_source`.
 
-    `lanes`, which an FMU's sources do not have, is the series once more, of several machines.
+    `lanes`, which an FMU's sources do not have, is the series once more, of several machines or
+    weights; `wide` is the same for processors with wider vectors.
     """
     written, _ = _complete()
     sources = _sources(written, platform.folder)
     fast = [name for name in sources if name.startswith(FAST)]
-    common = (*COMPILE, *platform.compiler, *(["-DHAS_LANES"] if platform.lanes else []))
+    has = {"-DHAS_LANES": platform.lanes, "-DHAS_WIDE_VECTORS": platform.wide}
+    common = (*COMPILE, *platform.compiler, *(option for option in has if has[option]))
     parts = {
         "autobalancer": (_joined(written, [n for n in sources if n not in fast]), common),
         "series": (_joined(written, fast), (*common, *FAST_COMPILE)),
@@ -162,6 +166,8 @@ def parts_of_library(platform: Platform) -> dict[str, tuple[str, tuple[str, ...]
         side_by_side = {**written, "base/number.h": written[f"{LANES}/lane_number.h"]}
         text = _joined(side_by_side, [f"{LANES}/lanes.c"])
         parts[LANES] = (text, (*common, *LANES_COMPILE))
+        if platform.wide:
+            parts["wide"] = (text, (*common, *LANES_COMPILE, *WIDE_COMPILE))
     return parts
 
 
@@ -200,6 +206,7 @@ def _complete() -> tuple[dict[str, str], str]:
         *FAST,
         *FAST_COMPILE,
         *LANES_COMPILE,
+        *WIDE_COMPILE,
         *LINK,
         *map(repr, TARGETS.values()),
     ):

@@ -32,8 +32,9 @@ _UNROLL = (
     "-unroll-full-max-count=6",
 )
 FAST_COMPILE = (*_IN_LINE, *_ALWAYS, *_UNROLL)
-# machines side by side
-LANES_COMPILE = (*_IN_LINE, "-Wno-psabi")
+# machines side by side, and for x86-64 once more with vectors that only newer processors have
+LANES_COMPILE = (*_IN_LINE, *_ALWAYS, *_UNROLL, "-Wno-psabi")
+WIDE_COMPILE = ("-mavx2", "-DWIDE_VECTORS")
 # nothing unwinds the stack of C; Windows wants its tables, and with them needs no frame pointers
 _NO_TABLES = ("-fno-asynchronous-unwind-tables", "-fno-unwind-tables")
 _NO_FRAMES = ("-fomit-frame-pointer",)
@@ -65,6 +66,11 @@ class Platform:
     link: tuple[str, ...] = _SHARED
     folder: str = ""
     lanes: bool = True
+
+    @property
+    def wide(self) -> bool:
+        """Whether there are processors with wider vectors that the library makes use of."""
+        return self.lanes and self.target.startswith("x86_64")
 
 
 # by their names in FMI 3.0

@@ -182,17 +182,43 @@ void batch_run_fail(BatchRun *run, BatchCall *all)
     close_run(run, all);
 }
 
-/* Outputs at a time in the step. */
-static int read_row(Unit *unit, const Batch *batch, double time, double *row)
+static double point_of(const BatchRun *run, const BatchCall *all, size_t number)
 {
-    const Composite *c = unit->own;
-    unit_go_to(unit, time);
+    return run->end * ((double)number / (double)all->batch->points);
+}
+
+/* The points that are read together from this one on, before the next jump; how many: more than one where nothing is to
+   be found out on the way. */
+static int find_points(BatchRun *run, const BatchCall *all, double point, double jump, double *points)
+{
+    const Composite *c = run->unit->own;
+    const OnePiece *one_piece = &c->course->one_piece;
+    const size_t left = all->batch->points - run->reached;
+    int count = 1, most = left < MOST_READ ? (int)left + 1 : MOST_READ;
+    points[0] = point;
+    if (one_piece->looked < one_piece->looks || one_piece_outputs(run->unit) != OUTPUTS_ARE_PLACES) {
+        return 1;
+    }
+    while (count < most) {
+        point = point_of(run, all, run->reached + (size_t)count);
+        if (!(point < jump) || !composite_reaches(c, point)) {
+            break;
+        }
+        points[count++] = point;
+    }
+    return count;
+}
+
+/* Outputs at times in the step, of which the last is shown. */
+static int read_rows(Unit *unit, const Batch *batch, const double *times, int count, double *rows)
+{
+    unit_go_to(unit, times[count - 1]);
     if (one_piece_outputs(unit) == OUTPUTS_ARE_PLACES) {
-        one_piece_read_places(c, time, row);
+        one_piece_read_places(unit->own, times, count, rows);
         return 0;
     }
     unit->stale = OBSERVED;
-    return unit_get_reals(unit, batch->outputs, batch->asked, row) != STATUS_OK;
+    return unit_get_reals(unit, batch->outputs, batch->asked, rows) != STATUS_OK;
 }
 
 /* Pass a jump; 1 with the reason. */
@@ -208,11 +234,13 @@ static int pass_jump(Unit *unit, double time)
 bool batch_run_read(BatchRun *run, BatchCall *all)
 {
     const Batch *batch = all->batch;
+    const double length = run->end / (double)batch->points;
     Unit *unit = run->unit;
     const Composite *c = unit->own;
     while (run->reached <= batch->points) {
-        const double point = run->end * ((double)run->reached / (double)batch->points);
-        const double jump = composite_next_jump(c), length = run->end / (double)batch->points;
+        double points[MOST_READ];
+        const double point = point_of(run, all, run->reached), jump = composite_next_jump(c);
+        int count;
         if (!composite_reaches(c, smaller(point, jump))) {
             if (!composite_refuse_many(unit, run->passes, point - length, length)) {
                 return true;
@@ -227,16 +255,17 @@ bool batch_run_read(BatchRun *run, BatchCall *all)
             }
             continue;
         }
-        if (one_piece_show(unit, point)) {
+        count = find_points(run, all, point, jump, points);
+        if (one_piece_show(unit, points[count - 1])) {
             batch_run_fail(run, all);
             return false;
         }
-        if (read_row(unit, batch, point, row_of(run, all, run->reached))) {
+        if (read_rows(unit, batch, points, count, row_of(run, all, run->reached))) {
             close_run(run, all); /* the reason has been kept */
             return false;
         }
         run->passes = c->course->total.passes;
-        run->reached++;
+        run->reached += (size_t)count;
     }
     close_run(run, all);
     return false;

@@ -54,6 +54,7 @@ int one_piece_allocate(Unit *unit)
     pieces->before = unit_allocate(unit, c->state_count, sizeof(double));
     return !pieces->planned_outputs || !pieces->plan || !pieces->looked_at || !pieces->places || !pieces->waves || !pieces->key || !pieces->before ||
            machine_allocate(unit, &pieces->step, stations, weights, tracks, lobes) ||
+           machine_allocate_beside(unit, &pieces->step, weights, tracks) ||
            machine_allocate(unit, &pieces->instant, stations, weights, tracks, lobes) ||
            (rings && machine_allocate_rings(unit, &pieces->step, rings, tracks)) ||
            (rings && machine_allocate_rings(unit, &pieces->instant, rings, tracks)) ||

@@ -19,6 +19,7 @@ enum { SPEED_OF_MOTOR = 2 }; /* of the outputs that its unit computes: behind it
 
 enum { MOST_CROWDED = 1000 }; /* steps in a row between events that follow each other too closely */
 enum { KEY_NUMBERS = 8 }; /* that say what a series is of, beside forces, phases and states */
+enum { MOST_READ = 16 }; /* times at once */
 enum { MOST_LOOKS = 4096 }; /* of a step: MOST_TURN has fewer */
 
 /* In a unit's memory; doubles alone. */
@@ -113,6 +114,15 @@ int one_piece_expand(Unit *unit);
 void one_piece_load_collocation(Composite *c, double angle);
 double one_piece_solve(const Unit *unit, double length);
 void one_piece_write_collocation(Composite *c);
+/* Set a machine to a state of the parts at this speed; the rotor's angle.  Set forces from outside,
+   so long after they were told [s]. */
+double one_piece_load(const Composite *c, Machine *machine, const double *states, double speed, double acceleration);
+/* The line of the motor's torque, in the machine's time. */
+void one_piece_set_line(Machine *machine, int line);
+void one_piece_push(const Composite *c, Machine *machine, const double *forces, double time);
+
+/* -- one_piece_stand.c --------------------------------------------------------------------------- */
+
 /* A time in the step, in the machine's. */
 double one_piece_time(const Composite *c, double time);
 /* Let the parts stand at a time of the step, in the machine's [1]. */
@@ -121,16 +131,9 @@ void one_piece_stand_at(Unit *unit, double time);
 int one_piece_place(Unit *unit);
 /* Displacements of the stations and angles of the weights, two in a pair, at the time that is shown. */
 int one_piece_places(Unit *unit, Pair *places);
-/* Set a machine to a state of the parts at this speed; the rotor's angle.  Set forces from outside,
-   so long after they were told [s]. */
-double one_piece_load(const Composite *c, Machine *machine, const double *states, double speed, double acceleration);
-/* The line of the motor's torque, in the machine's time. */
-void one_piece_set_line(Machine *machine, int line);
-/* The waves of rings of a state of the parts into a machine; those of the machine, displacements and velocities
-   (rings,), into the memories of the parts, where the rotor has this angle and speed. */
-void one_piece_load_waves(const Composite *c, Machine *machine, const double *states, double angle);
+/* The waves of rings, displacements and velocities (rings,), into the memories of the parts, where the rotor has this
+   angle and speed. */
 void one_piece_store_waves(const Composite *c, const Pair *waves, const Pair *rates, double angle, double speed);
-void one_piece_push(const Composite *c, Machine *machine, const double *forces, double time);
 
 /* -- one_piece_stiff.c --------------------------------------------------------------------------- */
 
@@ -190,8 +193,8 @@ int one_piece_signals(Unit *unit);
 OutputKind one_piece_outputs(Unit *unit);
 /* Write places, where nothing else is asked for; 1 with the reason. */
 int one_piece_observe_places(Unit *unit);
-/* The same at a time in the step, in the order in which they are asked for. */
-void one_piece_read_places(const Composite *c, double time, double *values);
+/* The same at up to MOST_READ times in the step, (count, asked) in the order in which they are asked for. */
+void one_piece_read_places(const Composite *c, const double *times, int count, double *values);
 /* Derivatives of the states of model exchange, of each part in turn; 1 with the reason. */
 int one_piece_rates(Unit *unit, double *rates);
 

@@ -252,22 +252,27 @@ int one_piece_observe_places(Unit *unit)
     return 0;
 }
 
-void one_piece_read_places(const Composite *c, double time, double *values)
+void one_piece_read_places(const Composite *c, const double *times, int count, double *values)
 {
     const Pieces *pieces = &c->pieces;
     const Machine *m = &pieces->step;
     const int order = one_piece_order(c);
-    const double within = one_piece_time(c, time);
-    Pair place = pair_zero();
-    int column = -1;
+    double within[MOST_READ];
+    Pair places[MOST_READ];
+    int column = -1, j;
     size_t k;
+    for (j = 0; j < count; j++) {
+        within[j] = one_piece_time(c, times[j]);
+    }
     for (k = 0; k < pieces->planned; k++) {
         const Output *output = pieces->plan + k;
         if (output->column != column) {
             column = output->column;
-            place = machine_place(m, column, order, within);
+            machine_places(m, column, order, within, count, places);
         }
-        values[k] = pair_at(place, output->number);
+        for (j = 0; j < count; j++) {
+            values[(size_t)j * pieces->planned + k] = pair_at(places[j], output->number);
+        }
     }
 }
 

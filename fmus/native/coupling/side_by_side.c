@@ -9,13 +9,14 @@
 typedef struct {
     NumberBlock *constants, *state, *results;
     int *shape, order;
-    size_t shape_size;
+    size_t shape_size, times_made; /* the blocks are of the machine that has been made so often */
     double angle;
     bool is_wanted; /* its series is to be expanded */
 } Loaded;
 
 /* The lanes, and which machine each of them holds. */
 typedef struct {
+    const LaneFunctions *by; /* NULL: there are none */
     Lanes *lanes;
     const BatchRun *holds[LANES];
     size_t times_made[LANES];
@@ -46,11 +47,14 @@ static int load_next(Unit *unit, Loaded *loaded)
     if (!loaded->results && allocate_blocks(unit, loaded)) {
         return unit_fail(unit, "there is no memory left");
     }
-    loaded->order = one_piece_order(c);
     machine_shape(m, loaded->shape);
-    machine_constants(m, loaded->constants);
-    machine_state(m, loaded->state);
-    machine_results(m, loaded->order, loaded->results);
+    if (loaded->times_made != c->pieces.times_made || loaded->order != one_piece_order(c)) {
+        loaded->times_made = c->pieces.times_made;
+        loaded->order = one_piece_order(c);
+        machine_constants(m, loaded->constants);
+        machine_state(m, loaded->state);
+        machine_results(m, loaded->order, loaded->results);
+    }
     return 0;
 }
 
@@ -81,20 +85,21 @@ static Machine *machine_of(const BatchRun *run)
     return &((Composite *)run->unit->own)->pieces.step;
 }
 
-#ifdef HAS_LANES
-
-/* Expand these together; 1 where there is no memory for it. */
+/* Expand these together; 1 where there are no lanes, or no memory for it. */
 static int expand_together(const BatchRun *const *runs, const Loaded *const *loaded, int count, Held *held)
 {
     LaneMachine machines[LANES];
     int lane;
+    if (!held->by) {
+        return 1;
+    }
     if (!held->lanes) {
         const Machine *m = machine_of(runs[0]);
         int k, lobes = 0;
         for (k = 0; k < m->track_count; k++) {
             lobes = m->tracks[k].lobes > lobes ? m->tracks[k].lobes : lobes;
         }
-        held->lanes = lanes_allocate(runs[0]->unit, m->stations, m->weight_count, m->track_count, lobes);
+        held->lanes = held->by->allocate(runs[0]->unit, m->stations, m->weight_count, m->track_count, lobes);
         if (!held->lanes) {
             return 1;
         }
@@ -115,18 +120,9 @@ static int expand_together(const BatchRun *const *runs, const Loaded *const *loa
         held->holds[lane] = run;
         held->times_made[lane] = times_made;
     }
-    lanes_expand(held->lanes, machines, count, loaded[0]->order);
+    held->by->expand(held->lanes, machines, count, loaded[0]->order);
     return 0;
 }
-
-#else
-
-static int expand_together(const BatchRun *const *runs, const Loaded *const *loaded, int count, Held *held)
-{
-    return 1;
-}
-
-#endif
 
 static bool is_alike(const Loaded *a, const Loaded *b)
 {
@@ -166,6 +162,7 @@ void side_by_side_run(BatchRun *runs, int count, BatchCall *all)
     int k;
     memset(loaded, 0, sizeof loaded);
     memset(&held, 0, sizeof held);
+    held.by = lanes_of_processor();
     for (;;) {
         bool goes_on = false;
         for (k = 0; k < count; k++) {

@@ -1,46 +1,54 @@
-/* Names of what is compiled twice; a function that is missing here is defined twice for the linker. */
+/* Names of what is compiled once more for lanes, or twice; a function that is missing here is defined twice for the linker. */
 #ifndef AUTOBALANCER_LANE_NAMES_H
 #define AUTOBALANCER_LANE_NAMES_H
 
 #define SIDE_BY_SIDE
 
-#define machine_advance_weight lane_machine_advance_weight
-#define machine_allocate lane_machine_allocate
-#define machine_constants lane_machine_constants
-#define machine_coupled lane_machine_coupled
-#define machine_expand lane_machine_expand
-#define machine_factorise lane_machine_factorise
-#define machine_reshape lane_machine_reshape
-#define machine_results lane_machine_results
-#define machine_set_carrier lane_machine_set_carrier
-#define machine_shape lane_machine_shape
-#define machine_solve lane_machine_solve
-#define machine_solve_factors lane_machine_solve_factors
-#define machine_start lane_machine_start
-#define machine_state lane_machine_state
-#define machine_take_off_weights lane_machine_take_off_weights
-#define machine_take_pull lane_machine_take_pull
-#define machine_take_weight lane_machine_take_weight
-#define machine_times_speed lane_machine_times_speed
-#define machine_weight_force lane_machine_weight_force
-#define series_race_advance lane_series_race_advance
-#define series_race_allocate lane_series_race_allocate
-#define series_race_blow lane_series_race_blow
-#define series_race_finish lane_series_race_finish
-#define series_race_inertia lane_series_race_inertia
-#define series_race_known lane_series_race_known
-#define series_race_push lane_series_race_push
-#define series_race_start lane_series_race_start
-#define series_race_swept lane_series_race_swept
-#define series_race_take lane_series_race_take
-#define series_race_torque lane_series_race_torque
-#define series_race_turning lane_series_race_turning
-#define series_weight_advance lane_series_weight_advance
-#define series_weight_finish lane_series_weight_finish
-#define series_weight_force lane_series_weight_force
-#define series_weight_start lane_series_weight_start
-#define series_weight_take lane_series_weight_take
-#define shaft_push lane_shaft_push
-#define shaft_take lane_shaft_take
+#ifdef WIDE_VECTORS
+#define LANE_NAME(name) wide_##name
+#else
+#define LANE_NAME(name) lane_##name
+#endif
+
+#define machine_advance_weight LANE_NAME(machine_advance_weight)
+#define machine_allocate LANE_NAME(machine_allocate)
+#define machine_carried_along LANE_NAME(machine_carried_along)
+#define machine_constants LANE_NAME(machine_constants)
+#define machine_coupled LANE_NAME(machine_coupled)
+#define machine_expand LANE_NAME(machine_expand)
+#define machine_factorise LANE_NAME(machine_factorise)
+#define machine_reshape LANE_NAME(machine_reshape)
+#define machine_results LANE_NAME(machine_results)
+#define machine_set_carrier LANE_NAME(machine_set_carrier)
+#define machine_shape LANE_NAME(machine_shape)
+#define machine_solve LANE_NAME(machine_solve)
+#define machine_solve_factors LANE_NAME(machine_solve_factors)
+#define machine_start LANE_NAME(machine_start)
+#define machine_state LANE_NAME(machine_state)
+#define machine_take_off_weights LANE_NAME(machine_take_off_weights)
+#define machine_take_pull LANE_NAME(machine_take_pull)
+#define machine_take_weight LANE_NAME(machine_take_weight)
+#define machine_times_speed LANE_NAME(machine_times_speed)
+#define machine_weight_force LANE_NAME(machine_weight_force)
+#define series_race_advance LANE_NAME(series_race_advance)
+#define series_race_allocate LANE_NAME(series_race_allocate)
+#define series_race_blow LANE_NAME(series_race_blow)
+#define series_race_finish LANE_NAME(series_race_finish)
+#define series_race_inertia LANE_NAME(series_race_inertia)
+#define series_race_known LANE_NAME(series_race_known)
+#define series_race_push LANE_NAME(series_race_push)
+#define series_race_start LANE_NAME(series_race_start)
+#define series_race_swept LANE_NAME(series_race_swept)
+#define series_race_take LANE_NAME(series_race_take)
+#define series_race_torque LANE_NAME(series_race_torque)
+#define series_race_turning LANE_NAME(series_race_turning)
+#define series_weight_advance LANE_NAME(series_weight_advance)
+#define series_weight_finish LANE_NAME(series_weight_finish)
+#define series_weight_force LANE_NAME(series_weight_force)
+#define series_weight_pulled LANE_NAME(series_weight_pulled)
+#define series_weight_start LANE_NAME(series_weight_start)
+#define series_weight_take LANE_NAME(series_weight_take)
+#define shaft_push LANE_NAME(shaft_push)
+#define shaft_take LANE_NAME(shaft_take)
 
 #endif

@@ -33,14 +33,4 @@ static inline Number number_root(Number a)
     return a;
 }
 
-static inline void number_direction(Number angle, Number *cosine, Number *sine)
-{
-    int lane;
-    for (lane = 0; lane < LANES; lane++) {
-        const Complex turned = rect(1.0, angle[lane]);
-        (*cosine)[lane] = turned.re;
-        (*sine)[lane] = turned.im;
-    }
-}
-
 #endif

@@ -2,6 +2,7 @@
 #include "lanes/lane_names.h"
 
 #include "lanes/lanes.h"
+#include "lanes/weights_beside.c"
 #include "machine/allocate.c"
 #include "machine/blocks.c"
 #include "machine/factors.c"
@@ -11,12 +12,14 @@
 #include "machine/unknowns.c"
 #include "machine/weights_series.c"
 
+/* -- machines -------------------------------------------------------------------------------------------- */
+
 struct Lanes {
     Machine machine;
     NumberBlock *constants, *state, *results;
 };
 
-Lanes *lanes_allocate(Unit *unit, int stations, int weights, int tracks, int lobes)
+static Lanes *lanes_allocate(Unit *unit, int stations, int weights, int tracks, int lobes)
 {
     Lanes *lanes = unit_allocate(unit, 1, sizeof *lanes);
     const size_t blocks = BLOCKS + BLOCKS_OF_TRACK * (size_t)tracks + BLOCKS_OF_WEIGHT * (size_t)weights;
@@ -48,6 +51,21 @@ static void gather(const NumberBlock *lanes, const NumberBlock *machine, int cou
     }
 }
 
+/* Blocks of all lanes at once. */
+static void gather_all(const NumberBlock *lanes, const NumberBlock *const *machines, int count)
+{
+    int number;
+    for (number = 0; number < count; number++) {
+        const double *a = machines[0][number].first, *b = machines[1][number].first;
+        const double *c = machines[2][number].first, *d = machines[3][number].first;
+        Number *to = (Number *)lanes[number].first;
+        size_t k;
+        for (k = 0; k < lanes[number].count; k++) {
+            to[k] = (Number){a[k], b[k], c[k], d[k]};
+        }
+    }
+}
+
 static void scatter(const NumberBlock *lanes, const NumberBlock *machine, int count, int lane)
 {
     for (; count--; lanes++, machine++) {
@@ -59,10 +77,44 @@ static void scatter(const NumberBlock *lanes, const NumberBlock *machine, int co
     }
 }
 
-void lanes_expand(Lanes *lanes, const LaneMachine *machines, int count, int order)
+typedef double Two __attribute__((vector_size(16), aligned(8)));
+
+/* The first two of four numbers that stand one behind the other of two machines. */
+static inline void scatter_two(const double *from, double *one, double *other)
+{
+    const Two a = *(const Two *)from, b = *(const Two *)(from + LANES);
+    *(Two *)one = __builtin_shufflevector(a, b, 0, 2);
+    *(Two *)other = __builtin_shufflevector(a, b, 1, 3);
+}
+
+/* The same of all lanes together. */
+static void scatter_all(const NumberBlock *lanes, const LaneMachine *machines, int count)
+{
+    int number;
+    for (number = 0; number < count; number++) {
+        const double *from = lanes[number].first;
+        const size_t numbers = lanes[number].count;
+        double *const to[LANES] = {machines[0].results[number].first, machines[1].results[number].first,
+                                   machines[2].results[number].first, machines[3].results[number].first};
+        size_t k;
+        for (k = 0; k + 1 < numbers; k += 2, from += 2 * LANES) {
+            scatter_two(from, to[0] + k, to[1] + k);
+            scatter_two(from + 2, to[2] + k, to[3] + k);
+        }
+        for (; k < numbers; k++, from += LANES) {
+            to[0][k] = from[0];
+            to[1][k] = from[1];
+            to[2][k] = from[2];
+            to[3][k] = from[3];
+        }
+    }
+}
+
+static void lanes_expand(Lanes *lanes, const LaneMachine *machines, int count, int order)
 {
     Machine *m = &lanes->machine;
     Number angle = number_of(0.0);
+    const NumberBlock *state[LANES];
     int lane, constants, states, results;
     machine_reshape(m, machines->shape);
     m->drive.motor = machines->motor;
@@ -74,11 +126,19 @@ void lanes_expand(Lanes *lanes, const LaneMachine *machines, int count, int orde
         if (one->is_new || lane >= count) {
             gather(lanes->constants, one->constants, constants, lane);
         }
-        gather(lanes->state, one->state, states, lane);
+        state[lane] = one->state;
         angle[lane] = one->angle;
     }
+    gather_all(lanes->state, state, states);
     machine_expand(m, angle, order);
+    if (count == LANES) {
+        scatter_all(lanes->results, machines, results);
+        return;
+    }
     for (lane = 0; lane < count; lane++) {
         scatter(lanes->results, machines[lane].results, results, lane);
     }
 }
+
+const LaneFunctions LANE_NAME(functions) = {
+    lanes_allocate, lanes_expand, allocate_beside, start_beside, push_beside, take_beside};

@@ -1,6 +1,8 @@
 /* Memory of a machine. */
 #include "machine/machine.h"
 
+enum { FEWEST_BESIDE = 3 }; /* weights: of fewer most of a vector would be empty */
+
 static Pair *counted_pairs(Unit *unit, size_t count, int *missing)
 {
     Pair *made = unit_allocate(unit, count, sizeof(Pair));
@@ -71,3 +73,18 @@ int machine_allocate(Unit *unit, Machine *machine, int stations, int weights, in
     }
     return missing;
 }
+
+#ifndef SIDE_BY_SIDE
+int machine_allocate_beside(Unit *unit, Machine *machine, int weights, int tracks)
+{
+    const LaneFunctions *by = weights >= FEWEST_BESIDE ? lanes_of_processor() : NULL;
+    if (!by) {
+        return 0;
+    }
+    machine->beside = by->allocate_beside(unit, weights, tracks);
+    if (machine->beside) {
+        machine->beside->by = by;
+    }
+    return !machine->beside;
+}
+#endif

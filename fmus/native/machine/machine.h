@@ -25,6 +25,7 @@
 #include "base/pair.h"
 #include "contact/track.h"
 #include "fmi/unit.h"
+#include "lanes/lanes.h"
 #include "machine/blocks.h"
 #include "machine/race_series.h"
 #include "machine/weights_series.h"
@@ -86,6 +87,7 @@ typedef struct {
     Pair gravity;
     MachineTrack *tracks;
     SeriesWeight *weights;
+    WeightsBeside *beside; /* of a plain machine with many weights, whose `unit` and `rate` are then here; NULL: of none */
     struct SeriesRace **races; /* (N,) their memory where a race may have lobes */
     MachineDrive drive;
     /* coefficients of order 0 to K, later ones behind */
@@ -102,8 +104,7 @@ typedef struct {
     int collocated_order;     /* 0: the step is by series */
     double collocated_length;
     Pair *shaft;        /* speed, and angle turned; with a motor */
-    Number *matrix;     /* (unknowns, unknowns) Cholesky's factor, with one over its diagonal; of two
-                           unknowns the inverse */
+    Number *matrix;     /* (unknowns, unknowns) the inverse, or Cholesky's factor with one over its diagonal */
     Number *right;      /* (unknowns,) */
     Number *rows;        /* (tracks, n) where waves make stations more than the rotor has */
     struct MachineRing *rings; /* of rings.h */
@@ -119,6 +120,8 @@ typedef struct {
 
 /* Memory for a machine of these sizes, on races with at most so many lobes, in `unit`; 1 where there is none. */
 int machine_allocate(Unit *unit, Machine *machine, int stations, int weights, int tracks, int lobes);
+/* The same for a machine whose weights are expanded side by side, where there are enough of them and vectors. */
+int machine_allocate_beside(Unit *unit, Machine *machine, int weights, int tracks);
 
 /* -- build.c ----------------------------------------------------------------------------------- */
 
@@ -161,7 +164,7 @@ Pair machine_times_speed(const Machine *machine, const Pair *series, int stride,
 
 /* Take off M and I what the weights take with them. */
 void machine_take_off_weights(Machine *machine);
-/* Of two unknowns the inverse, of more the factors. */
+/* Of few unknowns the inverse, of more the factors. */
 void machine_factorise(Machine *machine);
 /* The unknowns of an order in place of their right-hand sides; the same where nothing touches or sticks. */
 void machine_solve(const Machine *machine, Number *right);
@@ -174,6 +177,8 @@ void machine_solve_factors(const Machine *machine, Number *right);
 Number machine_coupled(const Machine *machine, const MachineTrack *track, const SeriesWeight *weight, int unknown);
 /* The matrix without what the weights take with them: its lower half. */
 void machine_set_carrier(Machine *machine);
+/* w' of order k where it is prescribed. */
+Number machine_carried_along(const Machine *machine, int k);
 /* Complete the pull of a track from the solution of order k; its acceleration less what was known. */
 Pair machine_take_pull(Machine *machine, MachineTrack *track, int k);
 /* Complete a weight with its phi'' of order k, and the pull of its track. */
@@ -216,6 +221,8 @@ double machine_root(double term, double tolerance, int k);
 /* Of a column of the motion at a time of the step: the place and the velocity. */
 Pair machine_place(const Machine *machine, int column, int order, double time);
 Pair machine_velocity(const Machine *machine, int column, int order, double time);
+/* Places at some times. */
+void machine_places(const Machine *machine, int column, int order, const double *times, int count, Pair *places);
 /* A bound on the sum of both numbers of a place, in a step of this length. */
 double machine_most(const Machine *machine, int column, int order, double length);
 /* Speed of the rotor, and the angle turned. */

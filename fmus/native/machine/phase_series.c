@@ -177,12 +177,6 @@ static double known_load(const Machine *m, const MachineTrack *track, const Seri
     return radius * turning - pulled;
 }
 
-/* w' of order k where it is prescribed. */
-static double carried_along(const Machine *m, int k)
-{
-    return m->drive.motor || k >= m->speed_order ? 0.0 : m->speed[k + 1] * (k + 1);
-}
-
 /* Give each weight the free acceleration of its group. */
 static void average(Machine *m, int k)
 {
@@ -194,7 +188,7 @@ static void average(Machine *m, int k)
         for (j = 0, w = group->first; j < group->size; j++, w = phase->weights[w].ahead) {
             sum += m->weights[w].share * phase->weights[w].free;
         }
-        sum = group->rests ? carried_along(m, k) : sum / group->share;
+        sum = group->rests ? machine_carried_along(m, k) : sum / group->share;
         for (j = 0, w = group->first; j < group->size; j++, w = phase->weights[w].ahead) {
             m->weights[w].free = sum;
         }
@@ -205,7 +199,7 @@ void phase_push_weights(Machine *m, int k, Pair spun_twice)
 {
     const struct Phase *phase = m->phase;
     const int n = m->stations;
-    const double carried = carried_along(m, k);
+    const double carried = machine_carried_along(m, k);
     int t, w, i;
     for (t = 0; t < m->track_count; t++) {
         MachineTrack *track = m->tracks + t;
@@ -346,7 +340,7 @@ static void take_track(Machine *m, MachineTrack *track, int k)
 void phase_take(Machine *m, int k, double speed_gained)
 {
     const struct Phase *phase = m->phase;
-    const double carried = m->drive.motor ? m->right[2 * m->stations] : carried_along(m, k);
+    const double carried = m->drive.motor ? m->right[2 * m->stations] : machine_carried_along(m, k);
     int t, g, j, w;
     take_sliders(m, k);
     for (t = 0; t < m->track_count; t++) {

@@ -7,6 +7,8 @@
 #include "machine/rings.h"
 #endif
 
+enum { MOST_OF_COPIES = 3 }; /* stations of a plain machine that has a copy of the recurrence */
+
 /* What w' leads E'' to without that of order k, and with it where it is prescribed. */
 static IN_LINE Pair spun(const Machine *m, int k)
 {
@@ -96,11 +98,19 @@ static IN_LINE void push_stations(Machine *m, int k, Pair spun_twice, bool is_pl
     }
 }
 
+static IN_LINE void push_track(Machine *m, const MachineTrack *track, Pair force)
+{
+    int i;
+    for (i = 0; i < m->stations; i++) {
+        m->right[2 * i] += track->row[i] * pair_x(force);
+        m->right[2 * i + 1] += track->row[i] * pair_y(force);
+    }
+}
+
 static IN_LINE void push_weights(Machine *m, int k, Pair spun_twice, bool is_plain)
 {
-    const int n = m->stations;
-    const Number carried = m->drive.motor || k >= m->speed_order ? number_of(0.0) : m->speed[k + 1] * (double)(k + 1);
-    int t, w, i;
+    const Number carried = machine_carried_along(m, k);
+    int t, w;
     for (t = 0; t < m->track_count; t++) {
         MachineTrack *track = m->tracks + t;
         Pair force = pair_zero();
@@ -109,10 +119,7 @@ static IN_LINE void push_weights(Machine *m, int k, Pair spun_twice, bool is_pla
             machine_advance_weight(m, track, w, k, carried, is_plain);
             force = pair_sum(force, machine_weight_force(m->weights + w, k, is_plain));
         }
-        for (i = 0; i < n; i++) {
-            m->right[2 * i] += track->row[i] * pair_x(force);
-            m->right[2 * i + 1] += track->row[i] * pair_y(force);
-        }
+        push_track(m, track, force);
     }
 }
 
@@ -139,8 +146,7 @@ static IN_LINE void take_weights(Machine *m, int k, Number speed_gained, bool is
         const Pair a = machine_take_pull(m, track, k); /* the rest is in 'free' already */
         for (w = track->first; w < track->end; w++) {
             SeriesWeight *weight = m->weights + w;
-            const Pair along = pair_times(pair_turned_back(a), weight->along);
-            Number pulled = pair_x(along) + pair_y(along);
+            Number pulled = series_weight_pulled(weight, a);
             if (m->drive.motor) {
                 pulled -= weight->roll * m->right[2 * n];
             }
@@ -158,18 +164,78 @@ static IN_LINE void take_angles(Machine *m, int k)
     }
 }
 
-void machine_start(Machine *m, Number angle)
+/* -- weights side by side -------------------------------------------------------------------------------- */
+
+#ifndef SIDE_BY_SIDE
+
+/* The two numbers of a vector of a track. */
+static IN_LINE void tell_track(Pair vector, double *of_tracks, int track)
+{
+    of_tracks[2 * track] = pair_x(vector);
+    of_tracks[2 * track + 1] = pair_y(vector);
+}
+
+static void start_beside(Machine *m, double angle)
+{
+    WeightsBeside *beside = m->beside;
+    const double *found;
+    int t, w;
+    for (t = 0; t < m->track_count; t++) {
+        for (w = m->tracks[t].first; w < m->tracks[t].end; w++) {
+            beside->track_of[w] = t;
+        }
+    }
+    beside->weights = m->weight_count;
+    beside->by->start_beside(beside, &m->weights->moment, sizeof *m->weights / sizeof(double), angle, m->speed[0],
+                             (const double *)(m->motion + m->stations), (const double *)(m->velocity + m->stations));
+    for (w = 0; w < m->weight_count; w++) { /* for the matrix */
+        found = beside->found + 2 * LANES * (w / LANES) + w % LANES;
+        m->weights[w].along = pair_of(found[0], found[LANES]);
+    }
+}
+
+static IN_LINE void push_beside(Machine *m, int k, Pair spun_twice)
+{
+    const WeightsBeside *beside = m->beside;
+    int t, w;
+    for (t = 0; t < m->track_count; t++) {
+        MachineTrack *track = m->tracks + t;
+        track->known = track->is_off ? pair_product(track->offset, spun_twice) : pair_zero();
+        tell_track(track->known, beside->known, t);
+    }
+    beside->by->push_beside(m->beside, k, (const double *)(m->velocity + k * m->width + m->stations),
+                            machine_carried_along(m, k));
+    for (t = 0; t < m->track_count; t++) {
+        const MachineTrack *track = m->tracks + t;
+        Pair force = pair_zero();
+        for (w = track->first; w < track->end; w++) {
+            const double *found = beside->found + 2 * LANES * (w / LANES) + w % LANES;
+            force = pair_sum(force, pair_of(found[0], found[LANES]));
+        }
+        push_track(m, track, force);
+    }
+}
+
+static IN_LINE void take_beside(Machine *m, int k, double speed_gained)
+{
+    const WeightsBeside *beside = m->beside;
+    int t;
+    for (t = 0; t < m->track_count; t++) {
+        tell_track(machine_take_pull(m, m->tracks + t, k), beside->moved, t);
+        tell_track(m->tracks[t].pull[k], beside->pull, t);
+    }
+    beside->by->take_beside(m->beside, k, speed_gained, m->per + k + 1,
+                            (double *)(m->velocity + (k + 1) * m->width + m->stations));
+}
+
+#endif
+
+/* -- the start --------------------------------------------------------------------------------------------- */
+
+static void start_weights(Machine *m, Number angle, Number turning)
 {
     const int n = m->stations;
-    int i, t, w;
-    Number turning = m->speed[0];
-#ifndef SIDE_BY_SIDE
-    if (m->from_rotor) {
-        angle = turning = 0.0;
-    }
-#endif
-    m->spin[0] = pair_direction(angle);
-    m->spin[1] = pair_scaled(pair_turned(m->spin[0]), turning);
+    int t, w;
     for (t = 0; t < m->track_count; t++) {
         for (w = m->tracks[t].first; w < m->tracks[t].end; w++) {
             SeriesWeight *weight = m->weights + w;
@@ -180,6 +246,29 @@ void machine_start(Machine *m, Number angle)
                 series_race_start(weight, turned, rate, m->speed[0]);
             }
         }
+    }
+}
+
+/* `is_beside`: the weights are expanded side by side. */
+static void start_series(Machine *m, Number angle, bool is_beside)
+{
+    const int n = m->stations;
+    int i;
+    Number turning = m->speed[0];
+#ifndef SIDE_BY_SIDE
+    if (m->from_rotor) {
+        angle = turning = 0.0;
+    }
+#endif
+    m->spin[0] = pair_direction(angle);
+    m->spin[1] = pair_scaled(pair_turned(m->spin[0]), turning);
+#ifndef SIDE_BY_SIDE
+    if (is_beside) {
+        start_beside(m, angle);
+    }
+#endif
+    if (!is_beside) {
+        start_weights(m, angle, turning);
     }
     for (i = 0; i < n; i++) {
         m->motion[m->width + i] = m->velocity[i];
@@ -198,6 +287,11 @@ void machine_start(Machine *m, Number angle)
 #endif
     machine_take_off_weights(m);
     machine_factorise(m);
+}
+
+void machine_start(Machine *m, Number angle)
+{
+    start_series(m, angle, false);
 }
 
 #ifndef SIDE_BY_SIDE
@@ -265,11 +359,22 @@ static bool sees_from_rotor(const Machine *m)
     return is_carried(m) && m->from_rotor;
 }
 
+static IN_LINE void push_plain_weights(Machine *m, int k, Pair spun_twice)
+{
+#ifndef SIDE_BY_SIDE
+    if (m->beside) {
+        push_beside(m, k, spun_twice);
+        return;
+    }
+#endif
+    push_weights(m, k, spun_twice, true);
+}
+
 /* Push all but the stations, and solve for the unknowns of order k. */
 static IN_LINE void push_and_solve(Machine *m, int k, Pair spun_twice, bool is_plain)
 {
     if (is_plain) {
-        push_weights(m, k, spun_twice, true);
+        push_plain_weights(m, k, spun_twice);
         machine_solve_factors(m, m->right);
         return;
     }
@@ -293,6 +398,10 @@ static IN_LINE void take_all_weights(Machine *m, int k, Number speed_gained, boo
 #ifndef SIDE_BY_SIDE
     if (!is_plain && m->phase) {
         phase_take(m, k, speed_gained);
+        return;
+    }
+    if (is_plain && m->beside) {
+        take_beside(m, k, speed_gained);
         return;
     }
 #endif
@@ -357,37 +466,46 @@ static bool is_plain_machine(const Machine *m)
 
 /* The same for plain machines of so many stations, a copy of its own.  No store to a series can change `here`: the
    compiler need not read it again. */
-static IN_LINE void go_through_plain(const Machine *m, int order, int stations)
+static IN_LINE void go_through_plain(const Machine *m, int order, int stations, bool is_beside)
 {
     Machine here = *m;
     here.stations = stations;
     here.unknowns = 2 * stations;
     here.drive.motor = NULL;
+    here.beside = is_beside ? m->beside : NULL;
     go_through_orders(&here, order, true);
 }
 
 void machine_expand(Machine *m, Number angle, int order)
 {
+    bool is_plain, is_beside;
     m->speed_order = m->drive.motor ? 0 : !number_is_zero(m->speed[1]);
 #ifndef SIDE_BY_SIDE
     if (m->carried) {
         m->speed_order = m->carried->speed_order;
     }
 #endif
-    machine_start(m, angle);
-#ifndef SIDE_BY_SIDE
+    is_plain = is_plain_machine(m);
+    is_beside = is_plain && m->beside && order >= LEAST_ORDER && m->stations <= MOST_OF_COPIES;
+    start_series(m, angle, is_beside);
+#ifdef SIDE_BY_SIDE
+    if (is_plain && m->stations == 1) { /* of more the numbers themselves take the time */
+        go_through_plain(m, order, 1, false);
+        return;
+    }
+#else
     if (m->waves) {
         rings_expand_root(m, order);
     }
-    switch (is_plain_machine(m) ? m->stations : 0) { /* side by side the numbers themselves take the time */
+    switch (is_plain ? m->stations : 0) {
     case 1:
-        go_through_plain(m, order, 1);
+        go_through_plain(m, order, 1, is_beside);
         return;
     case 2:
-        go_through_plain(m, order, 2);
+        go_through_plain(m, order, 2, is_beside);
         return;
-    case 3:
-        go_through_plain(m, order, 3);
+    case MOST_OF_COPIES:
+        go_through_plain(m, order, MOST_OF_COPIES, is_beside);
         return;
     }
 #endif

@@ -51,6 +51,11 @@ void machine_set_carrier(Machine *m)
     }
 }
 
+IN_LINE Number machine_carried_along(const Machine *m, int k)
+{
+    return m->drive.motor || k >= m->speed_order ? number_of(0.0) : m->speed[k + 1] * (double)(k + 1);
+}
+
 IN_LINE Pair machine_take_pull(Machine *m, MachineTrack *track, int k)
 {
     const int n = m->stations;

@@ -21,27 +21,48 @@ void series_weight_start(SeriesWeight *weight, Number angle)
     weight->along = weight->unit[0];
 }
 
+/* Sums up to order k: of what turns p, and of what pulls along it.  Two each: one waits for the last one's end. */
+typedef struct {
+    Pair even, odd, along, across;
+} Sums;
+
+static IN_LINE void add_products(Sums *sums, const Pair *unit, const Pair *rate, const Pair *pull, int k, bool turns, bool pulls)
+{
+    int j;
+    for (j = 0; j + 1 < k; j += 2) {
+        if (turns) {
+            sums->even = pair_add_by_both(sums->even, unit[1 - j], rate[j]);
+            sums->odd = pair_add_by_both(sums->odd, unit[-j], rate[j + 1]);
+        }
+        if (pulls) {
+            sums->along = pair_add_times(sums->along, pull[j], unit[-j]);
+            sums->across = pair_add_times(sums->across, pull[j + 1], unit[-j - 1]);
+        }
+    }
+    if (j < k && turns) {
+        sums->even = pair_add_by_both(sums->even, unit[1 - j], rate[j]);
+    }
+    if (j < k && pulls) {
+        sums->along = pair_add_times(sums->along, pull[j], unit[-j]);
+    }
+}
+
 /* Im(a p*) is the sum of both numbers of (-i a) p. */
 IN_LINE void series_weight_advance(SeriesWeight *weight, int k, const Pair *pull, Pair known, Number speed, Number carried)
 {
     const Pair *unit = weight->unit + k, *rate = weight->rate;
     const Pair none = pair_zero();
-    Pair even = none, odd = none, along = pair_times(pair_turned_back(known), weight->unit[0]), across = none;
-    int j;
-    for (j = 0; j + 1 < k; j += 2) { /* two sums each: one waits for the last one's end */
-        even = pair_add_times(even, unit[1 - j], rate[j]);
-        along = pair_add_times(along, pull[j], unit[-j]);
-        odd = pair_add_times(odd, unit[-j], rate[j + 1]);
-        across = pair_add_times(across, pull[j + 1], unit[-j - 1]);
-    }
-    if (j < k) {
-        even = pair_add_times(even, unit[1 - j], rate[j]);
-        along = pair_add_times(along, pull[j], unit[-j]);
-        j++;
-    }
-    even = pair_add_times(even, unit[1 - j], rate[j]);
-    along = pair_sum(along, across);
-    weight->turned = pair_scaled(pair_sum(even, odd), number_of(k + 1));
+    Sums sums = {none, none, pair_times(pair_turned_back(known), weight->unit[0]), none};
+    Pair along;
+#ifdef SIDE_BY_SIDE /* there are not registers for all */
+    add_products(&sums, unit, rate, pull, k, true, false);
+    add_products(&sums, unit, rate, pull, k, false, true);
+#else
+    add_products(&sums, unit, rate, pull, k, true, true);
+#endif
+    sums.even = pair_add_by_both(sums.even, unit[1 - k], rate[k]);
+    along = pair_sum(sums.along, sums.across);
+    weight->turned = pair_scaled(pair_sum(sums.even, sums.odd), number_of(k + 1));
     weight->free = -weight->lever * ((pair_x(along) + pair_y(along)) - weight->roll * carried) -
                    weight->damping_rate * speed;
 }
@@ -50,6 +71,12 @@ IN_LINE Pair series_weight_force(const SeriesWeight *weight)
 {
     const Pair moved = pair_add_scaled(weight->turned, weight->unit[0], weight->free);
     return pair_scaled(pair_turned_back(moved), weight->moment);
+}
+
+IN_LINE Number series_weight_pulled(const SeriesWeight *weight, Pair acceleration)
+{
+    const Pair along = pair_times(pair_turned_back(acceleration), weight->along);
+    return pair_x(along) + pair_y(along);
 }
 
 IN_LINE void series_weight_finish(SeriesWeight *weight, int k, Number acceleration, const double *per)

@@ -42,6 +42,8 @@ void series_weight_start(SeriesWeight *weight, Number angle);
 void series_weight_advance(SeriesWeight *weight, int k, const Pair *pull, Pair known, Number speed, Number carried);
 /* Force on the track by that, a moment times p'' with the sign of a reaction. */
 Pair series_weight_force(const SeriesWeight *weight);
+/* Im(a p*) of the acceleration of order k, by which `free` is more than phi'' over the lever. */
+Number series_weight_pulled(const SeriesWeight *weight, Pair acceleration);
 /* Complete with phi'' of order k: p of order k + 2, phi' of k + 1; per: 1/(k + 1), 1/(k + 2). */
 void series_weight_finish(SeriesWeight *weight, int k, Number acceleration, const double *per);
 
