@@ -27,19 +27,16 @@ void machine_take_off_weights(Machine *m)
     }
 }
 
-/* Of two unknowns the inverse, of more the factors. */
-void machine_factorise(Machine *m)
+/* Whether the matrix is inverted: numbers of a product do not wait for each other, as those of a solution by factors. */
+static bool is_inverted(int size)
 {
-    const int size = m->unknowns;
-    Number *a = m->matrix;
+    return size <= FEW_UNKNOWNS && size % 2 == 0;
+}
+
+/* Cholesky's factor, with one over its diagonal. */
+static void decompose(int size, Number *a)
+{
     int i, j, k;
-    if (size == 2) {
-        const Number over = 1.0 / (a[0] * a[3] - a[2] * a[2]), xx = a[0];
-        a[0] = a[3] * over;
-        a[3] = xx * over;
-        a[1] = a[2] = -a[2] * over;
-        return;
-    }
     for (j = 0; j < size; j++) {
         for (i = j; i < size; i++) {
             Number sum = a[i * size + j];
@@ -51,15 +48,71 @@ void machine_factorise(Machine *m)
     }
 }
 
+/* The inverse in place of that factor: first the factor's own. */
+static void invert(int size, Number *a)
+{
+    int i, j, k;
+    for (j = 0; j < size; j++) {
+        for (i = j + 1; i < size; i++) {
+            Number sum = number_of(0.0);
+            for (k = j; k < i; k++) {
+                sum -= a[i * size + k] * a[k * size + j];
+            }
+            a[i * size + j] = sum * a[i * size + i];
+        }
+    }
+    for (i = 0; i < size; i++) {
+        for (j = 0; j <= i; j++) {
+            Number sum = a[i * size + i] * a[i * size + j];
+            for (k = i + 1; k < size; k++) {
+                sum += a[k * size + i] * a[k * size + j];
+            }
+            a[i * size + j] = a[j * size + i] = sum;
+        }
+    }
+}
+
+void machine_factorise(Machine *m)
+{
+    const int size = m->unknowns;
+    Number *a = m->matrix;
+    if (size == 2) {
+        const Number over = 1.0 / (a[0] * a[3] - a[2] * a[2]), xx = a[0];
+        a[0] = a[3] * over;
+        a[3] = xx * over;
+        a[1] = a[2] = -a[2] * over;
+        return;
+    }
+    decompose(size, a);
+    if (is_inverted(size)) {
+        invert(size, a);
+    }
+}
+
+/* By the inverse, two rows at once. */
+static IN_LINE void multiply_pairs(int size, const Number *a, Number *b)
+{
+    Pair found[FEW_UNKNOWNS / 2];
+    int i, k;
+    for (i = 0; i < size / 2; i++) {
+        found[i] = pair_scaled(pair_of(a[2 * i], a[2 * i + 1]), b[0]);
+        for (k = 1; k < size; k++) {
+            found[i] = pair_add_scaled(found[i], pair_of(a[k * size + 2 * i], a[k * size + 2 * i + 1]), b[k]);
+        }
+    }
+    for (i = 0; i < size / 2; i++) {
+        b[2 * i] = pair_x(found[i]);
+        b[2 * i + 1] = pair_y(found[i]);
+    }
+}
+
 IN_LINE void machine_solve_factors(const Machine *m, Number *b)
 {
     const int size = m->unknowns;
     const Number *a = m->matrix;
     int i, k;
-    if (size == 2) {
-        const Number x = b[0], y = b[1];
-        b[0] = a[0] * x + a[1] * y;
-        b[1] = a[2] * x + a[3] * y;
+    if (is_inverted(size)) {
+        multiply_pairs(size, a, b);
         return;
     }
     for (i = 0; i < size; i++) {

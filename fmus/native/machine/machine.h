@@ -33,6 +33,7 @@
 #include "units/rotor_unit.h"
 #include "weights/centre.h"
 
+enum { FEW_UNKNOWNS = 8 };    /* up to here their matrix is inverted */
 #define LONGEST_STEP 12.0     /* rad of the rotor at about its fastest speed: of a step */
 #define MOST_TURN 800.0       /* rad of the rotor in a step, at any speed */
 #define SMALLEST_TERM 1e-40   /* of the tolerance: a term that is nothing */
