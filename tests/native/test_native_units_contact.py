@@ -185,3 +185,36 @@ def test_fmi_3_returns_early_where_the_host_allows_it(fmus, packaging, allowed):
     first, second = host.get(*ANGLES)
     assert (second - first == pytest.approx(TOUCHING, abs=1e-9)) == allowed
     host.free()
+
+
+def test_impulses_on_the_shaft_are_given_whole_where_steps_end_at_collisions(fmus, packaging):
+    """Of rolling bodies of unlike size; a second pair meets while the impulse of the first is due.
+
+    What each leaves is (kappa - 1) m R (R + r) times the jump of its rate; nothing else turns the
+    shaft.
+    """
+    kappa, mass, ratios, sizes = 1.4, 0.1, (1.0, 0.5, 2.0), (1.0, 0.6, 1.3)
+    values = {"kappa": kappa, "mass": mass, "track_radius": RADIUS, "weight_radius": SIZE}
+    values |= {"restitution": 1.0, "drag": 0.0, "stop_at_contact": True, "weight[1].speed0": 20.0}
+    for k, angle in enumerate((0.0, 0.6, 1.1), start=1):
+        values |= {f"weight[{k}].angle0": angle, f"weight[{k}].mass_ratio": ratios[k - 1]}
+        values |= {f"weight[{k}].radius_ratio": sizes[k - 1]}
+    host = packaging.Host(fmus.native("BallBalancer", weights=3, unequal=1)).begin(values)
+    time, total, ends = 0.0, 0.0, 0
+    (before,) = host.get("torque")
+    while time < 0.1:
+        step = ctypes.c_double(STEP), 1
+        status = host.slave.dll.fmi2DoStep(host.slave.component, ctypes.c_double(time), *step)
+        end = last_successful_time(host) if status == DISCARD else time + STEP
+        (now,) = host.get("torque")
+        total += 0.5 * (before + now) * (end - time)
+        time, before, ends = end, now, ends + (status == DISCARD)
+    assert ends >= 2
+    assert before == 0.0
+    speeds = host.get(*(f"weight[{k}].speed" for k in (1, 2, 3)))
+    left = [
+        ratio * (RADIUS + SIZE * size) * (speed - first)
+        for ratio, size, speed, first in zip(ratios, sizes, speeds, (20.0, 0.0, 0.0), strict=True)
+    ]
+    assert total == pytest.approx((kappa - 1.0) * mass * RADIUS * sum(left), rel=1e-9)
+    host.free()
