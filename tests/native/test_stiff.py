@@ -182,18 +182,24 @@ def test_a_rule_integrates_polynomials_of_twice_the_degree(stages):
         assert missed(order) > DIGITS
 
 
+def whirling(speed, **balls):
+    """A machine that starts so fast [m/s] that internal damping turns its shaft with the whirl."""
+    rotor = {"kind": "planar", "mass": 5.0, "stiffness": [2000.0, 2500.0], "damping": 5.0}
+    pair = {"kind": "balls", "count": 2, "mass": 0.1, "track_radius": 0.06, "drag": 0.05}
+    motor = {"inertia": 0.04, "stall_torque": 0.5, "no_load_speed": 60.0, "from": 30.0}
+    return Scene.from_document(
+        {
+            "rotor": {**rotor, "internal_damping": 1.0, "unbalance": 0.005},
+            "balancer": [{**pair, "angles": [0.5, 2.0], **balls}],
+            "operation": {"motor": motor},
+            "run": {"revolutions": 1.0, "initial": {"vx": speed}},
+        }
+    )
+
+
 def test_a_shaft_that_a_large_whirl_takes_along_is_followed_in_few_steps():
     """Internal damping p turns it at the rate p |z|^2/I, 6e6 1/s; by series it took 38,000."""
-    document = {
-        "rotor": {"kind": "planar", "mass": 5.0, "stiffness": [2000.0, 2500.0], "damping": 5.0},
-        "balancer": [{"kind": "balls", "count": 2, "mass": 0.1, "track_radius": 0.06}],
-        "operation": {"motor": {"inertia": 0.04, "stall_torque": 0.5, "no_load_speed": 60.0}},
-        "run": {"revolutions": 1.0, "initial": {"vx": 1e4}},
-    }
-    document["rotor"] |= {"internal_damping": 1.0, "unbalance": 0.005}
-    document["operation"]["motor"]["from"] = 30.0
-    document["balancer"][0] |= {"drag": 0.05, "angles": [0.5, 2.0]}
-    scene = Scene.from_document(document)
+    scene = whirling(1e4)
     names = [*NAMES[:2], "motor.speed"]
     run = cosimulate(scene, record=names)
     assert run.steps < 400
@@ -202,3 +208,9 @@ def test_a_shaft_that_a_large_whirl_takes_along_is_followed_in_few_steps():
     for name in names:
         off = np.abs(run[name] - right.signal(name)).max() / np.abs(right.signal(name)).max()
         assert off <= max(run.estimated_error, 1e-6), name
+
+
+def test_a_large_whirl_of_weights_that_can_touch_takes_series_alone():
+    """A polynomial of eleven points is no series whose roots are events."""
+    assert cosimulate(whirling(1e3)).collocated_steps > 0
+    assert cosimulate(whirling(1e3, weight_radius=0.005)).collocated_steps == 0
