@@ -9,6 +9,7 @@ import numpy as np
 
 from ..master.merged import SHORT
 from ..output.table import Sheet
+from ..result.verdict.words import is_nothing
 from ..scene.grade import GRADES
 from .study import Scatter
 
@@ -96,7 +97,7 @@ def importance_table(said: Mapping[str, Any]) -> Sheet:
 
 def lines(said: Mapping[str, Any]) -> list[str]:
     """What the tables do not say."""
-    q = {name: f"{1e3 * value:.4g}" for name, value in said["residual"].items()}
+    q = {name: _millimetres(value) for name, value in said["residual"].items()}
     lines = [
         f"{said['machines']} machines, seed {said['seed']}: {said['failed']} failed, "
         f"{_per_cent(said['settled'])} of the others have settled",
@@ -114,8 +115,9 @@ def lines(said: Mapping[str, Any]) -> list[str]:
         )
     if said["left_behind"]:
         lines.append(
-            f"In {said['left_behind']} machines weights are left behind at a natural frequency: "
-            "they have not settled (see `autobalancer motions`)"
+            f"In {said['left_behind']} machines weights turn slower than the rotor: they are left "
+            "behind at a natural frequency, or are not yet up to its speed, and have not settled "
+            "(see `autobalancer motions`)"
         )
     if said["other_motion"]:
         lines.append(
@@ -144,3 +146,8 @@ def lines(said: Mapping[str, Any]) -> list[str]:
 
 def _per_cent(share: float) -> str:
     return f"{100.0 * share:.4g} %"
+
+
+def _millimetres(size: float) -> str:
+    """An amplitude [m] in mm; what is as good as nothing is no number."""
+    return "below 0.0001" if is_nothing(size) else f"{1e3 * size:.4g}"

@@ -10,6 +10,7 @@ from scipy import stats
 
 from autobalancer.harness import SimulationError, UserError, cosimulate, load_scene
 from autobalancer.harness.scatter import study
+from autobalancer.harness.scatter.report import lines
 from autobalancer.harness.scatter.study import scatter
 from autobalancer.harness.scatter.vary import Variation
 from autobalancer.harness.scene.grade import residual_unbalance
@@ -215,6 +216,22 @@ def test_a_store_that_was_ended_is_continued_to_the_same_machines(
 
 
 @pytest.mark.slow
+def test_weights_that_are_slow_at_the_end_are_not_all_said_to_be_captured():
+    """They start at rest and have turned for five revolutions."""
+    changes = {"weights.speeds": [-3.0, -3.0], "run.revolutions": 5}
+    said = load_scene("two_balls").replace(changes).scatter(
+        ["weights.drag=uniform(0.02,0.03)"], 4
+    ).as_json()  # fmt: skip
+    assert said["left_behind"] == 4
+    assert "or are not yet up to its speed" in " ".join(lines(said))
+
+
+def test_an_amplitude_of_nothing_is_no_number():
+    said = load_scene("two_balls").scatter(["weights.drag=uniform(0.02,0.03)"], 4).as_json()
+    nothing = dict.fromkeys(said["residual"], 4.64e-10)
+    assert "median below 0.0001, 5 % below 0.0001" in lines({**said, "residual": nothing})[1]
+
+
 def test_command_writes_picture_table_and_document(invoke, tmp_path, monkeypatch):
     monkeypatch.setattr("os.cpu_count", lambda: 1)
     picture, table, document = (tmp_path / name for name in ("a.png", "a.csv", "a.json"))
