@@ -252,12 +252,13 @@ def crafted(number: int, texts: Sequence[str]) -> str:
     return signed(text).replace("\n", " ").encode("latin-1", "replace").decode("latin-1")
 
 
-def write_compositions(path: Path, count: int) -> None:
-    """The first `count` crafted compositions, one a line."""
+def write_compositions(path: Path, numbers: range) -> None:
+    """Crafted compositions, one a line; those before the first are empty lines."""
     scenes = (*map(load_scene, SCENES), profile_of_all())
     texts = [composition(scene).token(stamp()) for scene in scenes]
     with path.open("w", encoding="latin-1") as file:
-        file.writelines(crafted(k, texts) + "\n" for k in range(count))
+        file.write("\n" * numbers.start)
+        file.writelines(crafted(k, texts) + "\n" for k in numbers)
 
 
 # -- the study ----------------------------------------------------------------------------------
@@ -270,7 +271,7 @@ def study(
     host, library = sanitized(folder)
     kinds, texts = folder / "kinds.txt", folder / "compositions.txt"
     write_kinds(kinds)
-    write_compositions(texts, compositions.stop)
+    write_compositions(texts, compositions)
     for kind, file, cases in ("states", kinds, states), ("compositions", texts, compositions):
         for first in cases[::at_once]:
             count = min(at_once, cases.stop - first)
