@@ -126,7 +126,9 @@ GENERATED = ("constants.h", "layout.h", "stamp.h", "weights_parameters.h")
 def test_the_one_source_holds_each_file_once_behind_what_it_includes():
     files = re.findall(r'^#line 1 "(.+)"$', one_source(), re.M)
     special = {name for name in texts() if name.split("/")[0] in ("wasm", "windows")}
-    special |= {"lanes/lanes.c", "lanes/lane_names.h", "lanes/lane_number.h"}  # a text of their own
+    special |= {
+        f"lanes/{name}" for name in ("lanes.c", "weights_beside.c", "lane_names.h", "lane_number.h")
+    }
     assert sorted(files) == sorted({*texts(), *GENERATED} - special)
     place = {name: k for k, name in enumerate(files)}
     for name in texts().keys() - special:
@@ -168,7 +170,7 @@ def test_the_wheel_has_libraries_sources_and_the_manual_in_at_most_7_million_byt
     home = "autobalancer/fmus/native"
     with zipfile.ZipFile(wheel) as archive:
         manual = [e.compress_size for e in archive.infolist() if "/manual/" in e.filename]
-        assert wheel.stat().st_size - sum(manual) <= 2_700_000
+        assert wheel.stat().st_size - sum(manual) <= 2_800_000
         for target, path in libraries().items():
             assert archive.read(f"{home}/bin/{target}/{path.name}") == path.read_bytes()
             assert archive.read(f"{home}/bin/{target}/stamp").decode() == stamp()

@@ -22,12 +22,7 @@ static bool has_wide_vectors(void)
 const LaneFunctions *lanes_of_processor(void)
 {
 #if defined(HAS_WIDE_VECTORS)
-    enum { UNKNOWN, WIDE, NARROW };
-    static int found = UNKNOWN; /* a virtual machine takes long to answer; all threads find the same */
-    if (__atomic_load_n(&found, __ATOMIC_RELAXED) == UNKNOWN) {
-        __atomic_store_n(&found, has_wide_vectors() ? WIDE : NARROW, __ATOMIC_RELAXED);
-    }
-    return __atomic_load_n(&found, __ATOMIC_RELAXED) == WIDE ? &wide_functions : &lane_functions;
+    return has_wide_vectors() ? &wide_functions : &lane_functions;
 #elif defined(HAS_LANES)
     return &lane_functions;
 #else
