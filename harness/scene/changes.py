@@ -11,6 +11,7 @@ _LONGEST_SHOWN = 200  # characters of what was typed
 _SHORT_NUMBER = re.compile(
     r"[-+]?(?:\.\d+|\d+\.)(?:[eE][-+]?\d+)?"
 )  # TOML wants digits on both sides
+_WORD = re.compile(r"[A-Za-z][\w.-]*")
 
 
 def parse_change(text: str) -> tuple[str, Any]:
@@ -35,9 +36,10 @@ def parse_change(text: str) -> tuple[str, Any]:
             raise ValueError
         return key, document["value"]
     except (ValueError, RecursionError) as error:
+        quoted = f"; text stands in quotes: '{key}=\"{value}\"'" if _WORD.fullmatch(value) else ""
         shown = text if len(text) <= _LONGEST_SHOWN else f"{text[:_LONGEST_SHOWN]}..."
         raise UserError(
             f"--set {' '.join(shown.splitlines())}: must be KEY=VALUE with one value as in "
             "a scene file, such as rotor.unbalance=0.1, speed=1200rpm or "
-            "'coupling.scheme=\"jacobi\"'"
+            f"'coupling.scheme=\"jacobi\"'{quoted}"
         ) from error

@@ -69,7 +69,10 @@ class Motor(Table):
         if self.table and (len(speeds) < 2 or any(b <= a for a, b in pairwise(speeds))):
             raise refusal("table", "must have two points or more, their speeds ascending")
         if self.table and not (self.table[-1][1] <= 0.0 < self.top_speed):
-            raise refusal("table", "the last torque must be at most 0, at a speed above 0 rad/s")
+            raise refusal(
+                "table",
+                "some torque must be above 0, and the last at most 0, at a speed above 0 rad/s",
+            )
         return self
 
     @property

@@ -94,7 +94,7 @@ class Case:
 def unsettled(case: Case) -> str:
     """How a reason of a run that has not settled begins."""
     begin, constant = float(case.record.time[0]), case.known.time_constant
-    since = f" since the change at {seconds(begin, 3)}" if begin > 0.0 else ""
+    since = f" since the change at {seconds(begin, 4)}" if begin > 0.0 else ""
     rule = f", time constant {seconds(constant)}" if math.isfinite(constant) else ""
     if case.known.is_unstable:
         rule = ", the weights leave a position of balance that is unstable for a stable one"
