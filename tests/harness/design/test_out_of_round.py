@@ -45,7 +45,7 @@ def test_lobes_are_stated_one_by_one_and_together(invoke, tmp_path):
         ({}, "oval", "must be ORDER=AMPLITUDE"),
         ({}, "2=20 kg", "a length is expected"),
         ({"rotor.stiffness": [1e4, 2e4]}, "2=20 um", "only on a planar rotor without bodies"),
-        ({"rotor.stiffness": [1e4, 2e4]}, "2=20 um", "give the lobes as the key race of each"),
+        ({"rotor.stiffness": [1e4, 2e4]}, "2=20 um", "run the scene with them instead, as the key race"),
         ({"rotor.unbalance": 0.2}, "2=20 um", "do not balance the rotor on a round race"),
         ({"operation.speed": 5.0}, "2=20 um", "do not balance the rotor on a round race"),
     ],
@@ -102,4 +102,4 @@ def test_a_ring_of_liquid_is_sent_to_what_answers_of_it(invoke, command):
     said = " ".join(outcome.output.split())
     assert outcome.exit_code == 2
     assert ("the waves of a ring grow" in said) == (command == "capture")
-    assert "give the lobes as the key" not in said
+    assert "as the key race" not in said
