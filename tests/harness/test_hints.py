@@ -19,9 +19,9 @@ def test_numbers_without_a_digit_before_or_behind_the_point_are_numbers(text, va
 
 
 def test_a_text_without_quotes_is_shown_in_quotes():
-    with pytest.raises(UserError, match="text stands in quotes: 'rotor.unbalance=\"G6.3\"'"):
+    with pytest.raises(UserError, match=r"text stands in quotes: 'rotor.unbalance=\"G6.3\"'"):
         parse_change("rotor.unbalance=G6.3")
-    with pytest.raises(UserError, match="'coupling.scheme=\"jacobi\"'$"):
+    with pytest.raises(UserError, match=r"'coupling.scheme=\"jacobi\"'$"):
         parse_change("rotor.unbalance=")
 
 

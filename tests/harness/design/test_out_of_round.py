@@ -45,7 +45,7 @@ def test_lobes_are_stated_one_by_one_and_together(invoke, tmp_path):
         ({}, "oval", "must be ORDER=AMPLITUDE"),
         ({}, "2=20 kg", "a length is expected"),
         ({"rotor.stiffness": [1e4, 2e4]}, "2=20 um", "only on a planar rotor without bodies"),
-        ({"rotor.stiffness": [1e4, 2e4]}, "2=20 um", "run the scene with them instead, as the key race"),
+        ({"rotor.stiffness": [1e4, 2e4]}, "2=20 um", "with them instead, as the key race"),
         ({"rotor.unbalance": 0.2}, "2=20 um", "do not balance the rotor on a round race"),
         ({"operation.speed": 5.0}, "2=20 um", "do not balance the rotor on a round race"),
     ],
