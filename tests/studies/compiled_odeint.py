@@ -187,16 +187,14 @@ def by_one_file(scene: Scene, machine: Compiled, at_ends: bool) -> list[tuple[fl
         own = composition(scene.replace({"coupling.tolerance": 10.0 ** (-exponent / 2)}))
         most = MOST_ROWS * points if at_ends else points
         runs = BatchRuns(own, [], names, most, at_ends, side_by_side=1)
-        # X * points if at_ends else points, at_ends, side_by_side=1)
         found, why = runs(np.empty((1, 0)), np.array([end]))
         if why[0]:
             continue
         one, exact = found[0], right
         if at_ends:
             one = one[~np.isnan(one[:, 0])]
-            runs = BatchRuns(
-                own, [], names, len(one), at_ends, side_by_side=1
-            )  # no row without a step
+            # no row without a step
+            runs = BatchRuns(own, [], names, len(one), at_ends, side_by_side=1)
             one, exact = one[:, 1:], machine.motion(one[:, 0], "DOP853", FINEST)
         single, many = timed(runs, end, 1), timed(runs, end, 1 + AT_ONCE)
         each = (many - single) / AT_ONCE
