@@ -54,9 +54,7 @@ def _meant_beside(path: Path) -> str:
     Of the names alone: endings and folders are alike.
     """
     names = {other.stem: str(path.parent / other.name) for other in path.parent.glob("*.toml")}
-    if not (said := did_you_mean(path.stem, list(names))):
-        return ""
-    return said.replace(stem := said.split('"')[1], names[stem])
+    return did_you_mean(path.stem, list(names), lambda stem: names[stem])
 
 
 def find(source: str | Path) -> Path:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any, Literal, NamedTuple, get_args, get_origin
 
 from pydantic import BaseModel, ValidationError
@@ -105,12 +105,16 @@ def show(value: Any) -> str:
     return text if len(text) <= 60 else text[:57] + "..."
 
 
-def did_you_mean(word: Any, known: Sequence[str]) -> str:
-    """' (did you mean ...?)' or nothing."""
+def did_you_mean(word: Any, known: Sequence[str], written: Callable[[str], str] = str) -> str:
+    """' (did you mean ...?)' or nothing.
+
+    Args:
+        written: how the one of `known` that is most alike is written.
+    """
     import difflib  # slow to load
 
     close = difflib.get_close_matches(str(word), known, n=1)
-    return f' (did you mean "{close[0]}"?)' if close else ""
+    return f' (did you mean "{written(close[0])}"?)' if close else ""
 
 
 def quoted(words: Sequence[str]) -> str:

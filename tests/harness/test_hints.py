@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from autobalancer.harness import load_scene
-from autobalancer.harness.errors import UserError
+from autobalancer.harness.errors import SceneError, UserError
 from autobalancer.harness.scatter.vary import Variation
 from autobalancer.harness.scene.changes import parse_change
 from autobalancer.harness.units import to_si
@@ -53,6 +53,16 @@ def test_a_path_that_does_not_exist_names_no_bundled_scenes(invoke, tmp_path):
     assert "two_balls" in invoke("run", "two_bals").stderr
     outcome = invoke("run", tmp_path / "undamped.toml")  # alike in its ending alone
     assert outcome.stderr.endswith("undamped.toml: no such file\n")
+
+
+def test_a_scene_file_of_any_name_is_named_whole(tmp_path):
+    """Names that stand in the question too, as `a` and `you`; one in quotes."""
+    for name, typed in (("a", "aa"), ("you", "yuo"), ('my"drum', 'my"drun')):
+        (tmp_path / f"{name}.toml").write_text("")
+        with pytest.raises(SceneError) as refused:
+            load_scene(tmp_path / f"{typed}.toml")
+        said = f'{typed}.toml: no such file (did you mean "{tmp_path / name}.toml"?)'
+        assert str(refused.value).endswith(said)
 
 
 def test_a_number_and_another_mistake_are_not_taken_for_a_value_with_a_space(invoke):
