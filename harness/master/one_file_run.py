@@ -155,7 +155,10 @@ class OneFileRun(Closing):
 
     @property
     def is_stiff(self) -> bool:
-        """Whether steps by collocation are tried, as of a stiff machine; known once started."""
+        """Whether steps by collocation are tried from the start, as of a stiff machine.
+
+        A shaft that internal damping turns with a large whirl has them later.
+        """
         return bool(self._run.facts.stiff)
 
     def close(self) -> None:

@@ -116,7 +116,7 @@ def is_in_one_piece(scene: Scene) -> bool:
 def tries_collocation(scene: Scene) -> bool:
     """Whether a run in one piece tries steps by collocation, as a stiff machine does.
 
-    It is started to see, and not run.
+    It is started to see, and not run: a whirl that makes it stiff later is not seen.
 
     Raises:
         SimulationError: the machine cannot be started.
