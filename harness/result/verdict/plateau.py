@@ -108,10 +108,11 @@ class Run:
             reason = unknown * bool(self.called)
             return replace(bare, outcome=Outcome.NO_RESPONSE, reason=reason)
         bare = replace(bare, alone=alone)
-        if unknown and is_nothing(alone):
+        rests = bool(unknown) and is_nothing(alone)
+        if rests and np.any(known.assembly.rotor.unbalance):
             reason = "the supports hold the rotor at rest, also without balancers"
             return replace(bare, outcome=Outcome.NO_RESPONSE, reason=reason)
-        if not alone:
+        if rests or not alone:
             reason = "the rotor has no unbalance" * bool(self.called)
             return replace(bare, outcome=Outcome.NO_UNBALANCE, reason=reason)
         if not self.called:

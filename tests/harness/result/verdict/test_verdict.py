@@ -492,6 +492,19 @@ def test_rigid_dry_friction_is_judged_by_runs_with_balls_and_without(limit, bala
     assert (abs(motion - motion.mean()).max() < 0.05 * found.alone) == balanced
 
 
+@pytest.mark.parametrize(
+    ("unbalance", "limit", "outcome"),
+    [(0.0, 2.0, Outcome.NO_UNBALANCE), (0.02, 2e3, Outcome.NO_RESPONSE)],
+)
+def test_a_rotor_at_rest_on_dry_friction_is_told_from_one_without_unbalance(
+    unbalance, limit, outcome
+):
+    scene = drum(unbalance, turns=60, rotor__friction=[{"support": 1, "limit": limit}])
+    found = verdict(scene)
+    assert found.outcome is outcome
+    assert ("no unbalance" in found.reason) == (unbalance == 0.0)
+
+
 def test_a_vibration_that_weights_left_behind_keep_up_is_not_said_to_decay():
     """Right after the start it falls, and a longer run shows that the weights keep it up."""
     parts = {"vibration": 2e-3, "alone": 1e-3, "synchronous": 1e-3, "other": (116.7, 1.6e-3),
