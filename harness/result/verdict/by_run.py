@@ -16,7 +16,7 @@ from ...scene import Scene
 from .balance import CREEP
 from .case import STEADY_SIZE, Case, Ruling
 from .elsewhere import turning
-from .facts import from_facts
+from .facts import over_capacity_at_any_speed
 from .known import Known
 from .outcome import Outcome
 from .passages import motion_without_balancers
@@ -85,10 +85,9 @@ def rule_by_run(case: Case, alone: float, vibration: Array) -> Ruling:
         alone: vibration without balancers [m].
         vibration: largest distance of a station from its mean at every time of the record (T,) [m].
     """
-    if case.known.exceeds_capacity and not case.known.off_centre:
-        fact = from_facts(case.known)
-        assert fact is not None
-        return fact
+    too_little = over_capacity_at_any_speed(case.known)
+    if too_little is not None:
+        return too_little
     if case.now is None or case.before is None or case.weights is None:
         turned = f"{case.record.revolutions:.2g} revolutions"
         return Ruling(Outcome.NOT_SETTLED, f"not settled yet: {turned} show too little")
@@ -98,7 +97,7 @@ def rule_by_run(case: Case, alone: float, vibration: Array) -> Ruling:
     limit, angle = BALANCED * alone, case.record.angle
     above = np.flatnonzero(vibration > limit)
     since = angle[above[-1]] if len(above) else angle[0]
-    lasted = (angle[-1] - since) / (math.tau)
+    lasted = (angle[-1] - since) / math.tau
     rests = bool((np.abs(case.weights.rates) * case.record.seconds <= CREEP).all())
     quarters = angle[0] + (angle[-1] - angle[0]) * np.array([0.5, 0.75])
     third, fourth = (angle >= quarters[0]) & (angle < quarters[1]), angle >= quarters[1]

@@ -18,14 +18,7 @@ from .words import seconds as in_words
 def from_facts(known: Known) -> Ruling | None:
     """What no run can change."""
     if known.exceeds_capacity:
-        assert known.reach is not None
-        needed, capacity = readable_apart(known.reach.needed, known.reach.capacity)
-        aside = f" with the track off centre by {millimetres(known.off_centre)}"
-        return Ruling(
-            Outcome.OVER_CAPACITY,
-            f"capacity exceeded: {needed} to balance{aside * bool(known.off_centre)}, the weights "
-            f"hold at most {capacity}",
-        )
+        return _over_capacity(known)
     if known.left_by_too_much > SURELY_BEYOND * known.limit:
         assert known.reach is not None
         needed, least = readable_apart(known.reach.needed, known.reach.least)
@@ -142,3 +135,20 @@ def _less_above(known: Known) -> float | None:
     except (ValueError, ArithmeticError):
         return None
     return None
+
+
+def over_capacity_at_any_speed(known: Known) -> Ruling | None:
+    """That the weights hold too little, where what is needed does not depend on the speed as it
+    does with a track off centre."""
+    return _over_capacity(known) if known.exceeds_capacity and not known.off_centre else None
+
+
+def _over_capacity(known: Known) -> Ruling:
+    assert known.reach is not None
+    needed, capacity = readable_apart(known.reach.needed, known.reach.capacity)
+    aside = f" with the track off centre by {millimetres(known.off_centre)}"
+    return Ruling(
+        Outcome.OVER_CAPACITY,
+        f"capacity exceeded: {needed} to balance{aside * bool(known.off_centre)}, the weights "
+        f"hold at most {capacity}",
+    )

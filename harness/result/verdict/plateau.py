@@ -16,7 +16,7 @@ from ..sag import from_sag, sag_of
 from ..velocity import VELOCITY
 from .by_run import about_mean, rule_by_run, vibration_without
 from .case import Case, Ruling
-from .facts import from_facts
+from .facts import over_capacity_at_any_speed
 from .held import held_at_end, shares_used
 from .known import Known
 from .outcome import Outcome
@@ -172,10 +172,9 @@ class Run:
         every speed."""
         way = "rises" if stretch.speed > stretch.start else "falls"
         still = f"the speed still {way} at the end of the run"
-        if known.exceeds_capacity and not known.off_centre:
-            fact = from_facts(known)
-            assert fact is not None
-            return replace(fact, reason=f"{fact.reason}; {still}")
+        too_little = over_capacity_at_any_speed(known)
+        if too_little is not None:
+            return replace(too_little, reason=f"{too_little.reason}; {still}")
         return Ruling(Outcome.SPEED_CHANGES, still)
 
     def _motor_stays(self, stretch: Stretch, found: Ruling) -> str:
