@@ -113,6 +113,38 @@ def test_a_force_that_changes_in_every_step_of_the_tool_is_held_between(hosted):
     assert runs[0] == pytest.approx(runs[1], rel=1e-9)
 
 
+def test_a_force_that_rises_shows_as_it_is_between_the_ends_of_a_step(hosted):
+    """Newton's law for the plane, m a = F(t) - k x, at any point within the machine's own step."""
+    mass, force, slope = 2.0 + 1000.0 * math.pi * 0.04**2 * 0.05, 3.0, 1e4
+    for time in (5e-4, 2e-3, 5e-3):
+        host = hosted(sprung())
+        names = host.references("rotor.plane[1].F_x")
+        host.set({"rotor.plane[1].F_x": force})
+        host.slave.setRealInputDerivatives(names, [1], [slope])
+        host.step(time)
+        xi, eta, x, angle = host.get(
+            "rotor.plane[1].a_xi", "rotor.plane[1].a_eta", "rotor.x", "rotor.angle"
+        )
+        acceleration = xi * math.cos(angle) - eta * math.sin(angle)
+        assert acceleration == pytest.approx((force + slope * time - 1e4 * x) / mass, rel=1e-9)
+
+
+@pytest.mark.parametrize("steps", [20, 60, 200])
+def test_the_vibration_is_seen_though_the_tool_changes_an_input_in_every_step(hosted, steps):
+    """Steps of the tool that are shorter than the distance of two looks at the motion."""
+    settled = sprung().replace(
+        {"rotor.unbalance": 1e-3, "rotor.damping": [100.0, 100.0], "operation.speed": 250.0}
+    )
+    host, length, turns = hosted(settled), 2.0 * math.pi / 250.0 / steps, 40
+    places = []
+    for k in range(turns * steps):
+        host.set({"rotor.plane[1].F_x": 1e-6 * math.sin(k)})
+        host.step(length)
+        places.append(host.get("rotor.x", "rotor.y"))
+    moved = 0.5 * np.ptp(places[-steps:], axis=0).max()
+    assert host.get("vibration") == [pytest.approx(moved, rel=0.02)]
+
+
 def test_a_rotor_that_speeds_up_by_itself_takes_no_speed(hosted):
     host = hosted(load_scene("run_up"))
     host.step(1.0)

@@ -6,8 +6,10 @@ import math
 
 import numpy as np
 import pytest
+from fmpy import platform_tuple
 
 from autobalancer.harness import Scene, cosimulate, load_scene
+from autobalancer.harness.export.one_file import build_one_file
 from autobalancer.harness.master.one_file import composition
 
 
@@ -101,3 +103,19 @@ def test_the_stated_error_of_a_run_so_far_covers_its_error(instance, name, toler
     assert (error <= 3.0 * np.array(stated) + 1e-12).all()
     assert np.all(np.diff(stated) >= 0.0)
     assert 0.0 < stated[-1] < tolerance
+
+
+@pytest.mark.parametrize("fmi", [2, 3])
+def test_the_tolerance_of_the_experiment_counts_though_outputs_were_read_before(
+    packaging, tmp_path, fmi
+):
+    path = build_one_file(load_scene("two_balls"), tmp_path / "one.fmu", fmi, [platform_tuple])
+    host = packaging.Host(path)
+    host.get("rotor.x")
+    if fmi == 2:
+        host.slave.setupExperiment(tolerance=1e-3)
+        host.slave.enterInitializationMode()
+    else:
+        host.slave.enterInitializationMode(tolerance=1e-3)
+    host.slave.exitInitializationMode()
+    assert host.get("coupling.tolerance") == [1e-3]

@@ -180,8 +180,8 @@ void outside_take(const Unit *unit);
 bool outside_jumps(const Unit *unit);
 /* Derivative of that on a plane, of order 0 to 3, along the fixed axes, so long after it was told. */
 Pair outside_derivative(const Composite *c, const double *forces, int plane, int order, double time);
-/* Force on a plane and its slope, in axes that turn with it; false where there is none. */
-bool outside_knot(const Composite *c, int plane, Knot *seen);
+/* Force on a plane and its slope at the unit's time, in axes that turn with it; false where there is none. */
+bool outside_knot(const Unit *unit, int plane, Knot *seen);
 
 /* -- course_fields.c ------------------------------------------------------------------------- */
 

@@ -179,6 +179,8 @@ bool one_piece_is_unwatched(const Unit *unit, double length);
 int one_piece_place_followers(Unit *unit, const double *place, double time);
 /* Look at the motion up to a time in the step; 1 with the reason. */
 int one_piece_look_on(Unit *unit, double time);
+/* Look at it where it is shown and the step is left, between two looks; 1 with the reason. */
+int one_piece_look_here(Unit *unit);
 /* Show the parts at a time in the step; 1 with the reason. */
 int one_piece_show(Unit *unit, double time);
 

@@ -75,7 +75,7 @@ int one_piece_begin_anew(Unit *unit)
     }
     if (one_piece->stands == 0.0) {
         const bool ends = one_piece->event != NO_EVENT && clock->shown >= clock->time;
-        if (ends ? finish(unit) : one_piece_place(unit)) {
+        if (ends ? finish(unit) : one_piece_look_here(unit) || one_piece_place(unit)) {
             return 1;
         }
     }

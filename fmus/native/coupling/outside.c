@@ -103,11 +103,11 @@ static int pushes(const Composite *c, int plane)
     return found;
 }
 
-bool outside_knot(const Composite *c, int plane, Knot *seen)
+bool outside_knot(const Unit *unit, int plane, Knot *seen)
 {
+    const Composite *c = unit->own;
     const Unit *rotor = c->parts->unit;
-    const double *speed = rotor->real + c->parts->speed_input,
-                 since = c->course->clock.time - c->course->drive.pushed_at;
+    const double *speed = rotor->real + c->parts->speed_input, since = unit->time - c->course->drive.pushed_at;
     const Spin start = spin_of(rotor->memory[REST], speed[0], speed + SPIN_UP);
     if (!pushes(c, plane)) {
         return false;

@@ -40,7 +40,7 @@ void composite_set_forces(const Unit *unit, const Complex *forces)
     for (k = 0; k < planes; k++) {
         Complex signal[SIGNAL_ORDERS];
         Knot seen;
-        if (outside_knot(c, k, &seen)) {
+        if (outside_knot(unit, k, &seen)) {
             knot_from_start(&seen, signal);
             add_signal(c, first, k, signal);
         }

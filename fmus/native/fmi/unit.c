@@ -69,6 +69,7 @@ Status unit_set_tolerance(Unit *unit, const char *function, int defined, double 
     }
     unit->asks_tolerance = defined != 0;
     unit->tolerance = tolerance;
+    unit->stale = BEGINNING; /* outputs that were read before do not have it */
     return STATUS_OK;
 }
 
