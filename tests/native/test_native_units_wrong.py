@@ -15,6 +15,7 @@ ERROR = 3
 LIQUID, BALLS, ROTOR = "LiquidBalancer", "BallBalancer", "RotorOnSupports"
 TWO = {"kind": "two_support", "stations": 2, "planes": 1}
 FLEXIBLE = {"kind": "flexible", "stations": 4, "planes": 1}
+UNLIKE = {"weight_radius": 0.01, "weight[2].radius_ratio": 0.5, "weight[2].angle0": 0.2}
 FEET = {"kind": "matrices", "stations": 2, "supports": 1, "feet": 1}
 
 
@@ -27,7 +28,10 @@ TOGETHER = [  # every value is allowed by itself
     (BALLS, {}, {"restitution": 1.25}, "restitution = 1.25: must be within 0 to 1"),
     (BALLS, {}, {"track_mobility": 50.0}, "track_mobility = 50.0 1/kg: must be 0 or more and less"),
     (BALLS, {}, {"weight_radius": 0.01, "weight[2].angle0": 0.3}, "weights overlap by 0.103"),
+    (BALLS, {"unequal": 1}, UNLIKE, "neighbours need 0.301137 rad"),
     (ROTOR, {"sliders": 1}, {"slider[1].support": 2.0}, r"slider[1].support = 2.0: must be 1"),
+    (ROTOR, {"cubics": 1}, {"cubic[1].support": 1.5}, "cubic[1].support = 1.5: must be a whole"),
+    (ROTOR, {"stops": 1}, {"stop[1].support": 0.5}, "stop[1].support = 0.5: must be a whole"),
     (ROTOR, TWO | {"sliders": 1}, {"slider[1].support": 1.5}, "support = 1.5: must be 1 or 2"),
     (ROTOR, FEET, {"force[2].table": 1.0}, "force[2].table = 1.0: must be a whole number, 0 to 0"),
     (ROTOR, {"sliders": 2}, {"slider[1].limit_x": 1.0, "slider[2].limit_x": 2.0},

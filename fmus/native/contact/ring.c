@@ -217,7 +217,7 @@ static int align_chains(WeightsInOrder *weights)
         const double opening = gap(weights, k);
         if (opening < -OVERLAP) {
             return fail(weights->failure, "weights overlap by %3 rad: neighbours need %6 rad", -opening,
-                        2.0 * weights->track->alpha);
+                        weights->spacing[k]);
         }
         if (weights->joined[k] && opening > OVERLAP) {
             weights->joined[k] = 0;

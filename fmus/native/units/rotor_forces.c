@@ -16,8 +16,7 @@ static void set_straight(Rotor *own, int force, int station, const double *value
     row[7] = values[3];
 }
 
-/* A whole number of a parameter, from 0 to `most`; below 0 with the reason. */
-static int whole_parameter(Unit *unit, size_t reference, int most)
+int rotor_whole_parameter(Unit *unit, size_t reference, int most)
 {
     const double value = unit->real[reference];
     if (!(value >= 0.0 && value <= (double)most) || value != (double)(int)value) {
@@ -36,7 +35,7 @@ static int set_given(Unit *unit)
     int k;
     for (k = 0; k < own->force_count; k++) {
         const size_t at = first + PER_FORCE * (size_t)k;
-        const int table = whole_parameter(unit, at + OF_BEARING, own->rotor.bearings.count);
+        const int table = rotor_whole_parameter(unit, at + OF_BEARING, own->rotor.bearings.count);
         if (table < 0) {
             return 1;
         }

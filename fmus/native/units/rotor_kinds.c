@@ -208,12 +208,6 @@ static size_t slider_rows(const Unit *unit)
     return own->kind == MATRICES ? (size_t)own->slider_count * (size_t)own->stations : 0;
 }
 
-/* That of a parameter; 0 of one that no support or foot has. */
-static int support_number(double value)
-{
-    return value >= 1.0 && value <= MOST_SUPPORTS ? (int)value : 0;
-}
-
 /* Let a slider along an axis stand at the one station that moves it, or across its row (n, 2): behind a spring. */
 static void set_row(Slider *slider, int n, const double *row)
 {
@@ -286,7 +280,7 @@ static int set_sliders(Unit *unit)
     return 0;
 }
 
-/* Cubic springs and stops, in the order of the parameters, which stand before those of sliders. */
+/* Cubic springs and stops, in the order of the parameters, which stand before those of sliders; 1 with the reason. */
 static int set_restraints(Unit *unit)
 {
     Rotor *own = unit->own;
@@ -301,13 +295,23 @@ static int set_restraints(Unit *unit)
     copy_doubles(2 * n * cubics, unit->real + rows_of_cubics, rows);
     copy_doubles(2 * n * stops, unit->real + rows_of_stops, rows + 2 * n * cubics);
     for (k = 0; k < cubics; k++) {
-        const double *real = unit->real + of_cubics + CUBIC_PARAMETERS * k;
-        const CubicSpring made = {rows + 2 * n * k, {real[0], real[1]}, real[2] == 0.0, real[3], support_number(real[4])};
+        const size_t at = of_cubics + CUBIC_PARAMETERS * k;
+        const double *real = unit->real + at;
+        const CubicSpring made = {rows + 2 * n * k, {real[0], real[1]}, real[2] == 0.0, real[3],
+                                  rotor_whole_parameter(unit, at + CUBIC_PARAMETERS - 1, MOST_SUPPORTS)};
+        if (made.support < 0) {
+            return 1;
+        }
         own->cubics[k] = made;
     }
     for (k = 0; k < stops; k++) {
-        const double *real = unit->real + of_stops + STOP_PARAMETERS * k;
-        const Stop made = {rows + 2 * n * (cubics + k), real[0], real[1], real[2], support_number(real[3])};
+        const size_t at = of_stops + STOP_PARAMETERS * k;
+        const double *real = unit->real + at;
+        const Stop made = {rows + 2 * n * (cubics + k), real[0], real[1], real[2],
+                           rotor_whole_parameter(unit, at + STOP_PARAMETERS - 1, MOST_SUPPORTS)};
+        if (made.support < 0) {
+            return 1;
+        }
         own->stops[k] = made;
     }
     return 0;

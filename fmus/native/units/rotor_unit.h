@@ -105,6 +105,8 @@ Holds rotor_holds(const Rotor *own);
 
 /* -- rotor_forces.c ---------------------------------------------------------------------- */
 
+/* A whole number of a parameter, from 0 to `most`; below 0 with the reason. */
+int rotor_whole_parameter(Unit *unit, size_t reference, int most);
 /* Make the forces from the parameters, after all else; 0, or 1 with the reason. */
 int rotor_set_forces(Unit *unit);
 /* Forces x and y of supports, then feet, as the motion and the speed in the memory are. */
