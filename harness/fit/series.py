@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from ...models.arrays import Array
 from ..errors import UserError
 from ..input_files import CsvRow, read_csv
+from ..master.foreign.abilities import variable_of
 from ..master.foreign.measures import Incompatible, conversion, measured, measures
 from ..master.unit_run import UnitRun
 from ..scene.messages import did_you_mean
@@ -103,7 +104,7 @@ def _column(path: Path, head: str, run: Any) -> tuple[str, float]:
                 f"{path}: {head}: must be {TIME} [s] or UNIT.VARIABLE{near}; units: "
                 f"{', '.join(run.units)}"
             )
-        declared = run.units[owner].variable(variable, f"{path}, a head")
+        declared = variable_of(run.units[owner], variable, f"{path}: {head}")
         target = measured(declared)
         defined = measures(run.units[owner].description).get(target)
     try:

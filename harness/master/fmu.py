@@ -19,11 +19,11 @@ from fmpy import fmi2
 
 from ..errors import SimulationError, UnitError
 from .closing import Closing
-from .library import Library
-from .unit_files import described, measured_in
+from .foreign.measures import measured_in
+from .library import STATUS, Library, callbacks_to
+from .unit_files import described
 
 _WARNING = fmi2.fmi2Warning
-_STATUS = ("OK", "Warning", "Discard", "Error", "Fatal", "Pending")
 _LOADED = (f"binaries/{fmpy.platform}/", "resources/")
 
 
@@ -94,15 +94,10 @@ class Fmu(Closing):
             raise UnitError(f"{self.path}: cannot be unpacked: {error}") from error
         self.variables = {v.name: v for v in self.description.modelVariables}
         self.measured_in = measured_in(self.description)
-        callbacks = fmi2.fmi2CallbackFunctions()
-        self._logger = fmi2.fmi2CallbackLoggerTYPE(self._log)  # kept alive for the C side
-        callbacks.logger = self._logger
-        callbacks.allocateMemory = fmi2.defaultCallbacks.allocateMemory
-        callbacks.freeMemory = fmi2.defaultCallbacks.freeMemory
+        self._callbacks = callbacks_to(self._log)  # kept alive for the C side
         try:
             self.fmu = Library(self._directory, self.description.coSimulation.modelIdentifier)
-            self._callbacks = callbacks  # kept alive for the C side
-            self.fmu.instantiate(self.name, self.description.guid, callbacks)
+            self.fmu.instantiate(self.name, self.description.guid, self._callbacks)
         except OSError as error:
             reason = "; ".join([*self.messages[-3:], str(error)])
             raise UnitError(f"{self.path}: cannot be instantiated: {reason}") from error
@@ -114,11 +109,7 @@ class Fmu(Closing):
         self._save, self._restore = dll.fmi2GetFMUstate, dll.fmi2SetFMUstate
         self._free = dll.fmi2FreeFMUstate
 
-    def _log(self, _environment, _instance, status, _category, message) -> None:
-        try:  # a Python unit logs with its exception pending, which `decode` would be blamed for
-            raise LookupError
-        except Exception:
-            text = message.decode("utf-8", "replace") if message else ""
+    def _log(self, status: int, text: str) -> None:
         if status >= _WARNING:
             self.messages.append(text)
 
@@ -128,7 +119,7 @@ class Fmu(Closing):
             del self.messages[-1:]  # the error tells it; a run that does without the step need not
             raise SimulationError(
                 f"{self.name} at t = {self.time:g} s: {action} failed "
-                f"({_STATUS[min(status, 5)]}): {reason}"
+                f"({STATUS[min(status, 5)]}): {reason}"
             )
 
     def group(self, names: Sequence[str], memory: np.ndarray | None = None) -> Variables:

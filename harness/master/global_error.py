@@ -83,6 +83,10 @@ class Attempt:
     error: float
     allowed: float
 
+    def order_to(self, apart: float) -> float:
+        """Order that three runs show, the last two of which are `apart`, which is not 0."""
+        return math.log1p(self.apart / apart) / math.log(self.times)
+
     @property
     def is_far(self) -> bool:
         """Whether the two runs differ by so much that their motions may part."""
@@ -171,8 +175,7 @@ class Controlled:
     def _shown_order(self, before: Attempt | None, apart: float, parts: int) -> float:
         """By which errors will shrink further: as three runs have shown, or as is expected."""
         if before and before.apart and apart and self._is_followed(parts):
-            shown = math.log1p(before.apart / apart) / math.log(before.times)
-            return min(self.expected.order, max(shown, ORDER_OF_JUMPS))
+            return min(self.expected.order, max(before.order_to(apart), ORDER_OF_JUMPS))
         return before.order if before else self.expected.order
 
     def _is_followed(self, parts: int) -> bool:
@@ -191,7 +194,7 @@ class Controlled:
         if not self._is_followed(parts):
             return ORDER_OF_JUMPS, ORDER_OF_JUMPS, self.tolerance
         if before and before.apart and apart:  # three runs show by which order errors shrink
-            shown = math.log1p(before.apart / apart) / math.log(before.times)
+            shown = before.order_to(apart)
             order = min(highest, max(shown, ORDER_OF_JUMPS))
             # the first runs may show the errors of steps, and the last one those of events
             order = min(order, ORDER_OF_EVENTS) if self.expected.ends_at_events else order

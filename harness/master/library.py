@@ -10,14 +10,54 @@ from __future__ import annotations
 import ctypes
 import sys
 import threading
+from collections.abc import Callable
 from ctypes import byref, c_char_p, c_int, c_void_p
 from pathlib import Path
 
 import fmpy
 from fmpy import fmi2
 
+STATUS = ("OK", "Warning", "Discard", "Error", "Fatal", "Pending")
+MODULE_FILE = "slavemodule.txt"  # of the resources of an FMU that pythonfmu made: its loader's
 _TURN = threading.RLock()
-_RESOURCES_OF_PYTHONFMU = "slavemodule.txt"  # it is pythonfmu's loader that reads this one
+
+
+def runs_python(folder: Path) -> bool:
+    """Whether pythonfmu made the FMU that is unpacked there."""
+    return (folder / "resources" / MODULE_FILE).is_file()
+
+
+def resources_of(folder: Path) -> bytes:
+    """Where the resources of an unpacked FMU are, as the URI that FMI 2.0 hands on.
+
+    pythonfmu's loader takes what follows file:// for a path as it stands, whatever RFC 3986
+    says of spaces and letters beyond ASCII.
+    """
+    resources = folder / "resources"
+    as_it_stands = sys.platform != "win32" and runs_python(folder)
+    uri = f"file://{resources}" if as_it_stands else resources.as_uri()
+    return uri.encode("utf-8", "surrogateescape")
+
+
+def callbacks_to(log: Callable[[int, str], None]) -> fmi2.fmi2CallbackFunctions:
+    """What an instance of FMI 2.0 calls; must outlive it.
+
+    Args:
+        log: takes status and text of a message.
+    """
+
+    def hear(_environment, _instance, status, _category, message) -> None:
+        try:  # a Python unit logs with its exception pending, which `decode` would be blamed for
+            raise LookupError
+        except Exception:
+            text = message.decode("utf-8", "replace") if message else ""
+        log(status, text)
+
+    callbacks = fmi2.fmi2CallbackFunctions()
+    callbacks.logger = fmi2.fmi2CallbackLoggerTYPE(hear)
+    callbacks.allocateMemory = fmi2.defaultCallbacks.allocateMemory
+    callbacks.freeMemory = fmi2.defaultCallbacks.freeMemory
+    return callbacks
 
 
 class Library:
@@ -43,7 +83,7 @@ class Library:
         if not path.is_file():
             raise OSError(f"Cannot find shared library {path}.")
         self.component = c_void_p()
-        self.runs_python = (self._directory / "resources" / _RESOURCES_OF_PYTHONFMU).is_file()
+        self.runs_python = runs_python(self._directory)
         # native calls take microseconds, less than handing on the interpreter's lock at each
         load = ctypes.CDLL if self.runs_python else ctypes.PyDLL
         with _TURN:
@@ -63,7 +103,7 @@ class Library:
                 name.encode(),
                 fmi2.fmi2CoSimulation,
                 guid.encode(),
-                self._resources().encode("utf-8", "surrogateescape"),
+                resources_of(self._directory),
                 byref(callbacks),
                 0,
                 1,
@@ -72,17 +112,6 @@ class Library:
             fmpy.freeLibrary(self.dll._handle)
             raise OSError("Failed to instantiate model")
         self.component = c_void_p(made)
-
-    def _resources(self) -> str:
-        """Where the FMU's resources are, as a URI.
-
-        pythonfmu's loader takes what follows file:// for a path as it stands, whatever RFC 3986
-        says of spaces and letters beyond ASCII.
-        """
-        resources = self._directory / "resources"
-        if sys.platform != "win32" and self.runs_python:
-            return f"file://{resources}"
-        return resources.as_uri()
 
     def free(self) -> None:
         """Free the instance and unload the library."""

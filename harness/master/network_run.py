@@ -247,6 +247,5 @@ class NetworkRun(Coupled):
 
 def _can_be_read(member: Member, outputs: set[str]) -> bool:
     """Whether outputs lag, and a brief step that is taken back shows where they are."""
-    own = abilities(member.unit.description)
-    free = own.restores_state and own.varies_step and not own.fixed_step
-    return free and member.lags(outputs)
+    restores = abilities(member.unit.description).restores_state
+    return restores and member.is_free and member.lags(outputs)

@@ -18,7 +18,6 @@ from ...fmus.build import build
 from ...fmus.present import changed_files, is_present_build, opened, options_of
 from ..errors import UnitError
 from ..scene.unit import fmu_path
-from .names import readable
 from .plan import UnitPlan
 from .runtime import Backend, runtime
 
@@ -169,11 +168,3 @@ def described(path: Path) -> ModelDescription:
 @lru_cache(maxsize=64)
 def _described(path: Path, _written: int) -> ModelDescription:
     return fmpy.read_model_description(str(path))
-
-
-def measured_in(description: ModelDescription) -> dict[str, str]:
-    """Unit of measurement of every variable as an FMU declares it; empty where it has none."""
-    declared = {
-        v.name: v.unit or getattr(v.declaredType, "unit", None) for v in description.modelVariables
-    }
-    return {name: readable(unit or "") for name, unit in declared.items()}

@@ -19,7 +19,6 @@ from ...models.weights import Lobes as RaceLobes
 from .feeds import Feeds, Start, fed
 from .liquid import Liquid as Liquid
 from .liquid import Ring as Ring
-from .mounting import LONGEST_NAME as LONGEST_NAME
 from .mounting import Balancer as Balancer
 from .nested import Nested
 from .quantities import (

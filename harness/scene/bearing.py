@@ -12,7 +12,7 @@ from pydantic import Field, model_validator
 from ...models.supports import SpeedTable
 from ..errors import SceneError, UserError
 from .nested import Nested
-from .quantities import SI, Positive, Real, Table, Whole, refusal
+from .quantities import SI, Positive, Real, Table, Whole, refusal, refuse_unless_one
 
 Square = tuple[tuple[Real, Real], tuple[Real, Real]]
 Row = tuple[Real, Real, Real, Real, Real, Real, Real, Real, Real]
@@ -74,12 +74,9 @@ class Bearing(Table):
 
     @model_validator(mode="after")
     def _says_it_once(self) -> Bearing:
-        given = [key for key in ("stiffness", "table", "journal") if getattr(self, key) is not None]
-        if len(given) != 1:
-            found = f", not {' and '.join(given)}" if given else ""
-            raise refusal("stiffness", f"give one of stiffness, table and journal{found}")
+        given = refuse_unless_one(self, ("stiffness", "table", "journal"))
         if self.stiffness is None and "damping" in self.model_fields_set:
-            raise refusal("damping", f"belongs to stiffness: {given[0]} has its own")
+            raise refusal("damping", f"belongs to stiffness: {given} has its own")
         if self.table is not None:
             speeds = [row[0] for row in self.table]
             if len(speeds) < 2 or speeds[0] < 0.0 or (np.diff(speeds) <= 0.0).any():

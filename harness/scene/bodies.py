@@ -8,6 +8,7 @@ from pydantic import Field, model_validator
 
 from ...models.bodies import GROUND, Body, Foot
 from .nested import Nested
+from .patterns import BODY
 from .quantities import (
     SI,
     NotNegative,
@@ -63,7 +64,7 @@ class Handle(Table):
 class BodyTable(Table):
     """A body that does not turn: a tub, a casing, a base, an absorber, the rest of a hand tool."""
 
-    name: Annotated[Text, Field(pattern=r"^[A-Za-z][\w-]*$")]
+    name: Annotated[Text, Field(pattern=BODY)]
     """What outputs call it."""
     mass: Annotated[Positive, SI("kg")]
     """Without the rotor."""

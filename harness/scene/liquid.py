@@ -12,7 +12,7 @@ from ...models.ring import Ring as RingModel
 from ...models.rotor import LinearRotor
 from .feeds import Feeds, Start, fed
 from .mounting import Balancer
-from .quantities import SI, NotNegative, Positive, refusal
+from .quantities import SI, NotNegative, Positive, refusal, refuse_unless_one
 
 WATER = 1e-6  # m^2/s, kinematic viscosity at 20 degC
 
@@ -90,12 +90,7 @@ class Ring(Balancer):
 
     @model_validator(mode="after")
     def _has_a_surface(self) -> Ring:
-        given = [k for k in ("inner_radius", "fill", "liquid_mass") if getattr(self, k) is not None]
-        if len(given) != 1:
-            found = " and ".join(given) or "none of them"
-            raise refusal(
-                "inner_radius", f"give one of inner_radius, fill and liquid_mass, not {found}"
-            )
+        given = refuse_unless_one(self, ("inner_radius", "fill", "liquid_mass"))
         if self.inner_wall_radius >= self.wall_radius:
             raise refusal(
                 "inner_wall_radius", f"must be less than wall_radius = {self.wall_radius!r} m"
@@ -107,11 +102,9 @@ class Ring(Balancer):
         square = self._inner_square
         if not square > self.inner_wall_radius**2 * (1.0 - 1e-12) or not square > 0.0:
             most = self._mass_of(self.inner_wall_radius**2)
-            raise refusal(
-                given[0], f"more liquid than the ring holds inside its walls, {most:.6g} kg"
-            )
+            raise refusal(given, f"more liquid than the ring holds inside its walls, {most:.6g} kg")
         if square >= self.wall_radius**2:
-            raise refusal(given[0], f"must be less than wall_radius = {self.wall_radius!r} m")
+            raise refusal(given, f"must be less than wall_radius = {self.wall_radius!r} m")
         return self
 
     @property

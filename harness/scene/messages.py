@@ -7,6 +7,7 @@ from typing import Any, Literal, NamedTuple, get_args, get_origin
 
 from pydantic import BaseModel, ValidationError
 
+from . import patterns
 from .fields import fields_of, unit_of
 
 Location = tuple[str | int, ...]
@@ -23,7 +24,6 @@ _WORDS = {
     "bool_type": "must be true or false",
     "string_type": "must be text in quotes",
     "string_too_short": "must not be empty",
-    "string_pattern_mismatch": "must begin with a letter; letters, digits, _, - only, at most 32",
     "literal_error": "must be one of {expected}",
     "tuple_type": "must be a list",
     "too_short": "must have at least {min_length} values",
@@ -174,6 +174,8 @@ def _one(error: Any, document: Any, root: type[BaseModel]) -> str:
         return statement(place, "must be a table of keys and values")
     if kind == "tuple_type" and isinstance(place.value, dict):
         return f"{place.key}: must be a list of tables; write [[{place.key}]]"
+    if kind == "string_pattern_mismatch":
+        return statement(place, patterns.WORDS[context["pattern"]])
     words = _WORDS[kind].format(**context) if kind in _WORDS else error["msg"]
     if kind in {"float_type", "int_type", "int_from_float"} and unit:
         words += unit

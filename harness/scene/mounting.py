@@ -8,10 +8,9 @@ from pydantic import Field
 
 from ...models.rotor import LinearRotor
 from .feeds import Feeds, Start, fed
+from .patterns import NAME
 from .quantities import Flag, Table, Text, Whole
 from .unit import FmuPath
-
-LONGEST_NAME = 32  # characters: every variable of it has at most the 63 of MATLAB
 
 
 class Balancer(Table):
@@ -44,7 +43,7 @@ class Balancer(Table):
 
     name: Annotated[
         Text,
-        Field(min_length=1, pattern=rf"^[A-Za-z_][A-Za-z0-9_-]{{0,{LONGEST_NAME - 1}}}$"),
+        Field(min_length=1, pattern=NAME),
     ] = ""
     """Names its signals and its FMU: a letter first, then letters, digits, _ and -, at most 32;
     unique; default: the kind.  In FMUs a name with - is quoted: `'left-ring'.drag`."""

@@ -174,6 +174,16 @@ NotNegativePair = Annotated[
 ]
 
 
+def refuse_unless_one(table: Table, keys: Sequence[str]) -> str:
+    """Refuse a table unless one of these keys is given, and none of the others; that key."""
+    given = [key for key in keys if getattr(table, key) not in (None, ())]
+    if len(given) != 1:
+        found = f"not {' and '.join(given)}" if given else "none is there"
+        words = f"give one of {', '.join(keys[:-1])} and {keys[-1]}: {found}"
+        raise refusal(given[-1] if given else keys[0], words)
+    return given[0]
+
+
 def refuse_other_length(key: str, values: Sequence[Any], count: int, what: str) -> None:
     """Refuse a key unless it has one value for each of `count` things called `what`."""
     if not values:

@@ -11,7 +11,18 @@ from pydantic import BeforeValidator, Field, model_validator
 from ...models.assembly import SpeedProfile, Start
 from ...models.constants import DEFAULT_TOLERANCE
 from .nested import Nested
-from .quantities import SI, Angle, NotNegative, Positive, Real, Table, Text, Whole, refusal
+from .quantities import (
+    SI,
+    Angle,
+    NotNegative,
+    Positive,
+    Real,
+    Table,
+    Text,
+    Whole,
+    refusal,
+    refuse_unless_one,
+)
 
 if TYPE_CHECKING:
     from ...models.motor import Drive, MotorDriven
@@ -129,13 +140,7 @@ class Operation(Table):
 
     @model_validator(mode="after")
     def _fits_together(self) -> Operation:
-        given = [key for key in DRIVES if getattr(self, key) not in (None, ())]
-        if len(given) != 1:
-            how = "not both" if given else "neither is there"
-            raise refusal(
-                "run_up",
-                f"give either speed (rad/s) or run_up: {how} (or a profile, or a motor alone)",
-            )
+        refuse_unless_one(self, DRIVES)
         times, speeds = zip(*self.profile, strict=True) if self.profile else ((), ())
         if self.profile and (times[0] != 0.0 or any(b <= a for a, b in pairwise(times))):
             raise refusal("profile", "times must ascend from 0 s on")

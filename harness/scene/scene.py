@@ -38,7 +38,14 @@ from .rotor import Rotor
 from .rules import TABLES, across, plane_count
 from .run import FEWEST_REVOLUTIONS, Coupling, Operation, Run
 from .trace import with_corners
-from .unit import Connection, Unit, connection_problems, split_port, with_start_values
+from .unit import (
+    Connection,
+    Unit,
+    connection_problems,
+    name_problems,
+    split_port,
+    with_start_values,
+)
 
 if TYPE_CHECKING:
     from typing_extensions import Self
@@ -415,19 +422,15 @@ class Scene(Described):
 
     def _wrongly_connected(self) -> list[str]:
         """Problems of units and connections."""
-        units = [unit.name for unit in self.unit]
         others = ["rotor", *(balancer.label for balancer in self.balancer)]
-        taken = [*TABLES, "balancing", "motor", *others]
-        lines = [
-            f'unit[{number}].name = "{name}": taken by another table; give every unit its own'
-            for number, name in enumerate(units, start=1)
-            if name in taken or name in units[: number - 1]
-        ]
+        lines = name_problems(self.unit, [*TABLES, "balancing", "motor", *others])
         if self.connection and not self.guests:
             lines.append("connection: connects [[unit]] tables, and there are none")
         if not self.rotor.fmu:
             lines += push_problems(self.rotor, self.connection)
-        return lines + connection_problems(self.connection, [*others, *units])
+        return lines + connection_problems(
+            self.connection, [*others, *(unit.name for unit in self.unit)]
+        )
 
     def _refused_by_models(self) -> list[str]:
         """What the models themselves refuse, once the tables are right."""

@@ -17,7 +17,14 @@ from .nested import Nested
 from .quantities import SI, Positive, Table, Text, Whole, fields_of, refusal
 from .replace import plain
 from .run import DEFAULT_TOLERANCE, LOOSEST_TOLERANCE, whole_choice
-from .unit import Connection, Unit, connection_problems, split_port, with_start_values
+from .unit import (
+    Connection,
+    Unit,
+    connection_problems,
+    name_problems,
+    split_port,
+    with_start_values,
+)
 
 if TYPE_CHECKING:
     from typing_extensions import Self
@@ -122,11 +129,7 @@ class System(Described):
     def _crossed(self) -> list[str]:
         """Problems between the tables."""
         names = [unit.name for unit in self.unit]
-        lines = [
-            f'unit[{number}].name = "{name}": taken by another table; give every unit its own'
-            for number, name in enumerate(names, start=1)
-            if name in TABLES or name in names[: number - 1]
-        ]
+        lines = name_problems(self.unit, TABLES)
         lines += [] if names else ["unit: must have one table at least: write [[unit]]"]
         lines += connection_problems(self.connection, names)
         for name in self.run.record or ():

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -12,10 +12,8 @@ from pydantic import AfterValidator, Field
 from ..errors import SceneError
 from .file import BUNDLED
 from .messages import did_you_mean
+from .patterns import NAME, PORT
 from .quantities import LARGEST, Flag, Real, Table, Text
-
-UNIT_NAME = r"^[A-Za-z_][A-Za-z0-9_-]{0,31}$"
-_PORT = r"^[A-Za-z_][A-Za-z0-9_-]{0,31}\..+$"
 
 
 def _start_values(values: dict[str, Any]) -> dict[str, Any]:
@@ -37,7 +35,7 @@ FmuPath = Annotated[Annotated[Text, Field(min_length=1)] | None, Field()]
 class Unit(Table):
     """An FMU for co-simulation, FMI 2.0 or 3.0, of any origin."""
 
-    name: Annotated[Text, Field(pattern=UNIT_NAME)]
+    name: Annotated[Text, Field(pattern=NAME)]
     """Names its signals: a letter first, then letters, digits, _ and -, at most 32; unique."""
     fmu: Annotated[Text, Field(min_length=1)]
     """Path of the FMU file, from the folder of the scene file."""
@@ -48,9 +46,9 @@ class Unit(Table):
 class Connection(Table):
     """An output that feeds an input; units of measurement are converted."""
 
-    source: Annotated[Text, Field(pattern=_PORT, alias="from")]
+    source: Annotated[Text, Field(pattern=PORT, alias="from")]
     """Output, as `unit.variable`."""
-    to: Annotated[Text, Field(pattern=_PORT)]
+    to: Annotated[Text, Field(pattern=PORT)]
     """Input, as `unit.variable`."""
     factor: Real = 1.0
     """The output is multiplied by it; -1 changes its sign."""
@@ -68,6 +66,16 @@ def fmu_path(fmu: str, scene: Path | None) -> Path:
     """The file of a unit, which a scene file names from its own folder; not a bundled scene."""
     is_user_file = scene is not None and scene.parent != BUNDLED
     return scene.parent / fmu if scene is not None and is_user_file else Path(fmu)
+
+
+def name_problems(units: Sequence[Unit], taken: Collection[str]) -> list[str]:
+    """A line for every unit whose name another one has, or another table."""
+    names = [unit.name for unit in units]
+    return [
+        f'unit[{number}].name = "{name}": taken by another table; give every unit its own'
+        for number, name in enumerate(names, start=1)
+        if name in taken or name in names[: number - 1]
+    ]
 
 
 def connection_problems(

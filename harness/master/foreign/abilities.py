@@ -4,8 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any
 
-from fmpy.model_description import ModelDescription
+from fmpy.model_description import ModelDescription, ModelVariable
+
+from ...errors import UnitError
+from ...scene.messages import did_you_mean
 
 REALS = ("Real", "Float64", "Float32")
 INTEGERS = (
@@ -62,6 +66,22 @@ def abilities(description: ModelDescription) -> Abilities:
         needs_tool=bool(kind.needsExecutionTool),
         depends=depends,
         first_step=float((experiment and experiment.stepSize) or 0.0),
+    )
+
+
+def variable_of(unit: Any, name: str, where: str) -> ModelVariable:
+    """A variable of a unit.
+
+    Raises:
+        UnitError: there is none; says which are near.
+    """
+    if name in unit.variables:
+        return unit.variables[name]
+    known = [n for n in unit.variables if not n.startswith("der(")]
+    shown = ", ".join(known[:12]) + (" ..." if len(known) > 12 else "")
+    raise UnitError(
+        f"{where}: {unit.path.name} has no variable {name!r}{did_you_mean(name, known)}; it has: "
+        f"{shown}"
     )
 
 

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import math
-import re
 from pathlib import Path
 from typing import Any
 
 from ...errors import UnitError
+from ...scene.patterns import LONGEST_NAME, legal_characters
 from .abilities import abilities
 from .archive import read_description
 
@@ -28,7 +28,7 @@ def document_of(path: Path) -> dict[str, Any]:
     step = _suggested(experiment and experiment.stepSize, stop / DEFAULT_STEPS)
     if fixed := abilities(description).fixed_step:  # of which steps must be multiples
         step = fixed * max(1, round(step / fixed))
-    name = re.sub(r"^(?=[\d-])|[^\w-]", "_", path.stem, flags=re.ASCII)[:32]
+    name = legal_characters(path.stem)[:LONGEST_NAME]
     return {
         "title": description.modelName,
         "unit": [{"name": name, "fmu": path.name}],

@@ -6,6 +6,8 @@ import shutil
 import stat
 import zipfile
 import zlib
+from collections.abc import Iterator
+from contextlib import contextmanager
 from functools import lru_cache
 from pathlib import Path, PurePosixPath, PureWindowsPath
 from tempfile import mkdtemp
@@ -151,25 +153,31 @@ def _follow_links(path: Path, archive: zipfile.ZipFile, folder: Path) -> None:
         shutil.copyfile(target, place)
 
 
+@contextmanager
+def new_folder(prefix: str) -> Iterator[Path]:
+    """A new folder for temporary files, which is removed again where the block fails."""
+    folder = Path(mkdtemp(prefix=prefix))
+    try:
+        yield folder
+    except BaseException:
+        shutil.rmtree(folder, ignore_errors=True)
+        raise
+
+
 def unpacked(path: Path) -> Path:
     """A new folder with what is in an FMU that `read_description` has let pass.
 
     Raises:
         UnitError: it cannot be unpacked; nothing stays behind.
     """
-    folder = Path(mkdtemp(prefix="autobalancer-unit-"))
-    try:
-        with zipfile.ZipFile(path) as archive:
-            archive.extractall(folder)
-            _follow_links(path, archive, folder)
-    except (zipfile.BadZipFile, zlib.error, EOFError, RuntimeError) as error:
-        shutil.rmtree(folder, ignore_errors=True)
-        raise UnitError(f"{path}: is damaged: {error}") from error
-    except OSError as error:
-        shutil.rmtree(folder, ignore_errors=True)
-        why = f"cannot be unpacked into {folder}: {error.strerror or error}"
-        raise UnitError(f"{path}: {why}; free some room, or set TMPDIR") from error
-    except BaseException:
-        shutil.rmtree(folder, ignore_errors=True)
-        raise
-    return folder
+    with new_folder("autobalancer-unit-") as folder:
+        try:
+            with zipfile.ZipFile(path) as archive:
+                archive.extractall(folder)
+                _follow_links(path, archive, folder)
+        except (zipfile.BadZipFile, zlib.error, EOFError, RuntimeError) as error:
+            raise UnitError(f"{path}: is damaged: {error}") from error
+        except OSError as error:
+            why = f"cannot be unpacked into {folder}: {error.strerror or error}"
+            raise UnitError(f"{path}: {why}; free some room, or set TMPDIR") from error
+        return folder

@@ -20,19 +20,17 @@ import numpy as np
 from fmpy.fmi1 import FMICallException
 
 from ...errors import SimulationError, UnitError
-from ...scene.messages import did_you_mean
 from ..closing import Closing
-from ..names import readable
+from ..library import STATUS, runs_python
 from . import crashes, python_guest
-from .abilities import abilities, kind_of
+from .abilities import abilities, kind_of, variable_of
 from .archive import read_description, unpacked
-from .measures import measured, measures
+from .measures import measured_in
 
 if TYPE_CHECKING:
     from fmpy.model_description import ModelVariable
 
 PATIENCE = 5.0  # s in which a unit must come back when it is freed
-_STATUS = ("OK", "Warning", "Discard", "Error", "Fatal", "Pending")
 _MOST_MESSAGES = 100  # that are kept
 _only_once: set[Path] = set()  # files whose one instance lives
 
@@ -88,8 +86,7 @@ class ForeignUnit(Closing):
         self.description = read_description(path)
         self.abilities = abilities(self.description)
         self.variables = {v.name: v for v in self.description.modelVariables}
-        self.defined_measures = measures(self.description)
-        self.measured_in = {n: readable(measured(v)) for n, v in self.variables.items()}
+        self.measured_in = measured_in(self.description)
         self.calls = {"set": 0, "get": 0, "step": 0, "save": 0, "restore": 0, "reset": 0}
         self.messages: list[str] = []
         self.fmu: Any = None
@@ -104,7 +101,7 @@ class ForeignUnit(Closing):
         self.folder = unpacked(path)
         if self._once:
             _only_once.add(self._once)
-        self.is_python = python_guest.runs_python(self.folder)
+        self.is_python = runs_python(self.folder)
         crashes.watch(self)
 
     def check_start(self, start: Mapping[str, Any]) -> None:
@@ -114,7 +111,7 @@ class ForeignUnit(Closing):
             UnitError: so it is.
         """
         for name, value in start.items():
-            variable = self.variable(name, "start")
+            variable = variable_of(self, name, f"{self.name}.{name}: start")
             allowed = {
                 "real": not isinstance(value, (bool, str)),
                 "integer": isinstance(value, int) and not isinstance(value, bool),
@@ -131,21 +128,6 @@ class ForeignUnit(Closing):
                     f"{self.name}.start: {name}: is an {variable.causality} of {self.path.name}, "
                     "and cannot be set; parameters and inputs can"
                 )
-
-    def variable(self, name: str, where: str) -> ModelVariable:
-        """A variable by name.
-
-        Raises:
-            UnitError: there is none; says which are near.
-        """
-        if name not in self.variables:
-            known = [n for n in self.variables if not n.startswith("der(")]
-            shown = ", ".join(known[:12]) + (" ..." if len(known) > 12 else "")
-            raise UnitError(
-                f"{self.name}.{name}: {where}: {self.path.name} has no variable {name!r}"
-                f"{did_you_mean(name, known)}; it has: {shown}"
-            )
-        return self.variables[name]
 
     def group(self, names: Iterable[str], memory: np.ndarray | None = None) -> Group:
         """Variables to be read or written together; `memory` holds their values as reals."""
@@ -268,7 +250,7 @@ class ForeignUnit(Closing):
         except EndAsked:
             raise
         except FMICallException as error:
-            status = _STATUS[min(int(getattr(error, "status", 3)), 5)]
+            status = STATUS[min(int(getattr(error, "status", 3)), 5)]
             reason = f"{what} failed ({status})"
         except Exception as error:  # a function that the library lacks, or of ctypes
             reason = f"{what} failed: {error}"

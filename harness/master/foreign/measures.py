@@ -6,6 +6,8 @@ import re
 from functools import cache
 from typing import TYPE_CHECKING, Any
 
+from ..names import readable
+
 if TYPE_CHECKING:
     from fmpy.model_description import BaseUnit, ModelDescription, ModelVariable
 
@@ -23,6 +25,11 @@ def measured(variable: ModelVariable) -> str:
     """Name of a variable's unit of measurement; empty where none is declared."""
     declared = variable.unit or getattr(variable.declaredType, "unit", None)
     return declared or ""
+
+
+def measured_in(description: ModelDescription) -> dict[str, str]:
+    """Unit of measurement of every variable, for people; empty where none is declared."""
+    return {v.name: readable(measured(v)) for v in description.modelVariables}
 
 
 def measures(description: ModelDescription) -> dict[str, BaseUnit]:

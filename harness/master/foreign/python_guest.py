@@ -13,13 +13,7 @@ from pathlib import Path
 from types import ModuleType
 
 from ....fmus.python.host import keep, settle_at_exit
-
-MODULE_FILE = "slavemodule.txt"  # pythonfmu's loader reads it
-
-
-def runs_python(folder: Path) -> bool:
-    """Whether pythonfmu made the FMU that is unpacked there."""
-    return (folder / "resources" / MODULE_FILE).is_file()
+from ..library import MODULE_FILE
 
 
 def before_making(folder: Path) -> None:

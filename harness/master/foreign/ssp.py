@@ -8,15 +8,15 @@ units join those of the systems around them by `_`.
 from __future__ import annotations
 
 import re
-import shutil
 import zipfile
+import zlib
 from collections.abc import Iterable
 from pathlib import Path
-from tempfile import mkdtemp
 from typing import Any
 
 from ...errors import UnitError
-from .archive import refuse_dangerous
+from ...scene.patterns import LONGEST_NAME, legal_characters
+from .archive import new_folder, refuse_dangerous
 from .ssp_parameters import bound, set_parameter
 from .ssp_structure import (
     Element,
@@ -33,7 +33,6 @@ from .ssp_wires import directed, factor_of, refuse_loose_ends, sources_of, trace
 
 STRUCTURE = "SystemStructure.ssd"
 DEFAULT_DURATION = 1.0  # s: where the file suggests none
-LONGEST_NAME = 32  # of a unit
 _FMU_TYPES = ("", "application/x-fmu-sharedlibrary")
 
 
@@ -45,21 +44,18 @@ def unpacked_system(path: Path) -> tuple[dict[str, Any], Path]:
     Raises:
         UnitError: it is no SSP that can be read, or has what is not supported.
     """
-    folder = Path(mkdtemp(prefix="autobalancer-ssp-"))
-    try:
-        with zipfile.ZipFile(path) as archive:
-            refuse_dangerous(path, archive)
-            archive.extractall(folder)
-        return _document(path, folder), folder
-    except (zipfile.BadZipFile, EOFError, RuntimeError) as error:
-        shutil.rmtree(folder, ignore_errors=True)
-        raise UnitError(f"{path}: is not a sound SSP, which is a zip archive: {error}") from error
-    except OSError as error:
-        shutil.rmtree(folder, ignore_errors=True)
-        raise UnitError(f"{path}: cannot be unpacked: {error.strerror or error}") from error
-    except BaseException:
-        shutil.rmtree(folder, ignore_errors=True)
-        raise
+    with new_folder("autobalancer-ssp-") as folder:
+        try:
+            with zipfile.ZipFile(path) as archive:
+                refuse_dangerous(path, archive)
+                archive.extractall(folder)
+            return _document(path, folder), folder
+        except (zipfile.BadZipFile, zlib.error, EOFError, RuntimeError) as error:
+            why = "is not a sound SSP, which is a zip archive"
+            raise UnitError(f"{path}: {why}: {error}") from error
+        except OSError as error:
+            why = f"cannot be unpacked into {folder}: {error.strerror or error}"
+            raise UnitError(f"{path}: {why}; free some room, or set TMPDIR") from error
 
 
 def _document(path: Path, folder: Path) -> dict[str, Any]:
@@ -117,7 +113,7 @@ def _unit_names(components: Iterable[str]) -> dict[str, str]:
     """Names of units by paths of components: letters, digits, _ and - of them, each once."""
     found: dict[str, str] = {}
     for path in components:
-        name = re.sub(r"^(?=[\d-])|[^\w-]", "_", path, flags=re.ASCII)[-LONGEST_NAME:]
+        name = legal_characters(path)[-LONGEST_NAME:]
         name = re.sub(r"^[\d-]", "_", name)
         number = 2
         while name in found.values():

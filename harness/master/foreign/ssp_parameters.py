@@ -6,10 +6,8 @@ from collections.abc import Iterator
 from typing import Any
 
 from ...errors import UnitError
+from .abilities import kind_of
 from .ssp_structure import Element, Structure, child, children, parsed, real, tag_of
-
-_REALS = ("Real", "Float64", "Float32")
-_WHOLE = ("Integer", "Enumeration", "Int8", "UInt8", "Int16", "UInt16", "Int32", "UInt32", "Int64")
 
 
 def set_parameter(found: Structure, path: str, value: Any) -> None:
@@ -79,14 +77,20 @@ def _values(found: Structure, parameter_set: Element) -> Iterator[tuple[str, Any
         name = parameter.get("name", "")
         for value in parameter:
             text, tag = value.get("value", ""), tag_of(value)
-            if tag in _REALS:
+            kind = kind_of(tag)
+            if kind == "real":
                 yield name, real(found, text, f"parameter {name}")
-            elif tag in _WHOLE:
+            elif kind == "integer":
                 whole = real(found, text, f"parameter {name}")
                 if whole != round(whole):
                     raise UnitError(f"{found.path}: parameter {name} = {text}: must be whole")
                 yield name, int(whole)
-            elif tag == "Boolean":
+            elif kind == "boolean":
                 yield name, text in ("true", "1")
-            elif tag == "String":
+            elif kind == "text":
                 yield name, text
+            elif tag != "Annotations":
+                raise UnitError(
+                    f"{found.path}: parameter {name}: type {tag} is not supported: numbers, "
+                    "Boolean and String are; leave it out, or set it in the FMU"
+                )

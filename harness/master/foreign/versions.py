@@ -12,6 +12,7 @@ from fmpy import fmi2, fmi3
 from fmpy.fmi1 import FMICallException
 
 from ...errors import SimulationError, UnitError
+from ..library import callbacks_to, resources_of
 from .archive import read_description
 from .instance import EndAsked, ForeignUnit
 
@@ -20,38 +21,25 @@ class Fmi2Unit(ForeignUnit):
     """An instance of FMI 2.0."""
 
     def _make(self) -> None:
-        callbacks = fmi2.fmi2CallbackFunctions()
-        callbacks.logger = fmi2.fmi2CallbackLoggerTYPE(self._heard)
-        callbacks.allocateMemory = fmi2.defaultCallbacks.allocateMemory
-        callbacks.freeMemory = fmi2.defaultCallbacks.freeMemory
-        self._callbacks = callbacks  # kept alive for the C side
+        self._callbacks = callbacks_to(self._log)  # kept alive for the C side
         self.fmu = fmi2.FMU2Slave(
             guid=self.description.guid,
             unzipDirectory=str(self.folder),
             modelIdentifier=self.description.coSimulation.modelIdentifier,
             instanceName=self.name,
         )
-        resources = self.folder / "resources"
-        # pythonfmu's loader takes what follows file:// for a path as it stands
-        place = f"file://{resources}" if self.is_python else resources.as_uri()
         self.fmu.component = self.fmu.fmi2Instantiate(
             self.name.encode(),
             fmi2.fmi2CoSimulation,
             self.description.guid.encode(),
-            place.encode("utf-8", "surrogateescape"),
-            byref(callbacks),
+            resources_of(self.folder),
+            byref(self._callbacks),
             0,
             1,
         )
         if not self.fmu.component:
             self.fmu.freeLibrary()
             raise UnitError(f"{self.path}: cannot be instantiated{self._said()}")
-
-    def _heard(self, _environment, _instance, status, _category, message) -> None:
-        try:  # a Python unit logs with its exception pending, which `decode` would be blamed for
-            raise LookupError
-        except Exception:
-            self._log(status, message.decode("utf-8", "replace") if message else "")
 
     def _begin(self, start: Mapping[str, Any]) -> None:
         self._checked("set-up", self.fmu.setupExperiment)

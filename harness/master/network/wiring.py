@@ -8,9 +8,8 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from ...errors import UnitError
-from ...scene.messages import did_you_mean
 from ...scene.unit import split_port
-from ..foreign.abilities import CUBIC, HELD, LINEAR, abilities, kind_of
+from ..foreign.abilities import CUBIC, HELD, LINEAR, abilities, kind_of, variable_of
 from ..foreign.measures import Incompatible, conversion, measured, measures
 from ..names import derivatives
 from .order import loops_of
@@ -121,22 +120,6 @@ class Wiring:
         ]
         copied = [(c.source_unit, unit, False) for unit, all_ in self.copied.items() for c in all_]
         return found + copied
-
-
-def variable_of(unit: Any, name: str, where: str) -> ModelVariable:
-    """A variable of a unit.
-
-    Raises:
-        UnitError: there is none; says which are near.
-    """
-    if name in unit.variables:
-        return unit.variables[name]
-    known = [n for n in unit.variables if not n.startswith("der(")]
-    shown = ", ".join(known[:12]) + (" ..." if len(known) > 12 else "")
-    raise UnitError(
-        f"{where}: {unit.path.name} has no variable {name!r}{did_you_mean(name, known)}; it has: "
-        f"{shown}"
-    )
 
 
 def wired(units: Mapping[str, Any], wires: Sequence[Wire]) -> Wiring:

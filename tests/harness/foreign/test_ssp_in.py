@@ -134,6 +134,13 @@ def test_an_ssp_of_ours_runs_as_its_scene(tmp_path):
     assert np.abs(found["rotor.x"] - x).max() < 1e-4 * np.abs(x).max()
 
 
+def test_a_parameter_of_any_whole_type_is_read(chain):
+    """A type of FMI 3.0, which no other parameter of the file has."""
+    edit = put('<ssv:Real value="1.0"', '<ssv:UInt64 value="2"')
+    start = {unit.name: unit.start for unit in ab.load_system(chain(edit=edit)).unit}
+    assert start["left_mass"] == {"x0": 2}
+
+
 def put(old, new):
     """An edit of a file that has the text."""
     return lambda text: text.replace(old, new) if old in text else text
@@ -178,6 +185,10 @@ WRONG = {
     "no factor": (
         put('factor="-1.0"', 'factor="minus"'),
         "factor = 'minus': must be a finite number",
+    ),
+    "binary parameter": (
+        put('<ssv:Real value="1.0"', '<ssv:Binary value="00"'),
+        "parameter x0: type Binary is not supported",
     ),
     "no stop": (
         put('stopTime="1.0"', 'stopTime="soon"'),

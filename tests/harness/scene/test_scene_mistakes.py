@@ -133,16 +133,21 @@ VALUES = [
         "density = 1000.0\ninertia_as_force = 1",
         "balancer[2].inertia_as_force = 1: must be true or false",
     ),
-    ("speed = 3.0", "", "operation.run_up: give either speed (rad/s) or run_up: neither"),
+    ("speed = 3.0", "", "operation.speed: give one of speed, run_up, profile and motor: none is"),
     (
         "speed = 3.0",
         "speed = 3.0\nrun_up = {from = 0.0, to = 9.0, seconds = 60.0}",
-        "give either speed (rad/s) or run_up: not both",
+        "give one of speed, run_up, profile and motor: not speed and run_up",
     ),
     (
         "speed = 3.0",
         "run_up = {from = 1.0, start = 1.0, to = 9.0, seconds = 60.0}",
         "operation.run_up.start: unknown key; allowed: from, to, seconds",
+    ),
+    (
+        "[run]",
+        '[[connection]]\nfrom = "abc"\nto = "rotor.F_x"\n[run]',
+        'connection[1].from = "abc": must be unit.variable, such as rotor.x',
     ),
     ("[operation]\nspeed = 3.0", "", "operation: missing; give a table [operation]"),
     ('"auto"', '"jacob"', 'coupling.scheme = "jacob": must be one of'),
