@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ...models.arrays import Array
 from ..master.names import stations, weight
+from ..result.sag import sag_of
 from .kinds import WINDOWS, Seen
 from .starts import Job, holders
 
@@ -22,15 +24,20 @@ _FEWEST = 6.0  # revolutions of a window
 
 
 def displacements(job: Job) -> tuple[Array, list[str]]:
-    """Largest squared distance of a station (r, t) at evenly spread times [m^2]; failures."""
+    """Largest squared distance of a station (r, t) at evenly spread times [m^2]; failures.
+
+    It is counted from the sag, as a vibration is.
+    """
     from ...fmus.composite.batch import BatchRuns
     from ..master.one_file import composition
 
-    names = [f"rotor.{p}{axis}" for p in stations(len(job.scene.rotor.points)) for axis in "xy"]
+    rotor = [f"rotor.{p}{axis}" for p in stations(len(job.scene.rotor.points)) for axis in "xy"]
+    motor = ["motor.speed"] if job.scene.operation.motor else []
     points = math.ceil(_turns(job) * _PER_TURN)
-    runs = BatchRuns(composition(job.scene), list(job.columns), names, points)
+    runs = BatchRuns(composition(job.scene), list(job.columns), [*rotor, *motor], points)
     signals, reasons = runs(job.values, np.full(len(job.values), job.seconds))
-    return _squares(signals), reasons
+    _subtract_sag(job, signals, rotor, bool(motor))
+    return _squares(signals[:, :, : len(rotor)]), reasons
 
 
 def run(job: Job) -> tuple[Seen, NDArray[np.object_], Array]:
@@ -55,6 +62,7 @@ def run(job: Job) -> tuple[Seen, NDArray[np.object_], Array]:
     for first in range(0, len(ends), _CHUNK):
         part = slice(first, first + _CHUNK)
         signals, failed = runs(job.values[part], ends[part])
+        _subtract_sag(job, signals, rotor, bool(motor))
         squares = _squares(signals[:, :, : len(rotor)])
         parts.append(_windows(signals, squares, job, len(rotor), bool(motor)))
         largest.append(np.sqrt(squares.max(axis=1)))
@@ -62,6 +70,18 @@ def run(job: Job) -> tuple[Seen, NDArray[np.object_], Array]:
     arrays = [np.concatenate(each) for each in zip(*(a for a, _ in parts), strict=True)]
     seen = Seen(arrays[0], arrays[1], arrays[2], arrays[3], parts[0][1])
     return seen, np.array(reasons, object), np.concatenate(largest)
+
+
+def _subtract_sag(job: Job, signals: Array, rotor: Sequence[str], motor: bool) -> None:
+    """From the displacements, the first of the signals (r, t, s), in place."""
+    if not job.scene.operation.gravity:
+        return
+    time = np.linspace(0.0, job.seconds, signals.shape[1])
+    of_all = None if motor else sag_of(job.scene, time)
+    for one in signals:
+        sag = of_all or sag_of(job.scene, time, one[:, -1])
+        for place, name in enumerate(rotor):
+            one[:, place] -= sag[name]
 
 
 def _turns(job: Job) -> float:

@@ -65,6 +65,16 @@ def test_lightest_of_the_candidates_that_always_balance_is_taken(found):
         assert f"{best.count} balls of {2e3 * best.radius:.3g} mm" in " ".join(found.words())
 
 
+def test_a_sag_is_no_vibration(fan):
+    # a linear rotor moves about its sag as it moves about the axis without gravity
+    given = {"run_up": "4 s", "drag": "0.02 N s/m", "n": 2, "most": 2, "standard": True}
+    level = fan.replace({"operation.gravity": 9.81})
+    lying, upright = (s.design("120 g mm", reserve=5.0, **SPACE, **given) for s in (level, fan))
+    for one, other in zip(lying.trials, upright.trials, strict=True):
+        assert one.peak_alone == pytest.approx(other.peak_alone, rel=1e-6)
+    assert lying.trials[-1].corners[-1].balanced == 2
+
+
 def of_peaks(found, ratios):
     """The same trials, all of which balance, with peaks so many times those without balancers."""
     trials = []

@@ -120,6 +120,13 @@ def test_starts_that_turn_with_the_rotor_balance():
     assert point.balanced.count == 8
 
 
+def test_a_sag_is_no_part_of_the_largest_vibration():
+    given = {"starts": ["turning"], "n": 2}
+    (one,) = green(0.05, speed=3.0, gravity=0.1).motions(**given).points  # the sag is 0.107
+    (none,) = green(0.05, speed=3.0).motions(**given).points
+    assert one.largest == pytest.approx(none.largest, rel=0.1)
+
+
 def test_the_output_says_that_weights_that_are_alike_were_changed(invoke, tmp_path):
     path = green().save(tmp_path / "green.toml")
     target = tmp_path / "motions.json"
