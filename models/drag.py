@@ -50,12 +50,12 @@ def from_swing(
 
 
 def swing_range(first: float, last: float) -> float:
-    """Ratio of the drags by one swing and by very many, between two amplitudes [rad], above 1.
+    """Ratio of the drags by half a swing and by very many, between two amplitudes [rad], above 1.
 
     The amplitudes and the time alone do not tell the number of swings.
     """
     decrement = math.log(_orbit(first) / _orbit(last))
-    return _exact_decrement(first, last, 2, decrement) / decrement
+    return _exact_decrement(first, last, 1, decrement) / decrement
 
 
 def _orbit(amplitude: float) -> float:

@@ -116,9 +116,10 @@ def _measured(mass: float, first: str, last: str, time: str, swings: float | Non
     return Drag(
         middle,
         mass,
-        f"{_said(motion, middle)}, but only from {found:.3g} (many swings) to {most:.3g} (one "
-        "swing) is known: from such an angle the drag depends on how many swings there were; "
-        "count them and give --swings, such as --swings 2 (2.5 if it ends on the other side)",
+        f"{_said(motion, middle)}, but only from {found:.3g} (many swings) to {most:.3g} (half a "
+        "swing, to the other side) is known: from such an angle the drag depends on how many "
+        "swings there were; count them and give --swings, such as --swings 2 (2.5 if it ends on "
+        "the other side)",
         0.5 * (ratio - 1.0) / (0.5 * (1.0 + ratio)),
     )
 

@@ -36,7 +36,7 @@ def test_the_drag_of_a_scene_s_ball_is_found_from_its_swing(start):
 
 
 @pytest.mark.parametrize("first", [20.0, 90.0, 150.0, 170.0, 179.0])
-@pytest.mark.parametrize(("rate", "halves"), [(0.02, 4), (0.1, 4), (0.3, 2), (0.3, 3)])
+@pytest.mark.parametrize(("rate", "halves"), [(0.02, 4), (0.1, 4), (0.3, 1), (0.3, 2), (0.3, 3)])
 def test_with_the_number_of_swings_the_drag_is_exact_from_any_angle(first, rate, halves):
     """Decays of a pendulum by LSODA in seconds, m R theta'' kappa = -m g sin theta - c R theta'."""
     mass, kappa, radius, start = 0.004, 1.4, 0.1, np.radians(first)
@@ -52,9 +52,10 @@ def test_with_the_number_of_swings_the_drag_is_exact_from_any_angle(first, rate,
     found = drag.from_swing(mass, kappa, start, last, time, halves / 2.0)
     assert found == pytest.approx(drag_there, rel=1e-3)
     low = drag.from_swing(mass, kappa, start, last, time)
-    if halves == 2:
-        assert low <= drag_there * 1.001
-        assert low * drag.swing_range(start, last) == pytest.approx(drag_there, rel=1e-3)
+    most = low * drag.swing_range(start, last)
+    assert low * 0.999 <= drag_there <= most * 1.001
+    if halves == 1:  # the fewest that there can be
+        assert most == pytest.approx(drag_there, rel=1e-3)
 
 
 def test_a_small_swing_and_a_slowing_ball_decay_exponentially():
