@@ -6,15 +6,15 @@ import math
 from typing import TYPE_CHECKING
 
 from ..units import brief, in_both, readable_unbalance, rounded
-from .trials import WORSE_PEAK, Trial, preference
+from .trials import LIKELY, WORSE_PEAK, Trial, preference
 
 if TYPE_CHECKING:
     from .fitting import Fitting
 
-LIKELY = 0.9  # share of starts whose interval must reach above it: a candidate that balances
 ALTERNATIVES = 3  # named beside the best, at most
 NO_RESERVE, SMALL_RESERVE = 0.005, 0.05  # of the largest unbalance: less capacity beyond it
 ENOUGH = 35  # starts: so many that all balance show it
+MORE = 5  # times as many where their share does not
 
 
 def words(data: Fitting) -> list[str]:
@@ -85,10 +85,21 @@ def _none(data: Fitting) -> list[str]:
             f"Cannot tell from {best.worst.of} starts: all of {_named(best, data)} balance, which "
             f"shows at least {low:.0f} % only. Give -n {ENOUGH} or more."
         ]
+    worst, least = best.worst, f"{100.0 * LIKELY:.0f} % of the starts"
+    within = f"within {rounded(worst.seconds, 3)} s at speed, " if worst.seconds else ""
+    share = (
+        f"in {100.0 * worst.share:.0f} % ({low:.0f} to {high:.0f}) {within}at drag "
+        f"{worst.drag:.3g} N s/m and {readable_unbalance(worst.unbalance)}."
+    )
+    if high >= 100.0 * LIKELY and not best.failure:
+        return [
+            f"Cannot tell from {worst.of} starts whether a candidate balances in at least {least}. "
+            f"The best, {_named(best, data)}, does {share} Give more starts, such as "
+            f"-n {MORE * worst.of}."
+        ]
     lines = [
-        f"None: no candidate balances in at least {100.0 * LIKELY:.0f} % of the starts. The best, "
-        f"{_named(best, data)}, does in {100.0 * best.worst.share:.0f} % ({low:.0f} to {high:.0f}) "
-        f"at drag {best.worst.drag:.3g} N s/m and {readable_unbalance(best.worst.unbalance)}."
+        f"None: no candidate balances in at least {least}. The best, {_named(best, data)}, does "
+        f"{share}"
     ]
     if best.margin < 1.0:
         lines.append(

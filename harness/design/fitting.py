@@ -17,13 +17,13 @@ from .candidates import Candidate, candidates, largest_capacity
 from .drags import DragRange
 from .scenes import unbalance_of, weights_of
 from .space import Space
-from .trials import Trial, corner_scenes, preference, run_corner
+from .trials import LIKELY, Trial, corner_scenes, preference, run_corner
 
 _HELD = 2.0  # times the settling time that a saved scene runs at its speed
 SMALL = 0.1  # of the largest unbalance: the smallest that is tried where none is given
 MOST = 24  # candidates that are run: the lightest
-FIRST = 6  # starts of every candidate and corner; all of them only of the best `KEPT`
-KEPT = 4
+FIRST = 6  # starts of every candidate and corner
+KEPT = 4  # of those whose share may be `LIKELY`, the best, make all starts
 
 
 @dataclass(frozen=True, repr=False)
@@ -137,8 +137,8 @@ def fitting(
     first = min(starts, max(FIRST, starts // 5))
     run = _Runs(start, workers, progress)
     trials = run.starts_of(chosen, corners, 0, first)
-    again = [k for k, one in enumerate(trials) if one.worst.share == 1.0] if first < starts else []
-    again = sorted(again, key=lambda k: preference(trials[k]))[:KEPT]
+    again = [k for k, one in enumerate(trials) if one.interval[1] >= LIKELY and first < starts]
+    again = sorted(again, key=lambda k: (-trials[k].worst.share, *preference(trials[k])))[:KEPT]
     more = run.starts_of(
         [chosen[k] for k in again], [corners[k] for k in again], first, starts - first
     )

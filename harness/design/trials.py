@@ -20,8 +20,11 @@ from ..scene import Scene
 from .candidates import Candidate
 
 BALANCED = 0.05  # of the vibration without balancers
+LIKELY = 0.9  # share of starts whose interval must reach above it: a candidate that balances
 LAST = 0.1  # of the time at speed: where a run is judged
-EXTENDED = 3.0  # times as long a run that has not balanced is run once more
+EXTENDED = 3.0  # times as long a run that has not balanced is run once more,
+MOST_EXTENDED = 16.0  # and so long one whose vibration still falls then
+FALLS = 0.9  # to so much of the vibration halfway
 
 
 @dataclass(frozen=True)
@@ -38,6 +41,7 @@ class Corner:
         margin: drag over the one from which on no weights can be left behind; infinite: none can;
             NaN: the closed form cannot tell.
         failure: why a run failed; else empty.
+        seconds: at speed, in which the starts had to balance [s]; 0: it is not known.
     """
 
     drag: float
@@ -48,6 +52,7 @@ class Corner:
     peak_alone: float
     margin: float
     failure: str = ""
+    seconds: float = 0.0
 
     @property
     def of(self) -> int:
@@ -72,6 +77,7 @@ class Corner:
             left=np.concatenate([self.left, other.left]),
             peak=np.concatenate([self.peak, other.peak]),
             failure=self.failure or other.failure,
+            seconds=max(self.seconds, other.seconds),
         )
 
 
@@ -163,18 +169,22 @@ def run_corner(work: tuple[Scene, float, str, int, int]) -> Corner:
     try:
         made, _ = job(scene, speed, start, 1, first, count)
         peak_alone = _largest_alone(made)
-        settled, left, peak, failure = _judged(made, bare)
-        open_ = np.flatnonzero(~np.isfinite(settled))
-        if len(open_):
-            late = _judged(made.longer(EXTENDED, open_), bare)
-            for mine, again in zip((settled, left, peak), late[:3], strict=True):
+        seen, failure = _judged(made, bare)
+        seconds, open_ = made.settled, np.flatnonzero(~np.isfinite(seen[0]))
+        for factor in (EXTENDED, MOST_EXTENDED):
+            if not len(open_):
+                break
+            late, why = _judged(made.longer(factor, open_), bare)
+            for mine, again in zip(seen, late, strict=True):
                 mine[open_] = again
-            failure = failure or late[3]
+            seconds, failure = factor * made.settled, failure or why
+            open_ = open_[~np.isfinite(late[0]) & (late[3] < FALLS)]
+        settled, left, peak, _ = seen
     except (UserError, SimulationError) as error:
         nothing = np.full(count, math.nan)
         never = np.full(count, math.inf)
         return Corner(drag, unbalance, never, nothing, nothing, math.nan, margin, str(error))
-    return Corner(drag, unbalance, settled, left, peak, peak_alone, margin, failure)
+    return Corner(drag, unbalance, settled, left, peak, peak_alone, margin, failure, seconds)
 
 
 def _margin(found: Capture) -> float:
@@ -184,8 +194,9 @@ def _margin(found: Capture) -> float:
     return 1.0 / found.drag_ratio if found.drag_ratio else math.inf
 
 
-def _judged(made: Job, bare: float) -> tuple[Array, Array, Array, str]:
-    """Settling times, vibration left over none, largest vibration [m], and why a run failed."""
+def _judged(made: Job, bare: float) -> tuple[list[Array], str]:
+    """Settling times, vibration left over none, largest vibration [m], vibration at the end over
+    that halfway, each (n,), and why a run failed."""
     squares, reasons = displacements(made)
     size = np.sqrt(squares)
     points = size.shape[1]
@@ -197,8 +208,11 @@ def _judged(made: Job, bare: float) -> tuple[Array, Array, Array, str]:
     judged = times >= made.seconds - LAST * made.settled
     failed = np.array([bool(reason) for reason in reasons])
     settled[high[:, judged].any(axis=1) | failed] = math.inf
-    left = size[:, at_speed & judged].max(axis=1) / bare
-    return settled, left, size.max(axis=1), next((r for r in reasons if r), "")
+    ends = size[:, at_speed & judged].max(axis=1)
+    halfway = at_speed & ~judged & (times >= made.seconds - (0.5 + LAST) * made.settled)
+    halfway &= times <= made.seconds - 0.5 * made.settled
+    falls = ends / size[:, halfway].max(axis=1)
+    return [settled, ends / bare, size.max(axis=1), falls], next((r for r in reasons if r), "")
 
 
 def _largest_alone(made: Job) -> float:

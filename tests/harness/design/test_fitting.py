@@ -14,7 +14,7 @@ from autobalancer.harness.design.answer import _capacity, _none
 from autobalancer.harness.design.candidates import STANDARD, Candidate
 from autobalancer.harness.design.drags import drag_range
 from autobalancer.harness.design.fitting import _assumed
-from autobalancer.harness.design.trials import Corner, Trial, _margin
+from autobalancer.harness.design.trials import Corner, Trial, _margin, run_corner
 from autobalancer.harness.drag.estimate import find_drag
 from autobalancer.harness.errors import SceneError, UserError
 from autobalancer.models.capture import Capture
@@ -256,6 +256,37 @@ def test_few_starts_that_all_balance_are_no_recommendation_and_no_refusal():
     (line,) = _none(SimpleNamespace(trials=[one], kind="balls"))
     assert line.startswith("Cannot tell from 6 starts: all of 2 balls of 8 mm")
     assert "at least 61 % only. Give -n 35 or more" in line
+
+
+@pytest.mark.parametrize(
+    ("balanced", "says"),
+    [
+        (39, "Cannot tell from 40 starts whether a candidate balances in at least 90 %"),
+        (30, "None: no candidate balances in at least 90 %"),
+    ],
+)
+def test_a_share_that_may_be_enough_is_no_none(balanced, says):
+    settled = np.where(np.arange(40) < balanced, 1.0, np.inf)
+    corner = Corner(0.02, 1.2e-4, settled, settled, settled, 1.0, 2.0, seconds=4.0)
+    one = Trial(Candidate(2, 0.004, 0.002, 2e-4, 0.07), (corner,))
+    (line,) = _none(SimpleNamespace(trials=[one], kind="balls"))
+    assert line.startswith(says)
+    assert "within 4 s at speed" in line
+    assert ("-n 200" in line) == (balanced == 39)
+
+
+def test_weights_with_much_drag_get_the_time_that_they_need():
+    # by Runge-Kutta on the equations 16 of 16 starts balance, the last after 1011 revolutions
+    rotor = {"kind": "planar", "mass": 0.0162, "stiffness": 285.0, "damping": 0.2,
+             "unbalance": 3.2e-8}  # fmt: skip
+    balls = {"kind": "balls", "name": "balls", "count": 4, "mass": 7.55e-6, "drag": 4.63e-3,
+             "track_radius": 6.145e-3, "weight_radius": 6.15e-4}  # fmt: skip
+    scene = ab.Scene.from_document(
+        {"rotor": rotor, "balancer": [balls], "operation": {"profile": [[0, 0], [1.89, 774.0]]}}
+    )
+    corner = run_corner((scene, 3.2e-8, "run-up", 0, 8))
+    assert corner.balanced == 8
+    assert corner.settled.max() < corner.seconds
 
 
 def test_dry_friction_is_refused_as_it_has_no_vibration_without_balancers_to_compare_with(fan):
