@@ -24,6 +24,7 @@ SHORT = 3.0  # revolutions of such a run
 OF_MOTOR = 12.0
 FEWEST_LONGER = 1.5  # times the run: a shorter look ahead tells nothing
 LEAST_OF_REST = 0.01  # time constants: within fewer, weights that turn with the rotor hardly move
+_CHANGES = "operation.unbalance_changes"
 TOLERANCE = 1e-3  # of a look ahead: what becomes of a run needs no more
 
 
@@ -33,12 +34,12 @@ def look_ahead(
     """A longer run that keeps a stretch's speed; None where it costs too much, or tells nothing.
 
     Args:
-        known: facts at the speed that is kept; None: a motor still changes it.
+        known: facts at the speed that is kept; None: it still changes.
         all_turn: whether all weights turn with the rotor.
     """
     if run.separate:
         return None
-    scene, end = _kept(run.scene, stretch, float(run.time[-1])), float(run.time[-1])
+    scene, end = kept(run.scene, stretch, float(run.time[-1])), float(run.time[-1])
     turned = max(scene.profile().angle(stretch.end) / math.tau, 1e-9)
     wanted = LONGER * turned
     if known is not None:
@@ -53,6 +54,9 @@ def look_ahead(
         all_turns = max(motor_angle(run.time, run.signals["motor.speed"])[-1] / math.tau, 1e-9)
     if scene.operation.motor:
         wanted = max(wanted, turned + _turns_of_motor(scene))
+    elif known is None:
+        profile = scene.profile()
+        wanted = max(wanted, profile.angle(profile.times[-1]) / math.tau + LONGER * SPARE)
     passes = max(run.passes / all_turns, FEWEST_PASSES if all_turns < SHORT else 1.0)
     longer = min(wanted, MOST_PASSES / passes)
     if longer < FEWEST_LONGER * turned:
@@ -75,11 +79,25 @@ def _turns_of_motor(scene: Scene) -> float:
     return OF_MOTOR * motor.inertia * motor.top_speed**2 / (math.tau * torque)
 
 
-def _kept(scene: Scene, stretch: Stretch, end: float) -> Scene:
-    """The scene with the speed of a stretch before its end kept from there on."""
+def kept(scene: Scene, stretch: Stretch, end: float) -> Scene:
+    """The scene with the speed of a stretch before its end kept from there on, and the unbalance.
+
+    Args:
+        end: of the run [s].
+    """
     if not stretch.end < end * (1.0 - 1e-9):
         return scene
     profile = scene.profile()
     corners = zip(profile.times, profile.speeds, strict=True)
     before = [(time, speed) for time, speed in corners if time < stretch.end]
-    return scene.replace({"operation.profile": [*before, (stretch.end, stretch.speed)]})
+    return changed_until(
+        scene.replace({"operation.profile": [*before, (stretch.end, stretch.speed)]}), stretch.end
+    )
+
+
+def changed_until(scene: Scene, end: float) -> Scene:
+    """The scene less the changes of its unbalance after a time [s]."""
+    given = scene.document["operation"].get("unbalance_changes", [])
+    planned = zip(given, scene.operation.unbalance_changes, strict=True)
+    early = [table for table, change in planned if change.time <= end]
+    return scene if len(early) == len(given) else scene.replace({_CHANGES: early})

@@ -23,6 +23,11 @@ AGREES = 0.5  # of the limit: what the vibration seen may differ by from that of
 NEAR = 0.35  # rad from the balanced motion up to which its time constant holds
 STAYS = 3.0  # time constants for which a vibration below the limit has to have stayed there
 CREEP = 0.1  # rad within ten time constants: a weight that turns by less rests
+FEWEST = 20.0  # revolutions that show how weights hardly move
+# weights that slow down as 1/t or faster turn in ten times the record further at most by what they
+# would in 2.4 times at their present rates
+FURTHER, TRIED = 3.0, 21  # times the record, and times within it
+SLOWS, CREEPS = 0.8, 1e-3  # times the turn in the quarter of the record before, and rad more
 SLOW_PULL = 0.3  # of the unbalance's pull: what other frequencies may shake weights by
 
 
@@ -38,7 +43,8 @@ def balanced(case: Case, now: Vibration, weights: Weights, left: float) -> Rulin
         return None
     if weights.turning.any():
         return None
-    if not _has_stayed(case) and left + _potential(case, weights) > known.limit:
+    may_leave = not _has_stayed(case) and left + _potential(case, weights) > known.limit
+    if may_leave and not _hardly_moves(case, weights):
         return None
     if known.growth is None and not _rests(case, weights):
         return Ruling(
@@ -87,6 +93,30 @@ def _has_stayed(case: Case) -> bool:
         return case.before.size <= known.limit
     last = record.time >= record.time[-1] - STAYS * known.time_constant
     return bool(known.sizes(record.weights[last]).max() <= known.limit)
+
+
+def _hardly_moves(case: Case, weights: Weights) -> bool:
+    """Whether the weights have stayed near balance, slow down, and leave less than the limit for
+    ten times the record.
+
+    Where they hold hardly more than what is to balance, the last of their way takes for ever, and
+    what it changes is next to nothing.
+    """
+    known, record = case.known, case.record
+    assert record.weights is not None
+    drag = known.table.damping_rate
+    if case.gravity or known.growth is None or record.revolutions < FEWEST or not drag.min():
+        return False
+    if record.seconds * drag.min() < FEWEST_TIME_CONSTANTS:
+        return False
+    late = record.time >= record.time[0] + 0.5 * record.seconds
+    at = np.searchsorted(record.time, record.time[0] + record.seconds * np.array([0.5, 0.75]))
+    places = record.weights[[*at, -1]]
+    early, now = np.abs(np.diff(places, axis=0))
+    share = np.linspace(0.0, FURTHER * record.seconds, TRIED)[:, None]
+    ahead = weights.angles + weights.rates * share
+    seen = max(float(known.sizes(some).max()) for some in (record.weights[late], ahead))
+    return seen <= known.limit and bool((now <= SLOWS * early + CREEPS).all())
 
 
 def _rests(case: Case, weights: Weights) -> bool:

@@ -12,90 +12,123 @@ import numpy as np
 
 from ....models.arrays import Array, Complex
 from ....models.harmonic_balance import NoResponse
-from ...scene import Scene
+from .ahead import MOST_PASSES, changed_until, kept
 from .balance import CREEP
 from .case import STEADY_SIZE, Case, Ruling
 from .elsewhere import turning
-from .facts import over_capacity_at_any_speed
+from .facts import over_capacity_at_any_speed, over_capacity_off_centre, too_heavy, unstable
 from .known import Known
+from .lasting import distance, is_steady, lasting, part_sizes
 from .outcome import Outcome
-from .passages import motion_without_balancers
-from .record import Mask, Record
+from .passages import run_bare
+from .record import Record
 from .seen import window_of
-from .steady import BALANCED
-from .words import percent
+from .steady import size_of
+from .stretches import Stretch
+from .words import millimetres, percent
 
 LASTS, FEWEST = 0.5, 20.0  # of the record, and revolutions at least, that a motion has to last
 GROWS = 1.05  # times the largest vibration of the third quarter of the record: it grows
-REACHED = 0.02  # of a vibration: that of a steady motion changes by less between two windows
+REACHED = 0.02  # of a vibration: that of a steady motion changes by less over half a run
+LONGER, RUNS = 5.0, 4  # times the run before, and how many runs, until a rotor alone is steady
+SHORTEST = 50.0  # revolutions of the first of them
+APART = 0.3  # of an offset: by which the vibration may differ that it leaves
 
 
-def vibration_without(known: Known, record: Record, wanted: bool) -> tuple[float | None, str]:
+def vibration_without(
+    known: Known, stretch: Stretch, wanted: bool, end: float
+) -> tuple[float | None, str]:
     """Vibration of the rotor without balancers [m], and why no formula gives it.
 
     Then by a run, if that is wanted; None: that does not give it either.
+
+    Args:
+        end: of the run [s].
     """
     try:
         return known.alone, ""
     except NoResponse as error:
-        return alone_by_run(known.scene, record) if wanted else None, str(error)
+        return alone_by_run(known, stretch, end) if wanted else None, str(error)
 
 
 def about_mean(motion: Complex, record: Record) -> Array:
     """Largest distance of a station (n, T) from its mean in the last window, (T,) [m]: supports
     with friction hold a rotor off centre, which is no vibration."""
-    return _about(motion, windows(record, record.time)[0])
+    return distance(record.time, motion, record.since(window_of(record)))
 
 
-def _about(motion: Complex, shown: Mask) -> Array:
-    return np.asarray(np.abs(motion - motion[:, shown].mean(axis=1, keepdims=True)).max(axis=0))
+def alone_by_run(known: Known, stretch: Stretch, end: float) -> float | None:
+    """Steady vibration of the rotor without balancers on a plateau [m], by runs that keep its
+    speed for ever longer.
 
+    None: it has settled in none of them, or they cannot be completed.
 
-def alone_by_run(scene: Scene, record: Record) -> float | None:
-    """Vibration of the rotor without balancers at the end of a plateau [m], by a run of its own.
-
-    None: it has not settled there, or that run cannot be completed.
+    Args:
+        end: of the run [s].
     """
-    found = motion_without_balancers(scene)
-    if found is None:
+    scene = known.scene.without_balancers()
+    if scene.operation.motor:  # it would take another speed without balancers
+        steady = {"operation.motor": None, "operation.speed": known.speed}
+        scene, begin, turned = scene.replace(steady), 0.0, 0.0
+    else:
+        scene, begin = kept(scene, stretch, end), stretch.begin
+        turned = scene.profile().angle(begin) / math.tau
+    scene = changed_until(scene, stretch.end)
+    changes = [c.time for c in scene.operation.unbalance_changes]
+    turned = max([turned, *(scene.profile().angle(time) / math.tau for time in changes)])
+    further = max(SHORTEST, stretch.revolutions)
+    for number in range(RUNS):
+        found = run_bare(scene.replace({"run.revolutions": turned + further}))
+        if found is None:
+            return None
+        time, motion, passes = found
+        shown = time >= max([begin, *changes])
+        parts = part_sizes(time[shown], motion[:, shown])
+        if is_steady(parts, REACHED):
+            return float(np.median(parts[len(parts) // 2 :]))
+        if passes * LONGER > MOST_PASSES or number == RUNS - 1:
+            return float(np.median(parts)) if is_steady(parts, STEADY_SIZE) else None
+        further *= LONGER
+    return None
+
+
+def on_one_side(known: Known) -> float | None:
+    """Steady vibration by the weights alone, those of each plane on one side [m]: what balances a
+    rotor without unbalance is measured by it.
+
+    None: there are no weights, or it is not known.
+    """
+    pulls = known.assembly.rotor.planes[known.table.plane] * known.table.moment[:, None]
+    if not len(pulls):
         return None
-    time, motion = found
-    late, early = windows(record, time)
-    if not (late.any() and early.any()):
+    try:
+        return size_of(known.response(pulls.sum(axis=0).astype(complex))) or None
+    except NoResponse:
         return None
-    now, before = (float(_about(motion, w)[w].max()) for w in (late, early))
-    return now if abs(now - before) <= STEADY_SIZE * max(now, before) else None
 
 
-def windows(record: Record, time: Array) -> tuple[Mask, Mask]:
-    """Which times (T,) are in the last window of a plateau, and in the one before."""
-    left = (record.angle[-1] - record.angle) / math.tau  # revolutions to the end, falling
-    one, two = (
-        float(np.interp(-turns, -left, record.time))
-        for turns in (window_of(record), 2.0 * window_of(record))
-    )
-    end = float(record.time[-1])
-    return (time >= one) & (time <= end), (time >= two) & (time < one)
-
-
-def rule_by_run(case: Case, alone: float, vibration: Array) -> Ruling:
+def rule_by_run(case: Case, vibration: Array, parts: list[float]) -> Ruling:
     """The outcome at the end of a plateau by what is seen.
 
     Args:
-        alone: vibration without balancers [m].
         vibration: largest distance of a station from its mean at every time of the record (T,) [m].
+        parts: its largest in parts of the second half, see `part_sizes` [m].
     """
-    too_little = over_capacity_at_any_speed(case.known)
+    too_little = over_capacity_at_any_speed(case.known) or over_capacity_off_centre(case.known)
     if too_little is not None:
         return too_little
+    if case.measured_by_weights:
+        cannot = too_heavy(case.known, case.alone) or unstable(case.known)
+        if cannot is not None:
+            return cannot
     if case.now is None or case.before is None or case.weights is None:
         turned = f"{case.record.revolutions:.2g} revolutions"
         return Ruling(Outcome.NOT_SETTLED, f"not settled yet: {turned} show too little")
     behind = turning(case, case.now, case.weights, 0.0)
     if behind is not None:
         return behind
-    limit, angle = BALANCED * alone, case.record.angle
-    above = np.flatnonzero(vibration > limit)
+    angle = case.record.angle
+    above = np.flatnonzero(vibration > case.limit)
     since = angle[above[-1]] if len(above) else angle[0]
     lasted = (angle[-1] - since) / math.tau
     rests = bool((np.abs(case.weights.rates) * case.record.seconds <= CREEP).all())
@@ -108,16 +141,33 @@ def rule_by_run(case: Case, alone: float, vibration: Array) -> Ruling:
         return Ruling(
             Outcome.CANNOT_TELL,
             "the vibration is below the limit now; whether it stays there is not known, as no "
-            "formula covers these supports",
+            f"formula covers {_uncovered(case)}",
         )
-    late = [float(vibration[shown].max()) for shown in windows(case.record, case.record.time)]
-    steady = abs(late[0] - late[1]) <= REACHED * max(late)
-    if steady and rests and case.record.revolutions >= FEWEST:
+    long = case.record.revolutions >= FEWEST
+    if rests and long and is_steady(parts, REACHED) and min(parts) > case.limit:
+        return _at_rest(case, float(np.median(parts)))
+    return lasting(case) or Ruling(
+        Outcome.CANNOT_TELL,
+        f"the motion has not settled, and no formula covers {_uncovered(case)}",
+    )
+
+
+def _uncovered(case: Case) -> str:
+    return "a rotor without unbalance" if case.measured_by_weights else "these supports"
+
+
+def _at_rest(case: Case, size: float) -> Ruling:
+    """Weights that rest in the rotor, which vibrates by a size [m]."""
+    offset, share = case.known.off_centre, percent(size / case.alone)
+    if len(case.known.assembly.rotor.unbalance) == 1 and abs(size - offset) <= APART * offset:
         return Ruling(
-            Outcome.ANOTHER_MOTION,
-            "another steady motion than the balanced one: the weights rest in the rotor, which "
-            f"vibrates by {percent(late[0] / alone)} of what it does without",
+            Outcome.OFF_CENTRE,
+            f"the weights' track is off centre by {millimetres(offset)}: at rest in the rotor they "
+            f"leave {share} of the vibration",
         )
+    which = "with all of them on one side" if case.measured_by_weights else "without"
     return Ruling(
-        Outcome.CANNOT_TELL, "the motion has not settled, and no formula tells how it will"
+        Outcome.ANOTHER_MOTION,
+        "another steady motion than the balanced one: the weights rest in the rotor, which "
+        f"vibrates by {share} of what it does {which}",
     )

@@ -12,11 +12,13 @@ from .known import Known
 from .outcome import Outcome
 from .record import Record
 from .seen import Vibration, Weights
+from .steady import BALANCED
 from .words import seconds
 
 MARGIN = 3.0  # of a deviation: what small motions may exceed their rule by
 SAFE = 1.3  # of a time: the same
 FEWEST_TIME_CONSTANTS = 5.0  # of a run that shows a steady motion
+MANY_TIME_CONSTANTS = 20.0  # of a run that would have settled by then
 STEADY_SIZE = 0.1  # of a vibration: what it may change by between two windows
 DOUBT = "; how long the weights need is not known"  # a longer run may tell
 OFFSETS_TELL = 1.3  # of the limit: the motion that an offset leaves is known so well
@@ -52,6 +54,9 @@ class Case:
         together: whether identical weights share one angle, which the run cannot part.
         now, before: vibration in the last window and in the one before; None: too short.
         weights: what they do in both windows together; None: not recorded, or too short.
+        alone: vibration without balancers [m]; of a rotor without unbalance that by the weights
+            alone, all on one side.
+        measured_by_weights: whether it is the latter.
     """
 
     known: Known
@@ -61,6 +66,13 @@ class Case:
     now: Vibration | None
     before: Vibration | None
     weights: Weights | None
+    alone: float
+    measured_by_weights: bool = False
+
+    @property
+    def limit(self) -> float:
+        """Vibration up to which the rotor is balanced [m]."""
+        return BALANCED * self.alone
 
     @property
     def gravity(self) -> float:

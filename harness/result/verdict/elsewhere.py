@@ -9,14 +9,23 @@ import numpy as np
 from ...scene.balancer import WeightBalancer
 from ...units import in_both
 from .balance import CREEP
-from .case import DOUBT, FEWEST_TIME_CONSTANTS, OFFSETS_TELL, STEADY_SIZE, Case, Ruling, unsettled
+from .case import (
+    DOUBT,
+    FEWEST_TIME_CONSTANTS,
+    MANY_TIME_CONSTANTS,
+    OFFSETS_TELL,
+    STEADY_SIZE,
+    Case,
+    Ruling,
+    unsettled,
+)
 from .facts import off_centre
+from .lasting import lasting, named
 from .outcome import Outcome
 from .record import Mask
 from .seen import STUCK, Vibration, Weights
 
 DRAGGED = 0.2  # of the rate at which gravity drags weights: they turn by so much, or faster
-MANY_TIME_CONSTANTS = 20.0  # of a run that would have settled by then
 STEADY_RATE = 0.02  # of its speed: by which that of a weight left behind may still change
 BESIDE = 0.3  # of a natural frequency: how far beside it weights are captured by it
 
@@ -57,7 +66,7 @@ def turning(case: Case, now: Vibration, weights: Weights, _left: float) -> Rulin
     mean = float(np.mean(speeds))
     natural = case.known.natural
     nearest = float(natural[np.abs(natural - abs(mean)).argmin()]) if len(natural) else 0.0
-    who = _named(case, behind)
+    who = named(case, behind)
     turn = (
         f"{who} turn at {in_both(mean, 'rad/s')}, the rotor at {in_both(case.known.speed, 'rad/s')}"
     )
@@ -90,12 +99,14 @@ def turning(case: Case, now: Vibration, weights: Weights, _left: float) -> Rulin
                 f"is {in_both(nearest, 'rad/s')}",
                 left_behind=(mean, nearest),
             )
-        return Ruling(
+        lasts = lasting(case)
+        return lasts or Ruling(
             Outcome.CANNOT_TELL,
             f"{turn}, and this neither settles nor repeats",
             left_behind=(mean, nearest),
         )
-    return Ruling(
+    lasts = lasting(case)
+    return lasts or Ruling(
         Outcome.NOT_SETTLED,
         f"{unsettled(case)}: {turn}{DOUBT}",
         left_behind=(mean, nearest),
@@ -117,21 +128,6 @@ def _stay_beside(case: Case, behind: Mask) -> bool:
     off = np.abs(natural[:, None, None] - np.abs(speeds)).min(axis=0)
     near = bool((off <= BESIDE * np.abs(speeds)).all())
     return near and bool(drift <= STEADY_RATE * abs(record.speed))
-
-
-def _named(case: Case, which: Mask) -> str:
-    """Names of weights."""
-    names, first = [], 0
-    for one in case.known.scene.balancer:
-        if isinstance(one, WeightBalancer):
-            mine = np.flatnonzero(which[first : first + one.count]) + 1
-            first += one.count
-            if len(mine) == one.count:
-                of = "" if one.label == one.kind else f" of {one.label}"
-                names.append(f"all {one.kind}{of}" if one.count > 1 else one.label)
-            elif len(mine):
-                names.append(f"{one.label} {', '.join(map(str, mine.tolist()))}")
-    return " and ".join(names)
 
 
 def dragged(case: Case, _now: Vibration, weights: Weights, _left: float) -> Ruling | None:

@@ -6,11 +6,12 @@ import math
 
 import numpy as np
 
+from ....models.supports import Slider
 from ...units import in_both, readable_apart, rounded
 from .case import MARGIN, OFFSETS_TELL, SAFE, Case, Ruling
 from .known import SURELY_BEYOND, Known
 from .outcome import Outcome
-from .steady import size_of
+from .steady import BALANCED, size_of
 from .words import millimetres, percent
 from .words import seconds as in_words
 
@@ -19,14 +20,9 @@ def from_facts(known: Known) -> Ruling | None:
     """What no run can change."""
     if known.exceeds_capacity:
         return _over_capacity(known)
-    if known.left_by_too_much > SURELY_BEYOND * known.limit:
-        assert known.reach is not None
-        needed, least = readable_apart(known.reach.needed, known.reach.least)
-        return Ruling(
-            Outcome.TOO_HEAVY,
-            f"{needed} to balance, the weights hold at least {least} wherever they stand: at "
-            f"least {percent(known.left_by_too_much / known.alone)} of the vibration is left",
-        )
+    heavy = too_heavy(known, known.alone)
+    if heavy is not None:
+        return heavy
     if known.is_out_of_reach:
         assert known.reach is not None
         return Ruling(
@@ -51,18 +47,43 @@ def from_facts(known: Known) -> Ruling | None:
             f"neutral at this speed, {here}: no damping brings the machine to a steady motion "
             f"({below})",
         )
+    return unstable(known)
+
+
+def too_heavy(known: Known, alone: float) -> Ruling | None:
+    """That weights hold too much wherever they stand.
+
+    Args:
+        alone: vibration that what they leave is compared with [m].
+    """
+    if known.left_by_too_much <= SURELY_BEYOND * BALANCED * alone:
+        return None
+    assert known.reach is not None
+    needed, least = readable_apart(known.reach.needed, known.reach.least)
+    return Ruling(
+        Outcome.TOO_HEAVY,
+        f"{needed} to balance, the weights hold at least {least} wherever they stand: at "
+        f"least {percent(known.left_by_too_much / alone)} of the vibration is left",
+    )
+
+
+def unstable(known: Known) -> Ruling | None:
+    """That a deviation from balance grows, which no other position of balance saves."""
+    if not known.is_unstable:
+        return None
     if known.speed < known.critical:
+        gather = "go to the heavy side" if known.alone else "gather on one side"
         return Ruling(
             Outcome.BELOW_CRITICAL,
-            f"below the critical speed, {in_both(known.critical, 'rad/s')}: the weights go to the "
-            "heavy side",
+            f"below the critical speed, {in_both(known.critical, 'rad/s')}: the weights {gather}",
         )
     if known.others_are_stable:  # the weights leave this one
         return None
+    assert known.growth is not None
     return Ruling(
         Outcome.UNSTABLE,
-        f"unstable at this speed, {here}: a deviation from balance grows by "
-        f"{rounded(known.growth.rate, 2)} 1/s",
+        f"unstable at this speed, {in_both(known.speed, 'rad/s')}: a deviation from balance grows "
+        f"by {rounded(known.growth.rate, 2)} 1/s",
     )
 
 
@@ -141,6 +162,24 @@ def over_capacity_at_any_speed(known: Known) -> Ruling | None:
     """That the weights hold too little, where what is needed does not depend on the speed as it
     does with a track off centre."""
     return _over_capacity(known) if known.exceeds_capacity and not known.off_centre else None
+
+
+def over_capacity_off_centre(known: Known) -> Ruling | None:
+    """The same of a disc with its track off centre, where the rest is more than rigid friction of
+    the supports can hold.
+
+    With the track's centre at rest the disc circles by the offset; a slider with the limit F then
+    pulls with 4 F/pi at the rotor's frequency, F/pi (4 sqrt 2) along both axes, at most.
+    """
+    if not known.exceeds_capacity or len(known.assembly.rotor.unbalance) > 1:
+        return None
+    beside = [one for one in known.assembly.rotor.beside if isinstance(one, Slider)]
+    if len(beside) < len(known.assembly.rotor.beside):
+        return None  # stops, cubic springs
+    assert known.reach is not None
+    limits = [one.limit for one in (*known.loaded.sliders, *beside)]
+    held = 4.0 / math.pi * sum(limits) / known.speed**2
+    return _over_capacity(known) if known.reach.needed - held > known.reach.capacity else None
 
 
 def _over_capacity(known: Known) -> Ruling:

@@ -71,7 +71,8 @@ def _looked_ahead(run: Run, verdict: Verdict, last: Stretch) -> Verdict:
     motor = run.scene.operation.motor
     low = (verdict.synchronous or math.inf) <= BALANCED * (verdict.alone or 0.0)
     waits = verdict.outcome in _OPEN and last.steady and (verdict.revolutions is None or low)
-    if not (waits or (motor and verdict.outcome is Outcome.SPEED_CHANGES)):
+    goes_on = motor or run.scene.profile().end  # at a speed that is kept
+    if not (waits or (goes_on and verdict.outcome is Outcome.SPEED_CHANGES)):
         return verdict
     known = None
     if last.steady:
@@ -101,6 +102,7 @@ def _looked_ahead(run: Run, verdict: Verdict, last: Stretch) -> Verdict:
             return verdict
         outcome = Outcome.SPEED_CHANGES if not last.steady else Outcome.NOT_SETTLED
         reason, length = verdict.reason.removesuffix(DOUBT), _first_balanced(ahead, later)
+        reason = "not settled yet" if verdict.outcome is Outcome.CANNOT_TELL else reason
         if last.end < float(run.time[-1]):
             further = ahead.scene.profile().time_of(math.tau * length) - last.end
             reason += f": keep this speed for {seconds(further, 3)} more"

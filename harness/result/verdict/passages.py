@@ -39,21 +39,20 @@ def passages(
 
 def without_balancers(scene: Scene) -> tuple[Array, Array] | None:
     """Times and largest distances of the rotor without balancers; None where it cannot run."""
-    found = motion_without_balancers(scene)
+    found = run_bare(scene.without_balancers())
     return None if found is None else (found[0], np.abs(found[1]).max(axis=0))
 
 
-def motion_without_balancers(scene: Scene) -> tuple[Array, Complex] | None:
-    """Times (T,) [s] and displacements x + i y from the sag (n, T) [m] of the rotor without
-    balancers; None where it cannot run."""
-    bare = scene.without_balancers()
+def run_bare(bare: Scene) -> tuple[Array, Complex, int] | None:
+    """Times (T,) [s], displacements x + i y from the sag (n, T) [m] and passes of a run of a rotor
+    without balancers; None where it cannot run."""
     prefixes = stations(len(bare.rotor.points))
     run = run_again(bare, [f"rotor.{p}{axis}" for p in prefixes for axis in "xy"])
     if run is None:
         return None
     moved = from_sag(run.signals, sag_of(bare, run.time))
     motion = [moved[f"rotor.{p}x"] + 1j * moved[f"rotor.{p}y"] for p in prefixes]
-    return run.time, np.array(motion)
+    return run.time, np.array(motion), run.passes
 
 
 def _largest(time: Array, size: Array, stretch: Stretch) -> float:

@@ -14,17 +14,17 @@ from ...master.names import stations
 from ...scene.grade import residual_unbalance
 from ..sag import from_sag, sag_of
 from ..velocity import VELOCITY
-from .by_run import about_mean, rule_by_run, vibration_without
+from .by_run import about_mean, on_one_side, rule_by_run, vibration_without
 from .case import Case, Ruling
 from .facts import over_capacity_at_any_speed
 from .held import held_at_end, shares_used
 from .known import Known
+from .lasting import part_sizes
 from .outcome import Outcome
 from .ran import Ran
 from .record import Mask, Record
 from .ruling import rule
 from .seen import Vibration, seen
-from .steady import BALANCED
 from .stretches import Stretch, driven, motor_angle, prescribed
 from .verdict import Verdict
 from .words import is_nothing, seconds
@@ -102,36 +102,31 @@ class Run:
         known = Known(self.scene, stretch.end, record.speed, angles)
         if now is not None:
             bare = self._with_parts(bare, record, now)
-        wanted = bool(self.called) and now is not None
-        alone, unknown = vibration_without(known, record, wanted)
-        if alone is None:
-            reason = unknown * bool(self.called)
-            return replace(bare, outcome=Outcome.NO_RESPONSE, reason=reason)
+        no_unbalance = not np.any(known.assembly.rotor.unbalance)
+        wanted = bool(self.called) and stretch.steady and not no_unbalance
+        alone, unknown = vibration_without(known, stretch, wanted, float(self.time[-1]))
         bare = replace(bare, alone=alone)
-        rests = bool(unknown) and is_nothing(alone)
-        if rests and np.any(known.assembly.rotor.unbalance):
-            reason = "the supports hold the rotor at rest, also without balancers"
-            return replace(bare, outcome=Outcome.NO_RESPONSE, reason=reason)
-        if rests or not alone:
-            reason = "the rotor has no unbalance" * bool(self.called)
-            return replace(bare, outcome=Outcome.NO_UNBALANCE, reason=reason)
-        if not self.called:
-            return replace(bare, outcome=Outcome.NO_BALANCER)
+        scale = on_one_side(known) if no_unbalance and stretch.steady else alone
+        left_open = self._unjudged(bare, stretch, unknown, no_unbalance=no_unbalance and not scale)
+        if left_open is not None:
+            return left_open
         together = final and any(SHORT in event for event in self.ran.events)
-        case = Case(known, record, self.called, together, now, before, weights)
-        try:
-            if not stretch.steady:
-                found = self._changing(stretch, known)
-            elif unknown:
-                size = about_mean(self.motion[:, np.isin(self.time, record.time)], record)
-                found = rule_by_run(case, alone, size)
-            else:
+        case = Case(
+            known, record, self.called, together, now, before, weights, scale or 0.0, no_unbalance
+        )
+        by_run = stretch.steady and (bool(unknown) or no_unbalance)
+        found = None
+        if not stretch.steady:
+            found = self._changing(stretch, known)
+        elif not by_run:
+            try:
                 found = rule(case)
-        except NoResponse as error:
-            return replace(bare, outcome=Outcome.NO_RESPONSE, reason=str(error))
+            except NoResponse:  # with the weights the motion reaches what no formula covers
+                by_run = True
+        found = found or self._by_run(case, record)
         after = None
         if found.outcome is Outcome.BALANCED:
-            after = _after(record, None if unknown else known, BALANCED * alone, size)
+            after = _after(record, None if by_run else known, case.limit, size)
         turn = stretch.steady and weights is not None and bool(weights.turning.any())
         if found.left_behind is not None or turn:
             # weights that turn in the rotor hold no unbalance
@@ -144,13 +139,37 @@ class Run:
             outcome=found.outcome,
             remedy=found.outcome.remedy,
             left_behind=found.left_behind,
-            left_by_race=known.left_by_offsets or None if known.lobes else None,
+            on_one_side=scale if no_unbalance else None,
+            left_by_race=known.left_by_offsets or None if known.lobes and not by_run else None,
             growth=known.growth.rate if known.growth else None,
             growth_error=known.growth.error if known.growth else None,
             needed=known.reach.needed if known.reach else None,
             capacity=known.reach.capacity if known.reach else None,
         )
         return self._advised(bare, found, final)
+
+    def _unjudged(
+        self, bare: Verdict, stretch: Stretch, unknown: str, *, no_unbalance: bool
+    ) -> Verdict | None:
+        """What cannot be judged without a look at the weights; None: it can.
+
+        Args:
+            unknown: why no formula gives the vibration without balancers.
+        """
+        if no_unbalance:
+            reason = "the rotor has no unbalance" * bool(self.called)
+            return replace(bare, outcome=Outcome.NO_UNBALANCE, reason=reason)
+        if not self.called:
+            return replace(bare, outcome=Outcome.NO_BALANCER)
+        if not stretch.steady:
+            return None
+        if bare.alone is None:
+            reason = f"{unknown}; and the rotor alone has settled in no run"
+            return replace(bare, outcome=Outcome.NO_RESPONSE, reason=reason)
+        if unknown and is_nothing(bare.alone):
+            reason = "the supports hold the rotor at rest, also without balancers"
+            return replace(bare, outcome=Outcome.NO_RESPONSE, reason=reason)
+        return None
 
     def _with_parts(self, bare: Verdict, record: Record, now: Vibration) -> Verdict:
         """With the vibration told apart by frequency."""
@@ -166,6 +185,10 @@ class Run:
         # where it is and drifts is no vibration
         rate = None if bare.velocity is None else record.speed * now.size / math.sqrt(2.0)
         return replace(bare, vibration=now.size, velocity=rate, drifts=True)
+
+    def _by_run(self, case: Case, record: Record) -> Ruling:
+        motion = self.motion[:, np.isin(self.time, record.time)]
+        return rule_by_run(case, about_mean(motion, record), part_sizes(record.time, motion))
 
     def _changing(self, stretch: Stretch, known: Known) -> Ruling:
         """Of a run that ends while the speed still changes; weights that hold too little do so at

@@ -8,9 +8,10 @@ import numpy as np
 
 from ...units import brief, rounded
 from .balance import balanced, settling
-from .case import DOUBT, Case, Ruling, unsettled
-from .elsewhere import MANY_TIME_CONSTANTS, dragged, resting, stuck, together, turning
+from .case import DOUBT, MANY_TIME_CONSTANTS, Case, Ruling, unsettled
+from .elsewhere import dragged, resting, stuck, together, turning
 from .facts import from_facts, rule_linear
+from .lasting import lasting
 from .outcome import Outcome
 from .seen import Weights
 
@@ -56,6 +57,9 @@ def _short(case: Case) -> Ruling:
 
 def _undecided(case: Case, weights: Weights) -> Ruling:
     """Weights that move, far from balance."""
+    lasts = lasting(case)
+    if lasts is not None:
+        return lasts
     constant = case.known.time_constant
     if case.record.seconds > MANY_TIME_CONSTANTS * constant:
         return Ruling(

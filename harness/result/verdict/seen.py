@@ -181,13 +181,13 @@ def _latest(record: Record) -> Mask:
 
 def _line(time: Array, values: Array) -> tuple[Array, Array, Array]:
     """Ends (K,), slopes (K,) and values (T, K) of lines through points, weighed by time."""
-    share = np.sqrt(_weights_of_points(time))[:, None]
+    share = np.sqrt(weights_of_points(time))[:, None]
     columns = np.column_stack([np.ones_like(time), time - time[-1]])
     found, *_ = np.linalg.lstsq(share * columns, share * values, rcond=None)
     return found[0], found[1], columns @ found
 
 
-def _weights_of_points(time: Array) -> Array:
+def weights_of_points(time: Array) -> Array:
     """Share of time of every point."""
     steps = np.diff(time)
     return 0.5 * (np.append(steps, 0.0) + np.append(0.0, steps))
@@ -213,7 +213,7 @@ def vibration_in(record: Record, shown: Mask, frequencies: Array) -> Vibration:
     waves = [wave(phase) for phase in phases for wave in (np.cos, np.sin)]
     columns = np.column_stack([np.ones_like(time), *waves])
     hann = np.sin(math.pi * (time - time[0]) / max(seconds, np.finfo(float).tiny)) ** 2
-    share = np.sqrt(_weights_of_points(time) * hann)[:, None]
+    share = np.sqrt(weights_of_points(time) * hann)[:, None]
     found, *_ = np.linalg.lstsq(share * columns, share * motion, rcond=1e-9)
     n = motion.shape[1] // 2
     # a cos + b sin = Re((a - i b) e^{i phase})

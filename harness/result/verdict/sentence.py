@@ -86,6 +86,10 @@ def _vibration(verdict: Verdict) -> str:
         said += f" ({velocity(verdict.velocity)})"
     if verdict.balancers and verdict.alone and is_nothing(verdict.alone):
         said += f", without {verdict.balancers} {millimetres(verdict.alone)}"  # no share of nothing
+    elif verdict.on_one_side:
+        most = verdict.on_one_side
+        which = f"with all {verdict.balancers} on one side of a rotor without unbalance"
+        said += f", {percent(verdict.vibration / most)} of {_three(most)} {which}"
     elif verdict.balancers and verdict.alone:
         share = percent((size if mostly_other else verdict.vibration) / verdict.alone)
         at = f"; at the rotor's frequency {millimetres(size)}" if mostly_other else ""

@@ -74,6 +74,8 @@ class Verdict:
         capacity, needed: of the weights' moment, where it does not suffice [kg m].
         plateaus: verdicts of all plateaus of a profile, begin and end [s].
         passages: changes of speed with their largest vibration.
+        on_one_side: vibration by the weights alone, all on one side, of a rotor without unbalance
+            [m]; None: it has one.
         left_by_race: vibration in balance on a race that is not round [m]; None: it is, or that is
             not known.
         thinness: largest part of its layer that the wave of a ring of liquid takes away; 1: the
@@ -101,6 +103,7 @@ class Verdict:
     left_behind: tuple[float, float] | None = None
     growth: float | None = None
     growth_error: float | None = None
+    on_one_side: float | None = None
     left_by_race: float | None = None
     needed: float | None = None
     capacity: float | None = None
