@@ -12,7 +12,7 @@ from ..scene import Scene
 from .scenes import weights_of
 from .space import Space
 
-ROUNDING = 1e-6  # of a capacity: the smallest size is found by iteration
+ABOVE = 1e-6  # of the capacity that is needed, beyond it: the smallest size is found by iteration
 SIZES = 3  # of each number: the smallest that holds enough, one between, the largest that fits
 # nominal diameters of steel balls for rolling bearings, ISO 3290-1, in part [m]
 STANDARD = tuple(
@@ -59,7 +59,7 @@ def candidates(
             continue
         for radius in _radii(low, high, standard):
             found.append(_candidate(kind, space, count, radius))
-    return [one for one in found if one.capacity >= space.required * (1.0 - ROUNDING)]
+    return [one for one in found if one.capacity >= space.required]
 
 
 def largest_capacity(scene: Scene, space: Space, counts: Sequence[int]) -> Candidate:
@@ -72,12 +72,13 @@ def largest_capacity(scene: Scene, space: Space, counts: Sequence[int]) -> Candi
 def _limits(kind: str, space: Space, count: int) -> tuple[float | None, float]:
     """Smallest radius that holds enough, None where none does, and the largest that fits [m]."""
     high = _largest(kind, space, count)
-    if _candidate(kind, space, count, high).capacity < space.required:
+    most = _candidate(kind, space, count, high).capacity
+    if most < space.required:
         return None, high
-    low = 1e-3 * high
+    low, needed = 1e-3 * high, min(most, space.required * (1.0 + ABOVE))
 
     def missing(radius: float) -> float:
-        return _candidate(kind, space, count, radius).capacity - space.required
+        return _candidate(kind, space, count, radius).capacity - needed
 
     return (low if missing(low) >= 0.0 else float(brentq(missing, low, high, rtol=1e-9))), high
 

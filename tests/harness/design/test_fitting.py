@@ -10,11 +10,13 @@ import numpy as np
 import pytest
 
 import autobalancer as ab
+from autobalancer.harness.design import scenes
 from autobalancer.harness.design.answer import _capacity, _none
-from autobalancer.harness.design.candidates import STANDARD, Candidate
+from autobalancer.harness.design.candidates import STANDARD, Candidate, candidates
 from autobalancer.harness.design.drags import drag_range
 from autobalancer.harness.design.fitting import _assumed
-from autobalancer.harness.design.trials import Corner, Trial, _margin, run_corner
+from autobalancer.harness.design.space import Space
+from autobalancer.harness.design.trials import Corner, Trial, _margin, corner_scenes, run_corner
 from autobalancer.harness.drag.estimate import find_drag
 from autobalancer.harness.errors import SceneError, UserError
 from autobalancer.models.capture import Capture
@@ -48,6 +50,14 @@ def test_every_candidate_has_the_capacity_and_fits(found):
         alpha = math.asin(c.radius / c.track)
         held = c.mass * c.track * math.sin(c.count * alpha) / math.sin(alpha)
         assert c.capacity == pytest.approx(held, rel=1e-9)
+
+
+def test_weights_without_reserve_hold_the_unbalance_in_their_own_scene(fan):
+    scene = scenes.with_balls(fan, 0.08, 0.014)
+    space = Space(0.08, 0.014, 0.0, 7800.0, 0.0, 1.2e-4, 1.0)
+    for one in candidates(scene, space, range(2, 9), standard=False):
+        ((made, unbalance),) = corner_scenes(scene, one, [0.01], [space.unbalance])
+        assert made.balancer[0].capacity >= unbalance
 
 
 def test_sizes_below_the_largest_are_candidates(found):
