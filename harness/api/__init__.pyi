@@ -31,8 +31,8 @@ from autobalancer.harness.scene.balancing import Balancing as Balancing
 from autobalancer.harness.scene.file import bundled_scenes as bundled_scenes
 from autobalancer.harness.scene.liquid import Liquid as Liquid
 from autobalancer.harness.scene.liquid import Ring as Ring
-from autobalancer.harness.scene.rotor_table import Slider as Slider
-from autobalancer.harness.scene.rotor_table import Unbalance as Unbalance
+from autobalancer.harness.scene.rotor_keys import Slider as Slider
+from autobalancer.harness.scene.rotor_keys import Unbalance as Unbalance
 from autobalancer.harness.scene.run import Coupling as Coupling
 from autobalancer.harness.scene.run import Initial as Initial
 from autobalancer.harness.scene.run import Motor as Motor

@@ -27,7 +27,8 @@ from .names import components, plane
 from .network.fixed_axes import NAME as FIXED
 from .network.fixed_axes import FixedForces
 from .network.network import Network
-from .network.wiring import Wire, Wiring, wired
+from .network.wired import wired
+from .network.wiring import Wire, Wiring
 from .network.words import notes
 from .network_run import LINEAR_ORDER, NetworkRun
 from .plan import ROTOR, Plan, UnitPlan, plan

@@ -24,7 +24,8 @@ from .foreign.instance import ForeignUnit
 from .foreign.versions import foreign_unit
 from .network.network import Network, is_number
 from .network.undriven import refuse_undriven
-from .network.wiring import Wire, wired
+from .network.wired import wired
+from .network.wiring import Wire
 from .network.words import notes
 from .network_run import LINEAR_ORDER, NetworkRun
 from .recorder import Recorder

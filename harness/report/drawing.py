@@ -9,7 +9,8 @@ from ..result.verdict.words import millimetres
 from ..scene import Scene
 from ..scene.balancer import AnyBalancer, Ring, WeightBalancer
 from ..scene.bodies import BodyTable
-from ..scene.rotor import Flexible, TwoSupport
+from ..scene.rotor import TwoSupport
+from ..scene.rotor_flexible import Flexible
 from ..scene.stop import Stop
 from ..units import shown_in
 from .svg import box, circle, drawing, line, spring, words

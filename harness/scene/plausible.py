@@ -14,7 +14,7 @@ from ...models.papers.capacity import weight_mass
 from ..units import WIDEST, engineers, in_both, readable_apart, readable_unbalance, rounded
 from .balancer import Liquid, Ring, WeightBalancer
 from .quantities import each_of
-from .rotor import Flexible
+from .rotor_flexible import Flexible
 
 if TYPE_CHECKING:
     from .scene import Scene

@@ -13,7 +13,8 @@ from ...models.rotor import LinearRotor
 from ...models.supports import Support
 from .feeds import Start
 from .quantities import SI, Real, RealPair, Whole, refusal
-from .rotor_table import Friction, RotorTable, Unbalances
+from .rotor_keys import Friction, Unbalances
+from .rotor_table import RotorTable
 from .stop import Cubic, Holding, Stops
 
 Matrix = tuple[tuple[Real, ...], ...]

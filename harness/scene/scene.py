@@ -26,13 +26,13 @@ from .balancing import Balancing
 from .bearing import with_tables
 from .bodies import bodies_inside
 from .check import AnyCheck
-from .document import Described
 from .file import bundled_scenes, find, read, refuse_deep
 from .messages import locate, problems
 from .model_rules import model_problems
 from .nested import Nested
 from .pushed import push_problems
 from .quantities import Flag, Table
+from .refusals import Refusals
 from .replace import in_full, plain, replaced
 from .rotor import Rotor
 from .rules import TABLES, across, plane_count
@@ -53,7 +53,7 @@ if TYPE_CHECKING:
 __all__ = ["Scene", "bundled_scenes", "load_scene"]
 
 
-class Scene(Described):
+class Scene(Refusals):
     """A validated scene.
 
     Make one with `load_scene`, `Scene.from_document`, or `Scene(rotor={...}, operation={...})`.
@@ -311,58 +311,6 @@ class Scene(Described):
             location += [key, *(int(n) - 1 for n in numbers if n.isdecimal())]
         return locate(tuple(location), self._document, type(self)).unit
 
-    def refuse_friction(self, what: str) -> None:
-        """Raise SceneError, where dry friction holds supports at rest, for what is linear."""
-        if self.rotor.slides_at_rest:
-            raise SceneError(
-                f"{self.label}: rotor.friction: {what} of a linear rotor, and dry "
-                "friction is not; run the scene instead, or leave friction out"
-            )
-
-    def refuse_lobes(self, what: str) -> None:
-        """Raise SceneError where a race has lobes, for what is of round races."""
-        for balancer in self.balancer:
-            if getattr(balancer, "race", ()):
-                raise SceneError(
-                    f"{self.label}: {balancer.label}.race: {what} of round races; "
-                    "leave the lobes out, or run the scene instead"
-                )
-
-    def refuse_restraints(self, what: str) -> None:
-        """Raise SceneError, where cubic springs or stops hold the rotor, for what is linear."""
-        for key in ("cubic_stiffness", "stops"):
-            if getattr(self.rotor, key):
-                raise SceneError(
-                    f"{self.label}: rotor.{key}: {what} of a linear rotor; run the "
-                    f"scene instead, or leave {key} out"
-                )
-
-    def refuse_changes(self, what: str) -> None:
-        """Raise SceneError where the unbalance changes during the run."""
-        if self.operation.unbalance_changes:
-            raise SceneError(
-                f"{self.label}: operation.unbalance_changes: {what} is that of one unbalance: use "
-                "run, or leave the changes out"
-            )
-
-    def refuse_unrest(self, what: str) -> None:
-        """Raise SceneError where weights never rest: gravity swings them, unbalance changes."""
-        self.refuse_changes(what)
-        if self.operation.gravity and self.assembly().weights:
-            raise SceneError(
-                f"{self.label}: operation.gravity = {self.operation.gravity:g} m/s^2: {what} "
-                "requires weights at rest in the rotor, and gravity swings them once per "
-                "revolution: use run, or map --method cosim-run, or remove gravity"
-            )
-
-    def refuse_free(self, what: str) -> None:
-        """Raise SceneError where nothing holds the machine, for what judges it by its extent."""
-        if self.rotor.is_free:
-            raise SceneError(
-                f"{self.label}: rotor.on: nothing holds {self.rotor.on!r}, and its "
-                f"drift would count as vibration: {what} requires feet; use run or rotor instead"
-            )
-
     def without_balancers(self) -> Self:
         """The bare rotor, with nothing to check.
 
@@ -400,25 +348,6 @@ class Scene(Described):
                 if not {split_port(table[key])[0] for key in ("from", "to")} & set(names)
             ]
         return self._of(document, self._path, self._label)
-
-    @property
-    def guests(self) -> list[str]:
-        """Parts that are FMUs of any origin, by name and file; none of most scenes."""
-        parts = [("rotor", self.rotor.fmu), *((b.label, b.fmu) for b in self.balancer)]
-        parts += [(unit.name, unit.fmu) for unit in self.unit]
-        return [f"{name} ({Path(fmu).name})" for name, fmu in parts if fmu]
-
-    def refuse_guests(self, what: str) -> None:
-        """Raise SceneError, where parts are FMUs of any origin, for what must know their equations.
-
-        Args:
-            what: as a sentence begins with it.
-        """
-        if self.guests:
-            raise SceneError(
-                f"{self.label}: {', '.join(self.guests)}: {what} requires equations, and those of "
-                "an FMU of any origin are not known: `run` takes it"
-            )
 
     def _wrongly_connected(self) -> list[str]:
         """Problems of units and connections."""

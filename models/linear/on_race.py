@@ -31,16 +31,9 @@ from ..race import path
 from .balanced import balanced_angles
 from .creep import LONGEST_TURN, creep_balanced, creep_freely
 from .creep import NoRest as NoRest
-from .linearised import (
-    Couplings,
-    Linearised,
-    RotorParts,
-    fastest_rate,
-    linearise_at,
-    small_motions,
-    spread,
-)
+from .linearised import Linearised, linearise_at, system_of
 from .off_centre import centred
+from .small_motions import Couplings, RotorParts
 
 Creeps = Literal["not", "freely", "balanced"]
 
@@ -200,21 +193,7 @@ class OnRace:
             drive=tangent / (kappa * square)[:, None],
             spring=spring,
         )
-        loaded = spread(np.eye(2), rotor.mass) - column @ couplings.drive
-        found = small_motions(RotorParts.of(rotor), loaded, couplings)
-        steady = np.concatenate([found[:3], found[5:]])
-        return Linearised(
-            steady=steady,
-            cosine=found[3],
-            sine=found[4],
-            turning=np.zeros_like(found[3]),
-            constant=True,
-            neutral=0,
-            free_decay=np.zeros(0),
-            fastest=fastest_rate(rotor, loaded),
-            angles=angles,
-            wave=max([0.0, *(ring.wave_speeds[1] for _, ring in rotor.waves)]),
-        )
+        return system_of(rotor, couplings, angles)
 
 
 def has_lobes(assembly: Assembly) -> bool:

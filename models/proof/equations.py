@@ -1,6 +1,6 @@
 """Small motions about the balanced motion, x' = A(w, beta) x, with balls for coefficients.
 
-The equations are assembled by `linear.linearised`, but from other coordinates: zeta, D zeta, the
+The equations are assembled by `linear.small_motions`, but from other coordinates: zeta, D zeta, the
 moments of the weights in the planes, and their rates for each balancer.  In these the turns of
 weights that change no moment do not appear at all: N - 2 neutral directions of N weights in a plane
 are divided out exactly, and the rates left over decay as e^{-d t}.
@@ -17,7 +17,7 @@ from flint import arb
 from numpy.typing import NDArray
 from scipy.linalg import matrix_balance
 
-from ..linear.linearised import Couplings, small_motions
+from ..linear.small_motions import Couplings, small_motions
 from .balanced import Seen
 from .rotors import RotorBalls, balls, solve
 from .series import UP, Series, monomials

@@ -17,7 +17,7 @@ from flint import arb, arb_mat
 from ..arrays import Numbers
 from ..bodies import Body, Foot, with_bodies
 from ..constants import SAME_PLACE
-from ..linear.linearised import RotorParts
+from ..linear.small_motions import RotorParts
 from ..rotor import LinearRotor
 from ..rubber import Zener, foot_numbers, with_rubber, with_turning_rubber, zener
 from ..supports import Support
