@@ -104,7 +104,8 @@ def _none(data: Fitting) -> list[str]:
     if best.margin < 1.0:
         lines.append(
             f"Its balls can be left behind: it needs {brief(1.0 / best.margin)} times the drag, or "
-            "lighter weights, more damping of the supports, or a quicker run-up."
+            "lighter weights, or more damping of the supports. A quicker run-up may help, but need "
+            "not."
         )
     return lines
 
