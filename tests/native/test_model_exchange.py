@@ -185,6 +185,20 @@ def test_the_vibration_of_model_exchange_is_that_of_co_simulation(tmp_path):
     assert solved[-1] == pytest.approx(steps[-1], rel=3e-4)
 
 
+def test_the_vibration_is_that_of_the_step_which_the_solver_has_completed(tmp_path):
+    """Read before that too, or not."""
+    path, _ = built(tmp_path, "balls")
+    found = []
+    for reads in (False, True):
+        host = Exchange(path)
+        host.place(1e-3, host.begun + 1e-3)
+        if reads:
+            assert host.get("vibration") == [0.0]
+        host.slave.completedIntegratorStep()
+        found += host.get("vibration")
+    assert found[0] == found[1] > 0.0
+
+
 # impacts and contacts, rolling and sticking, dry friction
 @pytest.mark.parametrize(
     ("family", "number", "fmi", "indicators"),

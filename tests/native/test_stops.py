@@ -10,6 +10,7 @@ from scipy.interpolate import CubicHermiteSpline
 
 import autobalancer as ab
 from autobalancer.fmus.composite.build import build_composite
+from autobalancer.harness import cosimulate
 from autobalancer.harness.master.one_file import composition
 from autobalancer.models.cubic_spring import CubicDisc, free_period
 from autobalancer.models.free_stroke import turning_points
@@ -180,6 +181,36 @@ def test_a_solver_of_the_tool_meets_the_stops_as_co_simulation_does(tmp_path, fm
         at = np.interp(own["time"], solved["time"], solved[name])
         assert np.abs(at - own[name]).max() <= 1e-5 * size
     assert solved[names[2]][-1] == own[names[2]][-1] == 2.0
+
+
+BOUNCING = {
+    "rotor": {"kind": "planar", "mass": 1.0, "stiffness": 1e4, "damping": 20.0, "unbalance": 2e-3,
+              "stops": [{"gap": 1e-3, "stiffness": 1e6, "damping": 10.0}]},
+    "operation": {"speed": 90.0},
+    "run": {"duration": 0.25, "record": [*XY, "rotor.stop[1].touches"]},
+}  # fmt: skip
+
+
+@ENGINES
+def test_a_touch_of_a_stop_counts_once(separate):
+    """As often as the disc has come to be beyond the gap, though the time of that has an error."""
+    scene = ab.Scene.from_document({**BOUNCING, "coupling": {"steps_per_rev": 3000}})
+    run = cosimulate(scene, separate=separate)
+    beyond = np.hypot(run["rotor.x"], run["rotor.y"]) > 1e-3
+    assert run["rotor.stop[1].touches"][-1] == np.count_nonzero(beyond[1:] & ~beyond[:-1]) == 23
+
+
+def test_model_exchange_has_the_touches_and_the_largest_force_of_co_simulation(tmp_path):
+    scene = ab.Scene.from_document({**BOUNCING, "coupling": {"tolerance": 1e-8}})
+    path = build_composite(composition(scene), tmp_path, name="one", platforms=[platform_tuple])
+    names = ["rotor.stop[1].touches", "rotor.stop[1].largest_force"]
+    solver = {"solver": "CVode", "relative_tolerance": 1e-9}
+    (steps, solved) = (
+        fmpy.simulate_fmu(str(path), fmi_type=kind, output=names, stop_time=0.25,
+                          output_interval=1e-4, **settings)[-1]
+        for kind, settings in (("CoSimulation", {}), ("ModelExchange", solver))
+    )  # fmt: skip
+    assert [solved[name] for name in names] == pytest.approx([steps[name] for name in names], 1e-3)
 
 
 @ENGINES

@@ -202,17 +202,21 @@ static void change_stroke(const Composite *c, int which)
     slider_state[HOLDS] = 0.0;
 }
 
-/* A stop is touched, lets go, or the rotor is back inside its gap. */
+/* A stop is touched, lets go, or the rotor is back inside its gap: but for the error of the time of that. */
 static void change_stop(const Composite *c, int which, EventKind kind)
 {
     const Rotor *rotor = composite_rotor(c);
     const Stop *stop = rotor->stops + which;
-    double displacement[2], *stop_states = rotor_stop_states(c->parts->unit) + STOP_DOUBLES * which;
-    restraint_displacement(stop->rows, rotor->stations, c->parts->unit->memory + MOTION, displacement);
-    set_stop(stop_states, kind == STOP_TOUCHED ? STOP_PRESSES
-                          : kind == STOP_LETS_GO && hypotenuse(displacement[0], displacement[1]) > stop->gap
-                              ? STOP_BEYOND
-                              : STOP_APART);
+    const int n = rotor->stations;
+    const double *place = c->parts->unit->memory + MOTION;
+    double displacement[2], velocity[2], *stop_states = rotor_stop_states(c->parts->unit) + STOP_DOUBLES * which;
+    int state;
+    restraint_displacement(stop->rows, n, place, displacement);
+    restraint_displacement(stop->rows, n, place + 2 * n, velocity);
+    state = kind == STOP_TOUCHED ? STOP_PRESSES
+            : kind == STOP_LETS_GO && hypotenuse(displacement[0], displacement[1]) > stop->gap ? STOP_BEYOND
+                                                                                                : STOP_APART;
+    set_stop(stop_states, stop_state_of(stop, displacement, velocity, state));
 }
 
 void one_piece_pass_event(Unit *unit)
