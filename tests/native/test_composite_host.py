@@ -249,6 +249,25 @@ def test_an_unbalance_that_a_change_has_set_is_not_set_again(tmp_path):
     assert "fixed once initialisation has ended" in text
 
 
+@pytest.mark.parametrize("read", [[], ["rotor.x"]], ids=["unread", "read"])
+def test_outputs_behind_a_restored_state_are_its_own(tmp_path, read):
+    """From behind a change of the unbalance, before a step is taken again."""
+    change = {"time": 0.5, "amount": 0.01, "angle": 0.7}
+    scene = load_scene("two_balls").replace({"operation.unbalance_changes": [change]})
+    path = one_file(tmp_path, scene)
+    host, straight = Host(path).begin(), Host(path).begin()
+    for one in (host, straight):
+        one.step(0.4)
+        one.get(*read)
+    state = host.slave.getFMUState()
+    host.step(0.3)
+    host.outputs()
+    host.slave.setFMUState(state)
+    torques = [name for name in host.variables if name.endswith(".torque")]
+    assert host.get(*torques) == straight.get(*torques)
+    assert host.outputs() == straight.outputs()
+
+
 @pytest.mark.parametrize("fmi", [2, 3])
 def test_the_description_says_what_is_tunable(tmp_path, fmi):
     path = one_file(tmp_path, load_scene("two_plane_rodrigues"), fmi)

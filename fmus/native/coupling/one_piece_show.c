@@ -14,7 +14,7 @@ int one_piece_expand_instant(Unit *unit, int order)
     Composite *c = unit->own;
     Machine *m = &c->pieces.instant;
     double speed, acceleration = 0.0, angle;
-    if (!c->pieces.is_made && one_piece_make(unit)) {
+    if (one_piece_make(unit)) { /* the state may be one that was restored, with another unbalance */
         return 1;
     }
     speed = c->motor ? c->motor->unit->memory[ANGLE_SIZE] : composite_speed(c, unit->time);

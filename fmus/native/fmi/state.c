@@ -96,7 +96,8 @@ static int take_over(Unit *unit, const Moment *moment, const double *values, int
     unit->start = moment->start;
     unit->point = moment->point;
     unit->phase = moment->phase;
-    unit->stale = moment->stale;
+    /* what outputs were observed by beside the memory is of another state */
+    unit->stale = moment->stale < OBSERVED ? OBSERVED : moment->stale;
     memcpy(unit->real, values, unit_values_size(unit));
     if (!anew || unit->stale == BEGINNING) {
         return 0;
