@@ -28,15 +28,26 @@ TABLES = {
 RUNS, POINTS = 11, 90
 
 
-def batch(name: str, table: dict[str, tuple[float, float]], side: int, **changes: object):
+# outputs at the end for which each step is looked at many times, and for which none is
+LOOKED_AT, NOT_LOOKED_AT = ["vibration"], ["coupling.error"]
+
+
+def batch(
+    name: str,
+    table: dict[str, tuple[float, float]],
+    side: int,
+    points: int = POINTS,
+    last: list[str] = LOOKED_AT,
+    **changes: object,
+):
     """Outputs of runs with random values, those at the end, and why runs have failed."""
     scene = load_scene(name).replace({**CLOSE, "run.revolutions": 6, **changes})
     made, rng = composition(scene), np.random.default_rng(3)
     values = np.column_stack([rng.uniform(*limits, RUNS) for limits in table.values()])
     asked = [f"rotor.{v}" for v in ("x", "y") if f"rotor.{v}" in made.layout.index]
     asked = asked or ["rotor.station[1].x", "rotor.station[2].y"]
-    last = ["coupling.steps", "vibration", "rotor.angle"]
-    runs = BatchRuns(made, list(table), asked, POINTS, last=last, side_by_side=side)
+    last = ["coupling.steps", "rotor.angle", *last]
+    runs = BatchRuns(made, list(table), asked, points, last=last, side_by_side=side)
     return runs.with_last(values, np.full(RUNS, end_time(scene)))
 
 
@@ -49,6 +60,62 @@ def test_machines_side_by_side_have_the_bits_of_one_alone(name):
         beside = batch(name, TABLES[name], side)
         assert beside[0].tobytes() == alone[0].tobytes()
         assert beside[1].tobytes() == alone[1].tobytes()
+
+
+# machines that stay in their lanes, and what ends that: hundreds of steps to a point, corners of
+# the speed; and races with lobes
+STAYING: dict[str, dict[str, object]] = {
+    "two_balls": {"points": 2, "run.revolutions": 40},
+    "three_mass_shaft": {"points": 33},
+    "run_up": {"points": 50, "run.revolutions": 20},
+    "oval_fan": {},
+    "bristol": {"points": 60},
+}
+
+
+@pytest.mark.parametrize("name", STAYING)
+def test_machines_that_stay_in_their_lanes_have_the_bits_of_one_alone(name):
+    table = TABLES.get(name, {"weights.drag": (0.01, 0.02)})
+    if name in ("oval_fan", "bristol"):
+        table = {
+            next(v for v in composition(load_scene(name)).layout.index if v.endswith(".drag")): (
+                0.01,
+                0.02,
+            )
+        }
+    alone, *others = (
+        batch(name, table, side, last=NOT_LOOKED_AT, **STAYING[name]) for side in (1, 2, 3, 4)
+    )
+    assert alone[2] == [""] * RUNS
+    for beside in others:
+        assert beside[0].tobytes() == alone[0].tobytes()
+        assert beside[1].tobytes() == alone[1].tobytes()
+
+
+def test_a_change_of_the_unbalance_ends_a_stay_in_the_lanes():
+    """The times of the change and the ends of the runs differ; angles of weights are read, too."""
+    changes = [{"time": 2.0, "amount": 0.01, "angle": 0.5}]
+    scene = load_scene("two_balls").replace(
+        {**CLOSE, "run.revolutions": 12, "operation.unbalance_changes": changes}
+    )
+    made, rng = composition(scene), np.random.default_rng(8)
+    values = rng.uniform(1.0, 9.0, (RUNS, 1))
+    ends = end_time(scene) * rng.uniform(0.5, 1.0, RUNS)
+    asked = ["rotor.y", "weights.weight[2].angle", "rotor.x"]
+    found = []
+    for side in (1, 4):
+        runs = BatchRuns(
+            made,
+            ["unbalance_change[1].time"],
+            asked,
+            POINTS,
+            last=["coupling.steps"],
+            side_by_side=side,
+        )
+        found.append(runs.with_last(values, ends))
+    assert found[0][2] == [""] * RUNS
+    assert found[0][0].tobytes() == found[1][0].tobytes()
+    assert found[0][1].tobytes() == found[1][1].tobytes()
 
 
 def test_a_run_that_fails_leaves_its_lane_to_the_next():

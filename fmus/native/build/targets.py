@@ -16,6 +16,7 @@ COMPILE = (
     *("-O2", "-mllvm", "-inline-threshold=30"),
     *("-fno-unroll-loops", "-fno-vectorize", "-fno-slp-vectorize"),
     *("-fPIC", "-fvisibility=hidden", "-D_FORTIFY_SOURCE=0", "-g0"),
+    "-ffunction-sections",  # the linker leaves out what nobody calls: lanes have much of that
 )
 # the series of machines, where the time goes: in line and unrolled what is worth it
 FAST = ("machine/", "coupling/one_piece_s", "base/elementary")  # begin of their names
@@ -40,10 +41,10 @@ _NO_TABLES = ("-fno-asynchronous-unwind-tables", "-fno-unwind-tables")
 _NO_FRAMES = ("-fomit-frame-pointer",)
 _LINUX = (*_NO_TABLES, *_NO_FRAMES)
 LINK = ("-nostdlib", "-s")
-_SHARED = ("-shared",)
+_SHARED = ("-shared", "-Wl,--gc-sections")
 # else the path of the output would stand in the library.  Names of functions stay: zig's linker
 # leaves memory it never wrote in the file where they are left out
-_MACOS = (_NO_TABLES, (*_SHARED, "-Wl,-install_name,@rpath/autobalancer.dylib"))
+_MACOS = (_NO_TABLES, ("-shared", "-Wl,-dead_strip", "-Wl,-install_name,@rpath/autobalancer.dylib"))
 
 _WINDOWS = (*_SHARED, "-Wl,-Brepro")  # else the time of linking would stand in the library
 

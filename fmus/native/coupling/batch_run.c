@@ -35,7 +35,7 @@ static size_t width(const Batch *batch)
     return batch->asked + (batch->own_steps != 0);
 }
 
-static double *row_of(const BatchRun *run, const BatchCall *all, size_t point)
+double *batch_run_row(const BatchRun *run, const BatchCall *all, size_t point)
 {
     return all->signals + (run->number * (all->batch->points + 1) + point) * width(all->batch);
 }
@@ -43,8 +43,8 @@ static double *row_of(const BatchRun *run, const BatchCall *all, size_t point)
 /* The run is over, or has failed: nothing is known behind what has been written. */
 static void close_rows(const BatchRun *run, BatchCall *all)
 {
-    double *row = row_of(run, all, run->reached);
-    const double *end = row_of(run, all, all->batch->points + 1);
+    double *row = batch_run_row(run, all, run->reached);
+    const double *end = batch_run_row(run, all, all->batch->points + 1);
     while (row < end) {
         *row++ = not_a_number();
     }
@@ -97,7 +97,7 @@ static int begin_run(BatchRun *run, const BatchCall *all)
 {
     const Batch *batch = all->batch;
     const int own = batch->own_steps != 0;
-    double *row = row_of(run, all, 0);
+    double *row = batch_run_row(run, all, 0);
     Unit *unit = run->unit;
     unit_reset(unit);
     unit->one_step_per_call = own;
@@ -121,7 +121,7 @@ static void run_alone(BatchRun *run, const BatchCall *all)
     const int level = unit_level(unit, batch->outputs, batch->asked);
     for (; run->reached <= batch->points && !(own && unit->time > end - sliver); run->reached++) {
         const double time = own ? end : end * ((double)run->reached / (double)batch->points);
-        double *row = row_of(run, all, run->reached);
+        double *row = batch_run_row(run, all, run->reached);
         if (unit_step(unit, unit->point, time - unit->time) ||
             unit_read(unit, level, batch->outputs, batch->asked, row + own)) {
             return;
@@ -182,7 +182,7 @@ void batch_run_fail(BatchRun *run, BatchCall *all)
     close_run(run, all);
 }
 
-static double point_of(const BatchRun *run, const BatchCall *all, size_t number)
+double batch_run_point(const BatchRun *run, const BatchCall *all, size_t number)
 {
     return run->end * ((double)number / (double)all->batch->points);
 }
@@ -200,7 +200,7 @@ static int find_points(BatchRun *run, const BatchCall *all, double point, double
         return 1;
     }
     while (count < most) {
-        point = point_of(run, all, run->reached + (size_t)count);
+        point = batch_run_point(run, all, run->reached + (size_t)count);
         if (!(point < jump) || !composite_reaches(c, point)) {
             break;
         }
@@ -239,7 +239,7 @@ bool batch_run_read(BatchRun *run, BatchCall *all)
     const Composite *c = unit->own;
     while (run->reached <= batch->points) {
         double points[MOST_READ];
-        const double point = point_of(run, all, run->reached), jump = composite_next_jump(c);
+        const double point = batch_run_point(run, all, run->reached), jump = composite_next_jump(c);
         int count;
         if (!composite_reaches(c, smaller(point, jump))) {
             if (!composite_refuse_many(unit, run->passes, point - length, length)) {
@@ -260,7 +260,7 @@ bool batch_run_read(BatchRun *run, BatchCall *all)
             batch_run_fail(run, all);
             return false;
         }
-        if (read_rows(unit, batch, points, count, row_of(run, all, run->reached))) {
+        if (read_rows(unit, batch, points, count, batch_run_row(run, all, run->reached))) {
             close_run(run, all); /* the reason has been kept */
             return false;
         }

@@ -37,6 +37,10 @@ bool batch_run_read(BatchRun *run, BatchCall *all);
 /* The run has failed, with the unit's reason. */
 void batch_run_fail(BatchRun *run, BatchCall *all);
 
+/* The time of a point, and its row. */
+double batch_run_point(const BatchRun *run, const BatchCall *all, size_t point);
+double *batch_run_row(const BatchRun *run, const BatchCall *all, size_t point);
+
 /* -- side_by_side.c -------------------------------------------------------------------------------- */
 
 /* Run all, with as many units. */

@@ -99,6 +99,26 @@ int one_piece_prepare(Unit *unit, double *angle, bool *is_wanted);
 /* Begin anew where the parts are shown, and something has jumped; 1 with the reason. */
 int one_piece_begin_anew(Unit *unit);
 
+/* Whether a step is hardly longer than rounding of the time; how often a step of this length in the machine's time is
+   looked at; count a step; whether a station is too fast to be followed [m/s]. */
+bool one_piece_is_crowded(const Composite *c);
+double one_piece_choose_looks(const Composite *c, double length);
+void one_piece_count_step(Unit *unit);
+bool one_piece_is_too_fast(const Composite *c, double fastest);
+
+/* -- one_piece_smooth.c --------------------------------------------------------------------------- */
+
+/* Whether what has been prepared is a step of smooth motion at which nobody looks, and only places are asked for: such
+   steps may follow each other in lanes. */
+bool one_piece_is_smooth(Unit *unit);
+/* Take such a step of this length in the machine's time, if nothing ends it up to `until`; whether it has been taken. */
+bool one_piece_take_smooth(Unit *unit, double length, double until);
+/* Begin the next one; its largest displacement so far and its fastest station there; false: it is none. */
+bool one_piece_next_smooth(Unit *unit, double largest, double fastest);
+/* The next step is taken alone, from the places and velocities that have been written into the machine where
+   `has_moved`. */
+void one_piece_leave_smooth(Unit *unit, bool has_moved);
+
 /* -- one_piece_series.c -------------------------------------------------------------------------- */
 
 /* What a step may err. */
@@ -127,6 +147,9 @@ void one_piece_push(const Composite *c, Machine *machine, const double *forces, 
 double one_piece_time(const Composite *c, double time);
 /* Let the parts stand at a time of the step, in the machine's [1]. */
 void one_piece_stand_at(Unit *unit, double time);
+/* The same of the rotor's angle and speed alone; of all else, where the machine's state has been loaded. */
+void one_piece_stand_smooth(const Composite *c, double time);
+void one_piece_stand_as_loaded(const Composite *c);
 /* Let the parts stand at the time that is shown; 1 with the reason. */
 int one_piece_place(Unit *unit);
 /* Displacements of the stations and angles of the weights, two in a pair, at the time that is shown. */

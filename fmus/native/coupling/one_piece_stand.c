@@ -41,6 +41,49 @@ static void stand_waves(const Composite *c, double time, double angle, double sp
 
 /* -- places ------------------------------------------------------------------------------------- */
 
+/* A station stands so, at a velocity [m/s]; and weights, two in a pair [rad/s]. */
+static inline void stand_station(double *place, int own, int k, Pair displacement, Pair velocity)
+{
+    place[2 * k] = pair_x(displacement);
+    place[2 * k + 1] = pair_y(displacement);
+    place[2 * own + 2 * k] = pair_x(velocity);
+    place[2 * own + 2 * k + 1] = pair_y(velocity);
+}
+
+static inline void stand_rotor(double *rotor, int own, double turned, double speed)
+{
+    double *place = rotor + MOTION;
+    angle_turn(rotor, turned);
+    place[4 * own] = speed;
+    place[4 * own + 1] = 0.0;
+}
+
+void one_piece_stand_smooth(const Composite *c, double time)
+{
+    const Machine *m = &c->pieces.step;
+    const int order = one_piece_order(c);
+    stand_rotor(c->parts->unit->memory, m->stations, machine_turned(m, order, time),
+                machine_speed_at(m, order, time) * m->rate);
+}
+
+void one_piece_stand_as_loaded(const Composite *c)
+{
+    const Machine *m = &c->pieces.step;
+    const int n = m->stations;
+    int k, w, i = 0;
+    for (k = 0; k < n; k++) {
+        stand_station(c->parts->unit->memory + MOTION, n, k, m->motion[k], pair_scaled(m->velocity[k], m->rate));
+    }
+    for (k = 1; k < c->parts_without_motor; k++) {
+        const Balls *balls = part_balls(c->parts + k);
+        double *angles = c->parts[k].unit->memory;
+        for (w = 0; balls && w < balls->count; w++, i++) {
+            angles[w] = pair_at(m->motion[n + i / 2], i % 2);
+            angles[balls->count + w] = pair_at(m->velocity[n + i / 2], i % 2) * m->rate;
+        }
+    }
+}
+
 /* Let the parts stand at a time of the step, in the machine's [1]. */
 void one_piece_stand_at(Unit *unit, double time)
 {
@@ -48,20 +91,14 @@ void one_piece_stand_at(Unit *unit, double time)
     Machine *m = &c->pieces.step;
     const int n = m->stations, own = n - m->waves, order = one_piece_order(c);
     const double speed = machine_speed_at(m, order, time) * m->rate, turned = machine_turned(m, order, time);
-    double *rotor = c->parts->unit->memory, *place = rotor + MOTION;
+    double *rotor = c->parts->unit->memory;
     int k, w, i = 0;
     memcpy(c->states, c->at_begin, c->state_count * sizeof(double));
-    angle_turn(rotor, turned);
+    stand_rotor(rotor, own, turned, speed);
     for (k = 0; k < own; k++) {
-        const Pair displacement = machine_place(m, k, order, time);
-        const Pair velocity = pair_scaled(machine_velocity(m, k, order, time), m->rate);
-        place[2 * k] = pair_x(displacement);
-        place[2 * k + 1] = pair_y(displacement);
-        place[2 * own + 2 * k] = pair_x(velocity);
-        place[2 * own + 2 * k + 1] = pair_y(velocity);
+        stand_station(rotor + MOTION, own, k, machine_place(m, k, order, time),
+                      pair_scaled(machine_velocity(m, k, order, time), m->rate));
     }
-    place[4 * own] = speed;
-    place[4 * own + 1] = 0.0;
     if (m->waves) {
         stand_waves(c, time, rotor[REST], speed);
     }

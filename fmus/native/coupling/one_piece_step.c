@@ -95,7 +95,7 @@ static int refuse_unbounded(Unit *unit)
     const double *velocity = c->parts->unit->memory + MOTION + 2 * n;
     const double fastest = largest_of(2 * n, velocity), carried = c->pieces.shortest * c->course->drive.fastest;
     const double time = unit_host_time(unit, c->course->clock.time);
-    if (fastest <= MOST_MOTION * carried || !is_finite(fastest)) { /* what is not finite is refused in its own words */
+    if (!one_piece_is_too_fast(c, fastest) || !is_finite(fastest)) { /* what is not finite is refused in its own words */
         return 0;
     }
     return unit_fail(unit, "the rotor moves at %6 m/s at t = %6 s, more than 1e6 times as fast as what swings on it (%6 m/s), "
@@ -257,13 +257,18 @@ static int open_step(Unit *unit, double *length, double *end)
     return 0;
 }
 
+bool one_piece_is_crowded(const Composite *c)
+{
+    const Clock *clock = &c->course->clock;
+    return clock->length <= CROWDED_STEP * (absolute(clock->begin) + c->pieces.step.per_rate);
+}
+
 /* 1 with the reason where too many steps in a row have been as short as this one. */
-static int refuse_crowded(Unit *unit, double length)
+static int refuse_crowded(Unit *unit)
 {
     const Composite *c = unit->own;
     OnePiece *one_piece = &c->course->one_piece;
-    const double time = absolute(c->course->clock.begin) + c->pieces.step.per_rate;
-    one_piece->crowded = length <= CROWDED_STEP * time ? one_piece->crowded + 1.0 : 0.0;
+    one_piece->crowded = one_piece_is_crowded(c) ? one_piece->crowded + 1.0 : 0.0;
     return one_piece->crowded >= MOST_CROWDED &&
            unit_fail(unit, "the machine cannot go on at t = %6 s: events follow each other too closely",
                      unit_host_time(unit, c->course->clock.begin));
@@ -284,32 +289,48 @@ int one_piece_prepare(Unit *unit, double *angle, bool *is_wanted)
     return one_piece_load_step(unit, angle, is_wanted);
 }
 
+double one_piece_choose_looks(const Composite *c, double length)
+{
+    const double turned = machine_turned(&c->pieces.step, one_piece_order(c), length);
+    return larger(FEWEST_LOOKS_OF_STEP, nearest(absolute(turned) / TAU * FEWEST_LOOKS + 0.5));
+}
+
+void one_piece_count_step(Unit *unit)
+{
+    Totals *total = &((const Composite *)unit->own)->course->total;
+    const double looks = ((const Composite *)unit->own)->course->one_piece.looks;
+    total->passes += (double)((int)looks / LOOKS_OF_PASS); /* they take time as passes do */
+    total->steps += 1.0;
+    total->error += one_piece_step_tolerance(unit);
+}
+
+bool one_piece_is_too_fast(const Composite *c, double fastest)
+{
+    return !(fastest <= MOST_MOTION * (c->pieces.shortest * c->course->drive.fastest));
+}
+
 int one_piece_step(Unit *unit)
 {
     const Composite *c = unit->own;
     Course *course = c->course;
     OnePiece *one_piece = &course->one_piece;
-    double length, end, turned;
+    double length, end;
     if (open_step(unit, &length, &end)) {
         return 1;
     }
     course->clock.time = end;
     course->clock.length = end - course->clock.begin; /* rounded as the time is */
-    if (refuse_crowded(unit, course->clock.length)) {
+    if (refuse_crowded(unit)) {
         return 1;
     }
-    turned = machine_turned(&c->pieces.step, one_piece_order(c), length);
-    one_piece->looks =
-        larger(FEWEST_LOOKS_OF_STEP, nearest(absolute(turned) / TAU * FEWEST_LOOKS + 0.5));
+    one_piece->looks = one_piece_choose_looks(c, length);
     if (!(one_piece->looks <= MOST_LOOKS)) {
         return fail_as_too_fast(unit);
     }
-    course->total.passes += (double)((int)one_piece->looks / LOOKS_OF_PASS); /* they take time as passes do */
     if (one_piece_is_unwatched(unit, length)) {
         one_piece->looked = one_piece->looks;
     }
-    course->total.steps += 1.0;
     one_piece->collocated_steps += one_piece->collocated > 0.0;
-    course->total.error += one_piece_step_tolerance(unit);
+    one_piece_count_step(unit);
     return 0;
 }

@@ -2,25 +2,7 @@
    together.  A lane whose run is over takes the next one. */
 #include <string.h>
 
-#include "coupling/batch_run.h"
-#include "coupling/composite.h"
-
-/* The next step of a run, for the lanes. */
-typedef struct {
-    NumberBlock *constants, *state, *results;
-    int *shape, order;
-    size_t shape_size, times_made; /* the blocks are of the machine that has been made so often */
-    double angle;
-    bool is_wanted; /* its series is to be expanded */
-} Loaded;
-
-/* The lanes, and which machine each of them holds. */
-typedef struct {
-    const LaneFunctions *by; /* NULL: there are none */
-    Lanes *lanes;
-    const BatchRun *holds[LANES];
-    size_t times_made[LANES];
-} Held;
+#include "coupling/side_by_side.h"
 
 /* -- a run -------------------------------------------------------------------------------------------- */
 
@@ -58,21 +40,21 @@ static int load_next(Unit *unit, Loaded *loaded)
     return 0;
 }
 
-/* Go on to where a step of this run or of the next one begins; whether there is one. */
-static bool reach_step(BatchRun *run, Loaded *loaded, BatchCall *all)
+/* Go on to where a step of this run or of the next one begins, if there is one. */
+static void reach_step(BatchRun *run, Loaded *loaded, BatchCall *all)
 {
     for (;;) {
         if (!run->is_live) {
             batch_run_next(run, all);
         }
         if (!run->is_live) {
-            return false;
+            return;
         }
         if (!batch_run_read(run, all)) {
             continue;
         }
         if (!load_next(run->unit, loaded)) {
-            return true;
+            return;
         }
         batch_run_fail(run, all);
     }
@@ -80,15 +62,8 @@ static bool reach_step(BatchRun *run, Loaded *loaded, BatchCall *all)
 
 /* -- all ---------------------------------------------------------------------------------------------- */
 
-static Machine *machine_of(const BatchRun *run)
+int side_by_side_tell(BatchRun *const *runs, Loaded *const *loaded, int count, Held *held, LaneMachine *machines)
 {
-    return &((Composite *)run->unit->own)->pieces.step;
-}
-
-/* Expand these together; 1 where there are no lanes, or no memory for it. */
-static int expand_together(const BatchRun *const *runs, const Loaded *const *loaded, int count, Held *held)
-{
-    LaneMachine machines[LANES];
     int lane;
     if (!held->by) {
         return 1;
@@ -120,6 +95,16 @@ static int expand_together(const BatchRun *const *runs, const Loaded *const *loa
         held->holds[lane] = run;
         held->times_made[lane] = times_made;
     }
+    return 0;
+}
+
+/* Expand these together; 1 where there are no lanes, or no memory for it. */
+static int expand_together(BatchRun *const *runs, Loaded *const *loaded, int count, Held *held)
+{
+    LaneMachine machines[LANES];
+    if (side_by_side_tell(runs, loaded, count, held, machines)) {
+        return 1;
+    }
     held->by->expand(held->lanes, machines, count, loaded[0]->order);
     return 0;
 }
@@ -129,16 +114,21 @@ static bool is_alike(const Loaded *a, const Loaded *b)
     return a->order == b->order && !memcmp(a->shape, b->shape, a->shape_size);
 }
 
+static bool is_to_expand(const Loaded *loaded)
+{
+    return loaded->is_wanted && !loaded->waits;
+}
+
 /* Expand what is wanted: together those that are computed alike. */
-static void expand_all(const BatchRun *runs, Loaded *loaded, int count, Held *held)
+static void expand_all(BatchRun *runs, Loaded *loaded, int count, Held *held)
 {
     int first, k;
     for (first = 0; first < count; first++) {
-        const BatchRun *together[LANES];
-        const Loaded *steps[LANES];
+        BatchRun *together[LANES];
+        Loaded *steps[LANES];
         int found = 0;
-        for (k = first; k < count && loaded[first].is_wanted; k++) {
-            if (loaded[k].is_wanted && is_alike(loaded + first, loaded + k)) {
+        for (k = first; k < count && is_to_expand(loaded + first); k++) {
+            if (is_to_expand(loaded + k) && is_alike(loaded + first, loaded + k)) {
                 together[found] = runs + k;
                 steps[found++] = loaded + k;
             }
@@ -155,6 +145,56 @@ static void expand_all(const BatchRun *runs, Loaded *loaded, int count, Held *he
     }
 }
 
+/* Whether the step that has been loaded may be followed by others in its lane. */
+static bool is_smooth(const BatchRun *run, const Loaded *loaded, const Held *held)
+{
+    return held->by && held->by->expand_on && loaded->is_wanted && !loaded->is_alone && one_piece_is_smooth(run->unit);
+}
+
+/* Let runs stay in their lanes, if all that go on can; whether they have.  Where some cannot, those that can wait. */
+static bool stay_in_lanes(BatchRun *runs, Loaded *loaded, int count, Held *held, BatchCall *all)
+{
+    BatchRun *together[LANES];
+    Loaded *steps[LANES];
+    LaneMachine machines[LANES];
+    int live = 0, found = 0, alike = 0, k;
+    for (k = 0; k < count; k++) {
+        live += runs[k].is_live;
+        loaded[k].waits = runs[k].is_live && is_smooth(runs + k, loaded + k, held);
+        if (loaded[k].waits) {
+            together[found] = runs + k;
+            steps[found++] = loaded + k;
+            alike += is_alike(steps[0], loaded + k);
+        }
+    }
+    if (found < live && found) {
+        return false;
+    }
+    for (k = 0; k < count; k++) {
+        loaded[k].waits = false;
+    }
+    if (found < 2 || alike < found || side_by_side_tell(together, steps, found, held, machines)) {
+        return false;
+    }
+    smooth_steps(together, steps, found, held, machines, all);
+    return true;
+}
+
+/* Go on to where steps of the runs begin that do not wait; whether there are any. */
+static bool reach_steps(BatchRun *runs, Loaded *loaded, int count, BatchCall *all)
+{
+    bool goes_on = false;
+    int k;
+    for (k = 0; k < count; k++) {
+        if (!loaded[k].waits) {
+            loaded[k].is_wanted = false;
+            reach_step(runs + k, loaded + k, all);
+        }
+        goes_on |= runs[k].is_live;
+    }
+    return goes_on;
+}
+
 void side_by_side_run(BatchRun *runs, int count, BatchCall *all)
 {
     Loaded loaded[LANES];
@@ -163,18 +203,14 @@ void side_by_side_run(BatchRun *runs, int count, BatchCall *all)
     memset(loaded, 0, sizeof loaded);
     memset(&held, 0, sizeof held);
     held.by = lanes_of_processor();
-    for (;;) {
-        bool goes_on = false;
-        for (k = 0; k < count; k++) {
-            loaded[k].is_wanted = false;
-            goes_on |= reach_step(runs + k, loaded + k, all);
-        }
-        if (!goes_on) {
-            return;
+    while (reach_steps(runs, loaded, count, all)) {
+        if (stay_in_lanes(runs, loaded, count, &held, all)) {
+            continue;
         }
         expand_all(runs, loaded, count, &held);
         for (k = 0; k < count; k++) {
-            if (runs[k].is_live && one_piece_step(runs[k].unit)) {
+            loaded[k].is_alone &= loaded[k].waits;
+            if (runs[k].is_live && !loaded[k].waits && one_piece_step(runs[k].unit)) {
                 batch_run_fail(runs + k, all);
             }
         }

@@ -2,6 +2,7 @@
 #include "lanes/lane_names.h"
 
 #include "lanes/lanes.h"
+#include "lanes/steps_beside.c"
 #include "lanes/weights_beside.c"
 #include "machine/allocate.c"
 #include "machine/blocks.c"
@@ -13,11 +14,6 @@
 #include "machine/weights_series.c"
 
 /* -- machines -------------------------------------------------------------------------------------------- */
-
-struct Lanes {
-    Machine machine;
-    NumberBlock *constants, *state, *results;
-};
 
 static Lanes *lanes_allocate(Unit *unit, int stations, int weights, int tracks, int lobes)
 {
@@ -110,27 +106,36 @@ static void scatter_all(const NumberBlock *lanes, const LaneMachine *machines, i
     }
 }
 
-static void lanes_expand(Lanes *lanes, const LaneMachine *machines, int count, int order)
+/* The machines into the lanes; how many blocks come out of them. */
+static int load_lanes(Lanes *lanes, const LaneMachine *machines, int count, int order)
 {
     Machine *m = &lanes->machine;
-    Number angle = number_of(0.0);
     const NumberBlock *state[LANES];
-    int lane, constants, states, results;
+    int lane, constants, states;
     machine_reshape(m, machines->shape);
     m->drive.motor = machines->motor;
     constants = machine_constants(m, lanes->constants);
     states = machine_state(m, lanes->state);
-    results = machine_results(m, order, lanes->results);
     for (lane = 0; lane < LANES; lane++) {
         const LaneMachine *one = machines + (lane < count ? lane : 0); /* the others go along */
         if (one->is_new || lane >= count) {
             gather(lanes->constants, one->constants, constants, lane);
         }
         state[lane] = one->state;
-        angle[lane] = one->angle;
     }
     gather_all(lanes->state, state, states);
-    machine_expand(m, angle, order);
+    return machine_results(m, order, lanes->results);
+}
+
+static void lanes_expand(Lanes *lanes, const LaneMachine *machines, int count, int order)
+{
+    const int results = load_lanes(lanes, machines, count, order);
+    Number angle;
+    int lane;
+    for (lane = 0; lane < LANES; lane++) {
+        angle[lane] = machines[lane < count ? lane : 0].angle;
+    }
+    machine_expand(&lanes->machine, angle, order);
     if (count == LANES) {
         scatter_all(lanes->results, machines, results);
         return;
@@ -141,4 +146,4 @@ static void lanes_expand(Lanes *lanes, const LaneMachine *machines, int count, i
 }
 
 const LaneFunctions LANE_NAME(functions) = {
-    lanes_allocate, lanes_expand, allocate_beside, start_beside, push_beside, take_beside};
+    lanes_allocate, lanes_expand, STEPS_BESIDE allocate_beside, start_beside, push_beside, take_beside};

@@ -38,6 +38,20 @@ typedef struct LaneFunctions {
     Lanes *(*allocate)(Unit *unit, int stations, int weights, int tracks, int lobes);
     /* Expand as machine_expand does, one to LANES machines of one shape. */
     void (*expand)(Lanes *lanes, const LaneMachine *machines, int count, int order);
+    /* Machines that stay in their lanes for many steps, without motors; NULL: they do not.  All numbers are (LANES,), times
+       in the machines'.  Load their state; */
+    int (*load)(Lanes *lanes, const LaneMachine *machines, int count, int order);
+    /* expand it at these angles and speeds of the rotors; */
+    void (*expand_on)(Lanes *lanes, const double *angles, const double *speeds, int order);
+    /* the largest terms of order k: Terms of machine/blocks.h, with the largest displacements so far; */
+    void (*find_terms)(const Lanes *lanes, int k, const double *largest, Terms *terms);
+    /* the first or second number of a column of the motion at some time; */
+    void (*read_place)(const Lanes *lanes, int column, int number, int order, const double *times, double *places);
+    /* the state becomes that at the end of a step, with the largest displacement and velocity there; rates: one over the
+       units of time [1/s]; */
+    void (*go_to_end)(Lanes *lanes, int order, const double *times, const double *rates, double *places, double *speeds);
+    /* the state of a lane, as its machine has it. */
+    void (*take_out)(const Lanes *lanes, int lane, double *motion, double *velocity);
     /* Memory for so many weights; NULL where there is none. */
     WeightsBeside *(*allocate_beside)(Unit *unit, int weights, int tracks);
     /* series_weight_start: WEIGHT_NUMBERS numbers of each weight, `stride` doubles apart, the angle and the speed of the

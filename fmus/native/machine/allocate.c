@@ -3,18 +3,33 @@
 
 enum { FEWEST_BESIDE = 3 }; /* weights: of fewer most of a vector would be empty */
 
-static Pair *counted_pairs(Unit *unit, size_t count, int *missing)
+#ifdef SIDE_BY_SIDE
+#include <stdint.h>
+
+/* From a multiple of the size of a number on: a vector that lies across two lines of the cache takes twice as long. */
+static void *counted(Unit *unit, size_t count, size_t size, int *missing)
 {
-    Pair *made = unit_allocate(unit, count, sizeof(Pair));
+    const char *made = unit_allocate(unit, count * size + sizeof(Number), 1);
+    *missing |= !made;
+    return made ? (void *)(((uintptr_t)made + sizeof(Number) - 1) / sizeof(Number) * sizeof(Number)) : NULL;
+}
+#else
+static void *counted(Unit *unit, size_t count, size_t size, int *missing)
+{
+    void *made = unit_allocate(unit, count, size);
     *missing |= !made;
     return made;
+}
+#endif
+
+static Pair *counted_pairs(Unit *unit, size_t count, int *missing)
+{
+    return counted(unit, count, sizeof(Pair), missing);
 }
 
 static Number *counted_numbers(Unit *unit, size_t count, int *missing)
 {
-    Number *made = unit_allocate(unit, count, sizeof(Number));
-    *missing |= !made;
-    return made;
+    return counted(unit, count, sizeof(Number), missing);
 }
 
 int machine_allocate(Unit *unit, Machine *machine, int stations, int weights, int tracks, int lobes)

@@ -217,6 +217,8 @@ int machine_order(double tolerance);
    length times that where it is below 1: a bound on places alone leaves a speed wrong by the bound over the length, and
    a rotor keeps the speed that weights in heavy drag give it within very short steps. */
 double machine_length(const Machine *machine, int order, double tolerance, double largest, bool is_stiff);
+/* The same from the terms of the last two orders. */
+double machine_length_of_terms(const Machine *machine, int order, const Terms *terms, double tolerance, bool is_stiff);
 /* (tolerance/term)^(1/k), within 6 %. */
 double machine_root(double term, double tolerance, int k);
 /* Of a column of the motion at a time of the step: the place and the velocity. */

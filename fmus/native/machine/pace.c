@@ -33,12 +33,6 @@ double machine_root(double term, double tolerance, int k)
     return root;
 }
 
-/* The largest coefficients of an order: of the rotor, its displacements over `largest` and its angle over 1, and of the
-   weights' angles over 1; NaN where one is not finite. */
-typedef struct {
-    double rotor, weights;
-} Terms;
-
 static Terms terms_of(const Machine *m, int k, double per_largest)
 {
     const Pair *motion = m->motion + k * m->width;
@@ -77,18 +71,24 @@ static double length_of_turn(const Machine *m, int order, double length, double 
     return length;
 }
 
-double machine_length(const Machine *m, int order, double tolerance, double largest, bool is_stiff)
+double machine_length_of_terms(const Machine *m, int order, const Terms *terms, double tolerance, bool is_stiff)
 {
     double length = LONGEST_STEP, finite = 0.0;
     int k;
-    for (k = order - 1; k <= order; k++) {
-        const Terms term = terms_of(m, k, 1.0 / largest);
-        const bool is_short = is_stiff && term.rotor > tolerance; /* in a step of 1 it is more */
-        finite += term.rotor + term.weights;
-        length = shortened(length, term.weights, tolerance, k);
-        length = shortened(length, term.rotor, tolerance, is_short ? k - 1 : k);
+    for (k = order - 1; k <= order; k++, terms++) {
+        const bool is_short = is_stiff && terms->rotor > tolerance; /* in a step of 1 it is more */
+        finite += terms->rotor + terms->weights;
+        length = shortened(length, terms->weights, tolerance, k);
+        length = shortened(length, terms->rotor, tolerance, is_short ? k - 1 : k);
     }
     return is_finite(finite) ? length_of_turn(m, order, length, MOST_TURN) : not_a_number();
+}
+
+double machine_length(const Machine *m, int order, double tolerance, double largest, bool is_stiff)
+{
+    const double per_largest = 1.0 / largest;
+    const Terms terms[2] = {terms_of(m, order - 1, per_largest), terms_of(m, order, per_largest)};
+    return machine_length_of_terms(m, order, terms, tolerance, is_stiff);
 }
 
 enum { TIMES_TOGETHER = 4, FEWEST_TOGETHER = 2 }; /* as many sums as there are registers for */
