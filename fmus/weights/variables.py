@@ -113,6 +113,38 @@ def _parameters() -> list[Variable]:
             minimum=1.0,
         ),
         not_negative("drag", 0.05, "N.s/m", "Viscous drag coefficient b of each weight"),
+        *_of_contacts(),
+        *(
+            parameter(
+                f"track_offset_{axis}",
+                0.0,
+                "m",
+                f"Offset of the track's centre along {axis}, in the rotor",
+                native=True,
+            )
+            for axis in ("xi", "eta")
+        ),
+        not_negative(
+            "shortest_stopped_step",
+            0.0,
+            "s",
+            "Shortest step that ends at a contact, with stop_at_contact",
+            native=True,
+        ),
+        parameter("inertia_as_force", False, "", "True: N m acts in F and added_mass is zero"),
+        parameter(
+            "stop_at_contact",
+            False,
+            "",
+            "True: a step ends where weights meet, part, stick or slide",
+            native=True,
+        ),
+    ]
+
+
+def _of_contacts() -> list[Variable]:
+    """What weights that touch, and that stick, have."""
+    return [
         not_negative(
             "weight_radius", 0.0, "m", "Radius of each weight; 0: point weights", native=True
         ),
@@ -138,31 +170,6 @@ def _parameters() -> list[Variable]:
             0.0,
             "1",
             "Rolling resistance of a weight over its load; 0: none",
-            native=True,
-        ),
-        *(
-            parameter(
-                f"track_offset_{axis}",
-                0.0,
-                "m",
-                f"Offset of the track's centre along {axis}, in the rotor",
-                native=True,
-            )
-            for axis in ("xi", "eta")
-        ),
-        not_negative(
-            "shortest_stopped_step",
-            0.0,
-            "s",
-            "Shortest step that ends at a contact, with stop_at_contact",
-            native=True,
-        ),
-        parameter("inertia_as_force", False, "", "True: N m acts in F and added_mass is zero"),
-        parameter(
-            "stop_at_contact",
-            False,
-            "",
-            "True: a step ends where weights meet, part, stick or slide",
             native=True,
         ),
     ]

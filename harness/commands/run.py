@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -12,7 +12,11 @@ from ..output import options
 from ..output.terminal import progress_bar, say, say_facts, show
 from . import run_pictures as drawings
 from .changes import changed_scene, set_option
-from .run_system import run_system, say_notes_and_write, system_of
+from .run_system import counts, run_system, say_notes_and_write, system_of
+
+if TYPE_CHECKING:
+    from ..result.result import Result
+    from ..scene import Scene
 
 
 def command(
@@ -104,25 +108,7 @@ def command(
         if not loaded.guests and (said := left_behind(loaded)):
             say(said)
     if verbose:
-        ran_as = "FMUs loaded"
-        if result.series_order:
-            how = f"power series of order {result.series_order}"
-            if result.collocated_steps:
-                how += f" and {result.collocated_steps} steps by collocation"
-            ran_as = f"In one piece, by {how}, as one file"
-        say_facts(result.units, result.left_out, ran_as)
-        if result.series_order and (given := loaded.coupling.of_separate):
-            rows = ", rows are at the given ones" * (loaded.coupling.steps_per_rev is not None)
-            say(
-                f"{', '.join(given)}: of separate FMUs (--separate); in one piece steps are the "
-                f"machine's own{rows}"
-            )
-        calls = sum(result.calls.values())
-        say(
-            f"{result.steps} steps, {result.passes} passes, {calls} FMI calls in "
-            f"{result.seconds:.3f} s; estimated error {result.estimated_error:.1g}"
-            + ("" if result.error_known else ", not known")
-        )
+        _say_how(result, loaded)
     say_notes_and_write(result, output, json_file, plot)
     if drawn := page.picture(loaded.name) if result.signals else None:
         result.plot(drawn)
@@ -132,3 +118,22 @@ def command(
         with progress_bar(f"drawing {movie.name}") as progress:
             result.movie(movie, movie_seconds, progress)
         say(f"Movie: {movie}")
+
+
+def _say_how(result: Result, scene: Scene) -> None:
+    """Say which units ran, in how many steps, and with which error."""
+    ran_as = "FMUs loaded"
+    if result.series_order:
+        how = f"power series of order {result.series_order}"
+        if result.collocated_steps:
+            how += f" and {result.collocated_steps} steps by collocation"
+        ran_as = f"In one piece, by {how}, as one file"
+    say_facts(result.units, result.left_out, ran_as)
+    if result.series_order and (given := scene.coupling.of_separate):
+        rows = ", rows are at the given ones" * (scene.coupling.steps_per_rev is not None)
+        say(
+            f"{', '.join(given)}: of separate FMUs (--separate); in one piece steps are the "
+            f"machine's own{rows}"
+        )
+    known = "" if result.error_known else ", not known"
+    say(f"{counts(result)}; estimated error {result.estimated_error:.1g}{known}")

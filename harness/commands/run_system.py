@@ -65,12 +65,16 @@ def run_system(
         say(f"Estimated error: {result.estimated_error:.1g} of each signal's largest value")
     if verbose:
         say_facts(result.units, result.left_out, "FMUs loaded")
-        calls = sum(result.calls.values())
-        say(
-            f"{result.steps} steps, {result.passes} passes, {calls} FMI calls in "
-            f"{result.seconds:.3f} s"
-        )
+        say(counts(result))
     say_notes_and_write(result, output, json_file, plot)
+
+
+def counts(result: Result) -> str:
+    """Steps, passes and calls of a run of any kind, and how long it took."""
+    calls = sum(result.calls.values())
+    return (
+        f"{result.steps} steps, {result.passes} passes, {calls} FMI calls in {result.seconds:.3f} s"
+    )
 
 
 def say_notes_and_write(

@@ -105,34 +105,51 @@ class Lagrange:
         push = w * w * u - sheared + 1j * w * (v @ rotor.gyroscopic.T)
         force[..., :n] += push.real - x @ rotor.stiffness_x.T - v_x @ rotor.damping_x.T
         force[..., n : 2 * n] += push.imag - yy @ rotor.stiffness_y.T - v_y @ rotor.damping_y.T
+        self._add_tables(force, w, (x, yy), (v_x, v_y))
+        self._add_waves(force, w, z, v)
+        self._add_springs(force, (x, yy), (v_x, v_y))
+        force[..., 2 * n : -1] -= lag
+        force[..., -1] += lag.sum(axis=-1) + (z.conj() * sheared).sum(axis=-1).imag
+        return inertia, force
+
+    def _add_tables(
+        self, force: Array, w: Array | float, place: tuple[Array, Array], rate: tuple[Array, Array]
+    ) -> None:
+        """Forces (..., D) of bearings that change with the speed, by x, y and their rates."""
+        n = self.rotor.stations
         for row, stiffness, damping in self.tables:
-            both, rates_of_both = (
-                np.stack([a @ row, b @ row], axis=-1) for a, b in ((x, yy), (v_x, v_y))
-            )
+            both, rates_of_both = (np.stack([a @ row, b @ row], axis=-1) for a, b in (place, rate))
             pull = self._here(stiffness, w) @ both[..., None]
             pull = (pull + self._here(damping, w) @ rates_of_both[..., None])[..., 0]
             force[..., :n] -= pull[..., :1] * row
             force[..., n : 2 * n] -= pull[..., 1:] * row
-        for at, ring in rotor.waves:
+
+    def _add_waves(self, force: Array, w: Array | float, z: Array, v: Array) -> None:
+        """Forces (..., D) on the waves of rings of liquid, by z = x + i y and its rate (..., n)."""
+        n = self.rotor.stations
+        for at, ring in self.rotor.waves:
             wave, rate = z[..., at], v[..., at]
-            turning = np.broadcast_to(w, (*y.shape[:-1], 1))[..., 0]
+            turning = np.broadcast_to(w, (*z.shape[:-1], 1))[..., 0]
             damping = ring.wave_damping + ring.root_damping * np.sqrt(np.abs(turning))
             own = 4j * turning * rate + 2.0 * turning**2 * wave
             own = ring.wave_inertia * (own - damping * (rate - 1j * turning * wave))
             force[..., at] += own.real
             force[..., n + at] += own.imag
+
+    def _add_springs(
+        self, force: Array, place: tuple[Array, Array], rate: tuple[Array, Array]
+    ) -> None:
+        """Forces (..., D) of cubic springs, and of cross terms of the supports."""
+        rotor, n, (x, y), (v_x, v_y) = self.rotor, self.rotor.stations, place, rate
         for spring in rotor.cubics:
-            pull = spring.force(np.stack([x @ spring.rows[0], yy @ spring.rows[1]]))
+            pull = spring.force(np.stack([x @ spring.rows[0], y @ spring.rows[1]]))
             force[..., :n] += pull[0][..., None] * spring.rows[0]
             force[..., n : 2 * n] += pull[1][..., None] * spring.rows[1]
         if rotor.crossed:
             (_, k_xy), (k_yx, _) = rotor.springs
             (_, c_xy), (c_yx, _) = rotor.dampers
-            force[..., :n] -= yy @ k_xy.T + v_y @ c_xy.T
+            force[..., :n] -= y @ k_xy.T + v_y @ c_xy.T
             force[..., n : 2 * n] -= x @ k_yx.T + v_x @ c_yx.T
-        force[..., 2 * n : -1] -= lag
-        force[..., -1] += lag.sum(axis=-1) + (z.conj() * sheared).sum(axis=-1).imag
-        return inertia, force
 
     def _races(self, theta: Array) -> _Place:
         """Where weights at angles (..., N) in the rotor are on races that are not round."""
