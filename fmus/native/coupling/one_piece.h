@@ -214,13 +214,16 @@ int one_piece_expand_instant(Unit *unit, int order);
 
 /* Compute the outputs of the parts that others need: accelerations, forces and torques; 1 with the reason. */
 int one_piece_signals(Unit *unit);
+/* Derivatives of the states of model exchange, of each part in turn; 1 with the reason. */
+int one_piece_rates(Unit *unit, double *rates);
+
+/* -- one_piece_sources.c -------------------------------------------------------------------------- */
+
 /* What the outputs that are asked for follow from; without any it is all. */
 OutputKind one_piece_outputs(Unit *unit);
 /* Write places, where nothing else is asked for; 1 with the reason. */
 int one_piece_observe_places(Unit *unit);
 /* The same at up to MOST_READ times in the step, (count, asked) in the order in which they are asked for. */
 void one_piece_read_places(const Composite *c, const double *times, int count, double *values);
-/* Derivatives of the states of model exchange, of each part in turn; 1 with the reason. */
-int one_piece_rates(Unit *unit, double *rates);
 
 #endif
