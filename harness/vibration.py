@@ -166,11 +166,13 @@ def _filled(
         own = whose == sensor
         stated = np.unique(values[own & ~np.isnan(values)])
         empty = own & np.isnan(values)
-        if empty.any() and len(stated) != 1:
+        if not empty.any():
+            continue
+        if len(stated) != 1:
             of = f" of {sensor}" if sensor else ""
             raise UserError(
                 f"{table.path}: {column.head}: empty in a line{of}: give one run-out{of}, or one "
                 "in every line (0 where there is none)"
             )
-        filled[empty] = stated[0] if empty.any() else 0.0
+        filled[empty] = stated[0]
     return filled

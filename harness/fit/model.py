@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from ...models.arrays import Array, Complex
 from ...models.harmonic_balance import NoResponse, largest_displacement, unbalance_response
 from ..errors import SimulationError, UserError
-from ..master.names import station_residuals, stations
+from ..master.names import displacements, station_residuals, stations
 from ..result.alike import table_of
 from ..result.many import cosimulate_many
 from ..scene import Scene
@@ -109,8 +109,7 @@ class Model:
             SimulationError: a run has failed.
         """
         base = self.scene(values.tolist())
-        prefixes = stations(len(self._stations))
-        signals = [f"rotor.{prefix}{axis}" for prefix in prefixes for axis in "xy"]
+        signals = displacements(len(self._stations))
         scenes = [base.replace(kind) for kind in self._kinds]
         speeds = self._measured.settings.get(SPEED)
         _, found = self._found(scenes, self._kind, speeds, signals)

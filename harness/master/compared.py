@@ -11,7 +11,7 @@ import numpy as np
 from ..scene import Scene
 from .expectation import Expectation, expectation
 from .limits import BEYOND_LONGEST_STEP, FEWEST_CHOSEN
-from .names import kin, stations
+from .names import displacements, kin
 from .plan import MOTOR
 from .recorder import Recorder, Signal
 from .scales import least_motion
@@ -54,8 +54,7 @@ def compared_motion(scene: Scene, meets_events: bool) -> Compared:
 
 def motion_signals(scene: Scene) -> list[str]:
     """Signals that together are the motion of a scene."""
-    prefixes = stations(len(scene.rotor.points))
-    names = [f"rotor.{prefix}{axis}" for prefix in prefixes for axis in "xy"]
+    names = displacements(len(scene.rotor.points))
     names += [f"{MOTOR}.speed"] if scene.operation.motor else []
     return names + [f"{b.label}.{v}" for b in scene.balancer for v in b.records if v != "clearance"]
 

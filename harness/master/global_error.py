@@ -22,7 +22,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -30,9 +30,9 @@ from numpy.typing import NDArray
 
 from ..errors import SimulationError
 from ..scene import Scene
+from .attempts import Attempts
 from .cascades import UNRESOLVED, has_cascade
-from .compared import ASYMPTOTIC, largest_difference, motion_signals
-from .expectation import ORDER_OF_EVENTS, ORDER_OF_JUMPS
+from .compared import largest_difference, motion_signals
 from .names import is_count
 from .neighbours import BOTH_SIDES, RESOLVED, UNCOMPUTED, add_parting, run_in_one_piece, turned
 from .one_file import why_separate
@@ -43,54 +43,11 @@ from .simulation import CoupledRun
 if TYPE_CHECKING:
     from ..output.workers import Progress
 
-ORDER_HELD = 1  # of steps with held signals, and of all that follows
 ATTEMPTS = 3  # at a first run, each in finer steps
-# of the tolerance: what further parts are to leave, and two runs may say, for they do not tell by
-# which order errors shrink; if by 1.3 already, the tolerance is still kept within a factor of 3
-AIM = 0.3
-# rad by which a step of the finer run may turn the rotor's fastest vibration: longer ones do not
-# follow it.  Under a motor, whose speed vibrates too, 6 of 400 runs erred by 3 to 12 times what
-# they stated; on supports of 10^5 times the stiffness a run-up by 4.6 times
-FOLLOWED = 1.5
-MOST_TIMES = 4  # as many parts as in the run before, which is to be confirmed
 MOST_STEP_PARTS = 128  # of a step of the first run
 PARTING = 32  # parts that should be enough to see runs come together
-
 EVERY = 16  # points of the first run are those at which neighbours are compared
 SHARE = 0.01  # of the tolerance of a step in one piece, by which neighbours are computed
-
-
-@dataclass(frozen=True)
-class Attempt:
-    """What a run in finer steps shows against the one before.
-
-    Attributes:
-        parts: of each step of the first run; `times` as many as in the run before.
-        apart: largest difference of the two, before steps at rest hold their signals.
-        at_rest: the same from then on.
-        order: by which errors will shrink further, as it is known by now.
-        error_by_order: by the order that is expected.
-        error: as it is stated.
-        allowed: the error by order that keeps the tolerance.
-    """
-
-    parts: int
-    times: float
-    apart: float
-    at_rest: float
-    order: float
-    error_by_order: float
-    error: float
-    allowed: float
-
-    def order_to(self, apart: float) -> float:
-        """Order that three runs show, the last two of which are `apart`, which is not 0."""
-        return math.log1p(self.apart / apart) / math.log(self.times)
-
-    @property
-    def is_far(self) -> bool:
-        """Whether the two runs differ by so much that their motions may part."""
-        return max(self.apart, self.at_rest) >= ASYMPTOTIC
 
 
 class Controlled:
@@ -116,7 +73,6 @@ class Controlled:
         self._compare = cosim.compared()
         self.expected = self._compare.expected
         self.parts, self.error, self.unknown = 1, math.inf, ""
-        self._longest_step = 0.0  # of the first run [s]
         self._work_in_first_runs = 0
         self._first_attempt = 0  # which share of the tolerance the first run's steps may err
 
@@ -130,10 +86,10 @@ class Controlled:
         grid, signals = self._compared(recorder)
         scale = self._compare.least(recorder)
         held = _first_held(self._compare.longest_step, grid)
-        self._longest_step = float(np.diff(grid).max())
+        judge = Attempts(self.expected, self.tolerance, float(np.diff(grid).max()))
         last, parts = None, 1
         while True:
-            parts = max(2 * parts, self._next_parts(last))
+            parts = max(2 * parts, judge.next_parts(last))
             try:
                 recorder = self._run(parts, progress)
             except SimulationError:  # steps that the tolerance allowed are too long for the loop
@@ -146,7 +102,7 @@ class Controlled:
             finer = self._at(recorder, grid)
             apart = largest_difference(signals, finer, scale, slice(held))
             at_rest = largest_difference(signals, finer, scale, slice(held, None))
-            last, signals = self._attempt(last, apart, at_rest, parts), finer
+            last, signals = judge.attempt(last, apart, at_rest, parts), finer
             # two runs that hide a fast vibration between their points can agree by chance
             watched = self.cosim.facts().estimated_error
             self.parts, self.error = parts, max(last.error, watched)
@@ -157,54 +113,6 @@ class Controlled:
                 break
         self._compare_with_neighbours(grid, signals, scale, progress)
         return recorder
-
-    def _attempt(self, before: Attempt | None, apart: float, at_rest: float, parts: int) -> Attempt:
-        """What a run shows so far `apart` from the one before, and `at_rest`."""
-        times = parts / self.parts
-        order, stated, allowed = self._orders(before, apart, parts)
-        # where a corner lies in its step, two runs can agree by chance
-        least = before.error_by_order / times**self.expected.steepest_order if before else 0.0
-        by_order = error = max(apart, at_rest)
-        if error < ASYMPTOTIC:
-            rested = at_rest / (times**ORDER_HELD - 1.0)
-            by_order = max(apart / (times**order - 1.0), rested, least)
-            error = max(apart / (times**stated - 1.0), rested, least)
-        shown = self._shown_order(before, apart, parts)
-        return Attempt(parts, times, apart, at_rest, shown, by_order, error, allowed)
-
-    def _shown_order(self, before: Attempt | None, apart: float, parts: int) -> float:
-        """By which errors will shrink further: as three runs have shown, or as is expected."""
-        if before and before.apart and apart and self._is_followed(parts):
-            return min(self.expected.order, max(before.order_to(apart), ORDER_OF_JUMPS))
-        return before.order if before else self.expected.order
-
-    def _is_followed(self, parts: int) -> bool:
-        """Whether steps follow the rotor's fastest vibration."""
-        return self.expected.fastest * self._longest_step <= FOLLOWED * parts
-
-    def _orders(
-        self, before: Attempt | None, apart: float, parts: int
-    ) -> tuple[float, float, float]:
-        """Order of the errors, the order by which they are stated, and what may be left of them."""
-        highest, aim = self.expected.order, AIM * self.tolerance
-        if highest == ORDER_OF_JUMPS:
-            cautious = highest
-        else:
-            cautious = max(ORDER_OF_EVENTS, highest - self.expected.caution)
-        if not self._is_followed(parts):
-            return ORDER_OF_JUMPS, ORDER_OF_JUMPS, self.tolerance
-        if before and before.apart and apart:  # three runs show by which order errors shrink
-            shown = before.order_to(apart)
-            order = min(highest, max(shown, ORDER_OF_JUMPS))
-            # the first runs may show the errors of steps, and the last one those of events
-            order = min(order, ORDER_OF_EVENTS) if self.expected.ends_at_events else order
-            # a higher order than there is: the errors of the first run did not shrink by order yet
-            return order, min(order, cautious) if shown > highest else order, self.tolerance
-        if highest == ORDER_OF_JUMPS:
-            return highest, cautious, self.tolerance
-        if self.expected.ends_at_events:
-            return ORDER_OF_EVENTS, ORDER_OF_EVENTS, aim
-        return highest, cautious, aim
 
     def _compare_with_neighbours(
         self,
@@ -252,13 +160,6 @@ class Controlled:
                 continue
         self._first_attempt = ATTEMPTS - 1
         return self._run(1, progress)
-
-    def _next_parts(self, last: Attempt | None) -> int:
-        """Parts of each step of the first run that should keep the tolerance."""
-        if last is None:
-            return 2
-        share = (last.error_by_order / (AIM * self.tolerance)) ** (1.0 / last.order)
-        return math.ceil(min(MOST_TIMES * last.parts, last.parts * share))
 
     def _run(
         self,

@@ -24,6 +24,11 @@ def stations(count: int) -> list[str]:
     return [station(number, count) for number in range(1, count + 1)]
 
 
+def displacements(count: int) -> list[str]:
+    """Signals of x and y of every station, station by station."""
+    return [f"rotor.{prefix}{axis}" for prefix in stations(count) for axis in "xy"]
+
+
 def station_residuals(count: int) -> list[str]:
     """What many runs call the amplitudes of all stations in the last revolution."""
     return [f"rotor.{prefix}residual" for prefix in stations(count)]

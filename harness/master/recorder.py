@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from ..errors import SceneError
 from ..output.memory import free_memory, refuse_beyond
 from ..scene import Scene
-from .names import OF_STOPS, by_unit, stations
+from .names import OF_STOPS, by_unit, displacements
 
 Signal = NDArray[np.float64]
 REPORTED = 256  # steps between two reports of progress: some ten a second
@@ -24,8 +24,7 @@ def recorded(scene: Scene) -> list[str]:
     """Signals the scene asks for; by default the rotor's motion and what each balancer does."""
     if scene.run.record is not None:
         return list(scene.run.record)
-    prefixes = stations(len(scene.rotor.points))
-    names = [f"rotor.{prefix}{axis}" for prefix in prefixes for axis in "xy"]
+    names = displacements(len(scene.rotor.points))
     numbers = range(1, len(scene.rotor.stops) + 1)
     names += [f"rotor.stop[{k}].{what}" for k in numbers for what in OF_STOPS]
     names += ["motor.speed"] if scene.operation.motor else []

@@ -120,8 +120,9 @@ def has_strangers(units: Iterable[UnitPlan], fmus: Path | None) -> bool:
     Raises:
         UnitError: as `find_parts`.
     """
-    own = [unit for unit in units if not unit.fmu] if fmus is not None else []
-    return any(_difference(_candidate(unit, fmus), unit) for unit in own if fmus)
+    if fmus is None:
+        return False
+    return any(_difference(_candidate(unit, fmus), unit) for unit in units if not unit.fmu)
 
 
 def _difference(path: Path, unit: UnitPlan) -> str:

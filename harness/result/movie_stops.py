@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...models.arrays import Array, Complex
-from ..master.names import stations
+from ..master.names import displacements
 from ..output.picture import GREY, colour
 from ..output.plot import metres
 from .motion import Motion
@@ -53,8 +53,7 @@ def stop_views(motion: Motion, times: Array) -> list[StopView]:
     scene = motion.scene
     if not scene.rotor.stops:
         return []
-    prefixes = stations(len(scene.rotor.points))
-    names = [f"rotor.{prefix}{axis}" for prefix in prefixes for axis in "xy"]
+    names = displacements(len(scene.rotor.points))
     angle = np.interp(times, motion.time, motion.angle)
     past = angle[:, None] + math.tau * TRAIL
     found = []

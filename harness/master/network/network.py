@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ....models.cubic import hermite
 from ...errors import SimulationError
 from ...scene.unit import split_port
 from ..foreign.abilities import abilities, kind_of
@@ -287,12 +288,9 @@ def _path(start: Reals, end: Reals, step: float, order: int) -> Reals:
     """(4,) value and derivatives at the start of a step [s] of a signal between two knots."""
     if order == 0:
         return np.array([end[0], 0.0, 0.0, 0.0])
-    slope = (end[0] - start[0]) / step
     if order == 1:
-        return np.array([start[0], slope, 0.0, 0.0])
-    second = (6.0 * slope - 4.0 * start[1] - 2.0 * end[1]) / step
-    third = (6.0 * (start[1] + end[1]) - 12.0 * slope) / step**2
-    return np.array([start[0], start[1], second, third])
+        return np.array([start[0], (end[0] - start[0]) / step, 0.0, 0.0])
+    return np.array([*start, *hermite(*start.tolist(), *end.tolist(), step)])
 
 
 def is_number(kind: str) -> bool:
