@@ -290,7 +290,8 @@ def _path(start: Reals, end: Reals, step: float, order: int) -> Reals:
         return np.array([end[0], 0.0, 0.0, 0.0])
     if order == 1:
         return np.array([start[0], (end[0] - start[0]) / step, 0.0, 0.0])
-    return np.array([*start, *hermite(*start.tolist(), *end.tolist(), step)])
+    (value, slope), (after, slope_after) = start.tolist(), end.tolist()
+    return np.array([value, slope, *hermite(value, slope, after, slope_after, step)])
 
 
 def is_number(kind: str) -> bool:
