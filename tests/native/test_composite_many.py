@@ -51,6 +51,17 @@ def test_every_row_is_the_run_of_a_scene_with_these_values(scene):
         assert 0.0 < found["error"][k] <= 1e-4
 
 
+@pytest.mark.parametrize("own_steps", [False, True])
+def test_a_vibration_at_the_end_is_seen_whatever_is_read_on_the_way(scene, own_steps):
+    def vibration(asked, **pacing):
+        runs = BatchRuns(composition(scene), [], asked, 50, last=["vibration"], **pacing)
+        return runs.with_last(np.empty((2, 0)), np.full(2, 20.0))[1].tolist()
+
+    seen = vibration(["vibration"], own_steps=own_steps)
+    assert vibration([], own_steps=own_steps) == vibration(["rotor.x"], own_steps=own_steps) == seen
+    assert seen[0][0] > 0.0
+
+
 def test_each_station_has_its_own_residual():
     scene = load_scene("two_plane_rodrigues").replace({"run.revolutions": 12})
     names = ["rotor.station[1].residual", "rotor.station[2].residual", "residual"]

@@ -106,7 +106,9 @@ static int begin_run(BatchRun *run, const BatchCall *all)
         unit_get_reals(unit, batch->outputs, batch->asked, row + own)) {
         return 1;
     }
-    row[0] = own ? unit->time : row[0];
+    if (own) {
+        row[0] = unit->time;
+    }
     run->reached = 1;
     return 0;
 }
@@ -126,43 +128,39 @@ static void run_alone(BatchRun *run, const BatchCall *all)
             unit_read(unit, level, batch->outputs, batch->asked, row + own)) {
             return;
         }
-        row[0] = own ? unit->time : row[0];
-    }
-}
-
-/* Whether a run that has begun can go on side by side with others. */
-static bool is_for_lanes(const Unit *unit, const Batch *batch)
-{
-    return unit->equations == &COMPOSITE_EQUATIONS && !batch->own_steps;
-}
-
-/* Whether outputs at the end need that the motion is looked at up to then. */
-static bool is_watched(const Unit *unit, const Batch *batch)
-{
-    const Composite *c = unit->own;
-    size_t k;
-    for (k = 0; k < batch->asked_last; k++) {
-        if (batch->last_outputs[k] >= c->results + VIBRATION) {
-            return true;
+        if (own) {
+            row[0] = unit->time;
         }
     }
-    return false;
+}
+
+/* Let the motion be looked at up to the end where outputs there need that. */
+static void watch_for_last(Unit *unit, const Batch *batch)
+{
+    Composite *c = unit->own;
+    size_t k;
+    c->pieces.is_watched = false;
+    for (k = 0; k < batch->asked_last; k++) {
+        c->pieces.is_watched |= batch->last_outputs[k] >= c->results + VIBRATION;
+    }
 }
 
 void batch_run_next(BatchRun *run, BatchCall *all)
 {
     const Batch *batch = all->batch;
     while (!run->is_live && all->next < all->runs) {
+        const bool is_composite = run->unit->equations == &COMPOSITE_EQUATIONS;
         run->number = all->next++;
         run->reason = all->reasons + run->number * BATCH_REASON;
         run->end = all->ends[run->number];
         run->reached = 0;
         run->passes = 0.0;
+        if (is_composite) {
+            watch_for_last(run->unit, batch);
+        }
         if (begin_run(run, all)) {
             close_run(run, all);
-        } else if (is_for_lanes(run->unit, batch)) {
-            Composite *c = run->unit->own;
-            c->pieces.is_watched = is_watched(run->unit, batch);
+        } else if (is_composite && !batch->own_steps) { /* which goes on side by side with others */
             run->is_live = true;
         } else {
             run_alone(run, all);

@@ -9,12 +9,15 @@ static bool is_unread(const Unit *unit)
 {
     const Composite *c = unit->own;
     size_t k;
-    for (k = 0; k < unit->asked_count && unit->asked; k++) {
-        if (c->pieces.is_watched || unit->asked[k] >= c->results) {
+    if (!unit->asked || c->pieces.is_watched) {
+        return false;
+    }
+    for (k = 0; k < unit->asked_count; k++) {
+        if (unit->asked[k] >= c->results) {
             return false;
         }
     }
-    return unit->asked != NULL;
+    return true;
 }
 
 /* Whether no part that follows its plane's place can have something to say in a step of this length. */
