@@ -36,6 +36,7 @@ static void declare_one_piece(Fields *fields, const Composite *c)
     const double last_of_table = rotor->tables ? rotor->speeds - 2.0 : 0.0;
     const double weights = (double)one_piece_phase_doubles(c) / PHASE_OF_WEIGHT;
     fields_whole(fields, "one_piece.order", &one_piece->order, 1, 0.0, MOST_ORDER);
+    fields_within(fields, "one_piece.fastest", &one_piece->fastest, 1, DBL_MIN, DBL_MAX);
     fields_flag(fields, "one_piece.stands", &one_piece->stands);
     fields_within(fields, "one_piece.largest", &one_piece->largest, 1, 0.0, DBL_MAX);
     fields_number(fields, "one_piece.speed, .acceleration, .pushed", &one_piece->speed, 3);

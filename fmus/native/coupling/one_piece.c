@@ -184,11 +184,11 @@ int one_piece_make(Unit *unit)
     }
     if (!pieces->is_made) {
         /* a power of two rounds nothing, so that it does not matter which */
-        const double rate = scaled_by_power(1.0, binary_exponent(c->course->drive.fastest));
+        const double fastest = c->course->one_piece.fastest, rate = scaled_by_power(1.0, binary_exponent(fastest));
         pieces->is_eventful = one_piece_is_eventful(c);
         pieces->step.phase = pieces->is_eventful ? pieces->step_phase : NULL;
         pieces->instant.phase = pieces->is_eventful ? pieces->instant_phase : NULL;
-        pieces->is_stiff = !pieces->is_eventful && !pieces->step.restraints && fastest_of(c) > STIFF_RATE * c->course->drive.fastest;
+        pieces->is_stiff = !pieces->is_eventful && !pieces->step.restraints && fastest_of(c) > STIFF_RATE * fastest;
         make(c, rate, &pieces->step);
         make(c, rate, &pieces->instant);
         pieces->shortest = shortest_pendulum(c, &pieces->step);
@@ -235,6 +235,7 @@ int one_piece_begin(Unit *unit)
     OnePiece *one_piece = &c->course->one_piece;
     const double *place = c->parts->unit->memory + MOTION;
     const int n = composite_rotor(c)->stations;
+    one_piece->fastest = c->course->drive.fastest;
     if (one_piece_make(unit)) {
         return 1;
     }

@@ -25,6 +25,7 @@ enum { MOST_LOOKS = 4096 }; /* of a step: MOST_TURN has fewer */
 /* In a unit's memory; doubles alone. */
 typedef struct {
     double order;      /* of its series */
+    double fastest;    /* speed at the start, by which the machine is made: its unit of time, whether it is stiff [rad/s] */
     double stands;     /* whether the parts stand at the clock's time, and no step has been begun there */
     double largest;    /* displacement so far [m] */
     double speed, acceleration; /* of the rotor at the start of the step */
