@@ -23,12 +23,12 @@ from ..errors import UserError
 from ..output.outcome import Outcome
 from ..output.table import Sheet
 from ..scene.balancing import Balancing
+from .errors import READING_ERROR
 from .measured import MeasuredRuns, read_measured
 
 _LARGEST_CONDITION = 1e4  # readings of three digits then say nothing of the masses
 _NOTHING = 1e-9  # of the largest correction: a mass that rounding makes
 _NOT_WORSE = 3.0  # times what the best solution without phases misses: another is not clearly worse
-_READING_ERROR = 0.02  # of the initial amplitude, which a reading can be off
 
 
 @dataclass(frozen=True)
@@ -108,7 +108,7 @@ class Correction(Outcome):
         if self.circles is None:
             return []
         best = np.sqrt(np.mean(self.circles.left**2, axis=0))
-        limits = np.maximum(_NOT_WORSE * best, _READING_ERROR * self.circles.responses)
+        limits = np.maximum(_NOT_WORSE * best, READING_ERROR * self.circles.responses)
         return [
             (self.measured.sensors[s], self.measured.planes[p], float(self.circles.second[s, p]))
             for s, p in np.argwhere(self.circles.second < limits[:, None]).tolist()

@@ -11,8 +11,10 @@ import numpy as np
 from ..output.table import BAD, Sheet
 from ..output.terminal import console, say, show
 from ..output.words import printable
+from .errors import LARGE, READING_ERROR, moved_by_errors
 
 _ROUNDING = 1e-9  # of the largest vibration measured
+REPEAT = " Repeat the trial runs with a larger mass, at angles 120 deg apart."
 
 if TYPE_CHECKING:
     from .correction import Correction
@@ -117,10 +119,18 @@ def _how_read(result: Correction) -> list[str]:
         f"construction). They miss the readings by {missed:.2g} {measured.unit} rms, "
         f"{largest:.2g} at most; leads below are counted from each sensor's initial vibration."
     )
+    moved = moved_by_errors(result.circles, measured.mounted, result.exact, READING_ERROR)
+    shares = moved / np.maximum(np.abs(result.exact), 1e-300)
+    planes = zip(measured.planes, shares.tolist(), strict=True)
+    said.append(
+        f"Readings that err by {100.0 * READING_ERROR:g} % move the correction by "
+        + ", ".join(f"{100.0 * share:.2g} % in plane {plane}" for plane, share in planes)
+        + " (standard deviation)."
+        + REPEAT * bool((shares > LARGE).any())
+    )
     said += [
         f"Ambiguous: for sensor {sensor!r} and plane {plane} a second solution misses the readings "
-        f"by {rms:.2g} {measured.unit} rms alone: repeat the trial runs with a larger mass, at "
-        "angles 120 deg apart."
+        f"by {rms:.2g} {measured.unit} rms alone.{REPEAT}"
         for sensor, plane, rms in result.ambiguous
     ]
     return said

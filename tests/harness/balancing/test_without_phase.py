@@ -7,8 +7,9 @@ import pytest
 
 from autobalancer.harness import UserError, load_scene
 from autobalancer.harness.balancing.correction import correct
+from autobalancer.harness.balancing.errors import moved_by_errors
 from autobalancer.harness.balancing.machine import Machine
-from autobalancer.models.papers.influence import influence
+from autobalancer.models.papers.influence import find_correction, influence
 from autobalancer.models.papers.siebert import from_amplitudes
 
 TRIALS = np.exp(1j * np.radians([0.0, 130.0, 215.0]))
@@ -83,6 +84,33 @@ def test_a_nearly_mirrored_solution_is_stated(tmp_path):
     readings = np.array([jeffcott(own + 60e-6 * m[0]) for m in masses])
     found = correct(written(tmp_path / "runs.csv", readings.round(0), masses))
     assert [(sensor, plane) for sensor, plane, _ in found.ambiguous] == [("0", "1"), ("1", "1")]
+
+
+@pytest.mark.parametrize("degrees", [(0.0, 130.0, 215.0), (0.0, 9.0, -9.0)])
+def test_what_errors_of_readings_move_the_correction_by_is_what_drawn_errors_do(degrees):
+    random = np.random.default_rng(5)
+    masses = np.concatenate([[0.0], 8.0 * np.exp(1j * np.radians(degrees))])[:, None]
+    exact = np.array([jeffcott(300e-6j + 60e-6 * m[0]) for m in masses])
+    first = from_amplitudes(exact, masses)
+    w = find_correction(first.coefficients, first.responses.astype(complex))
+    error = 1e-3
+    stated = moved_by_errors(first, masses, w, error)
+    moved = []
+    for _ in range(60):
+        drawn = exact * (1.0 + error * random.standard_normal(exact.shape))
+        found = from_amplitudes(drawn, masses)
+        moved.append(find_correction(found.coefficients, found.responses.astype(complex)) - w)
+    assert np.sqrt(np.mean(np.abs(moved) ** 2)) == pytest.approx(stated[0], rel=0.25)
+
+
+def test_trial_masses_close_together_move_the_correction_far(invoke, tmp_path):
+    for degrees, far in (((0.0, 130.0, 215.0), False), ((0.0, 4.0, -4.0), True)):
+        masses = np.concatenate([[0.0], 4.0 * np.exp(1j * np.radians(degrees))])[:, None]
+        readings = np.array([jeffcott(300e-6j + 60e-6 * m[0]) for m in masses])
+        outcome = invoke("balance", written(tmp_path / "runs.csv", readings.round(1), masses))
+        said = " ".join(outcome.output.split())
+        assert "Readings that err by 2 % move the correction by" in said
+        assert ("(standard deviation). Repeat the trial runs with a larger mass" in said) == far
 
 
 def test_trial_masses_on_a_line_or_too_few_are_refused():
