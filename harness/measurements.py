@@ -275,8 +275,17 @@ def _column(
     except ValueError as error:
         if found.name in takes_any_unit and "unknown unit" in str(error):
             return Column(head, found, plane, unit)
-        raise ValueError(f"{body}: 1 {unit}: {error}") from None
+        raise ValueError(f"{head}: {_wrong_unit(found, error)}") from None
     return Column(head, found, plane, unit, symbol, factor)
+
+
+def _wrong_unit(found: Known, error: ValueError) -> str:
+    """What is wrong about the unit of a head: it is unknown, or of another quantity."""
+    expected, _, _ = str(error).partition(", such as")
+    if expected == str(error):
+        return expected
+    example = f"`{found.name} [{_example(found)}]`"
+    return f"{expected}: name the column {example}, or with another unit of that quantity"
 
 
 def _found(body: str, names: dict[str, Known]) -> tuple[Known | None, str, str]:

@@ -26,6 +26,7 @@ _PER_PLANE = (
     Known("angle", ("rad",), per_plane=True),
     Known("radius", ("m",), per_plane=True),
 )
+ONLY = "sensor"  # its name where a file names none
 KNOWN = (Known("run"), Known("sensor"), Known("speed", ("rad/s",)), *columns(), *_PER_PLANE)
 
 
@@ -165,13 +166,11 @@ def _radii(table: Measurements, planes: Sequence[str]) -> tuple[float, ...] | No
 
 def _readings(table: Measurements, which: Sequence[str]) -> tuple[Vibration, Readings]:
     """The vibration of all lines, and by run and sensor."""
-    path = table.path
-    if table.column("sensor") is None:
-        raise UserError(f"{path}: needs the columns `sensor` and `amplitude [um]`, in any unit")
-    names = _texts(table, "sensor")
+    path, is_named = table.path, table.column("sensor") is not None
+    names = _texts(table, "sensor") if is_named else [ONLY] * len(table.rows)
     vibration = read_vibration(table, sensors=names)
     if vibration is None:
-        raise UserError(f"{path}: needs the columns `sensor` and `amplitude [um]`, in any unit")
+        raise UserError(f"{path}: needs the column `amplitude [um]`, in any unit")
     speed = table.column("speed")
     speeds = np.zeros(len(names)) if speed is None else table.numbers(speed)
     by_run: Readings = {}
@@ -183,7 +182,8 @@ def _readings(table: Measurements, which: Sequence[str]) -> tuple[Vibration, Rea
         reading = f"{sensor} at {rate / RPM:g} rpm" if rate else sensor
         readings = by_run.setdefault(run, {})
         if reading in readings:
-            raise UserError(f"{row.place}: run {run!r}: {reading} is read twice")
+            several = "" if is_named else "; with several sensors add a column `sensor`"
+            raise UserError(f"{row.place}: run {run!r}: {reading} is read twice{several}")
         readings[reading] = (float(rate), value)
     return vibration, by_run
 

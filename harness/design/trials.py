@@ -10,10 +10,10 @@ import numpy as np
 
 from ...models.arrays import Array
 from ...models.capture import Capture
+from ...models.shares import wilson
 from ..capture.captured import captured_or_none
 from ..errors import SimulationError, UserError
 from ..motions.batch import displacements
-from ..motions.outcome import wilson
 from ..motions.settle import alone
 from ..motions.starts import Job, job
 from ..scene import Scene

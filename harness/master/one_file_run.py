@@ -155,10 +155,8 @@ class OneFileRun(Closing):
 
     @property
     def is_stiff(self) -> bool:
-        """Whether steps by collocation are tried from the start, as of a stiff machine.
-
-        A shaft that internal damping turns with a large whirl has them later.
-        """
+        """Whether steps by collocation are tried, as of a stiff machine, or may be later: of a
+        motor's shaft with internal damping, which a large whirl takes along."""
         return bool(self._run.facts.stiff)
 
     def close(self) -> None:

@@ -10,6 +10,7 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
+from ...models.shares import wilson
 from ..capture.captured import captured
 from ..errors import SceneError
 from ..output.table import Sheet
@@ -17,7 +18,6 @@ from ..output.workers import Progress, Workers
 from ..scene import Scene
 from ..stability.axis import Axis, Map, refuse_axes
 from ..stability.map_store import compute_points
-from .outcome import wilson
 from .study import find_motions
 
 STARTS_OF_POINT = 40  # +-15 points at 95 %

@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
+from ...models.shares import wilson
 from ..output.outcome import Outcome
 from ..output.table import Sheet
 from ..scene import Scene
@@ -14,15 +15,6 @@ from ..units import brief, in_both
 from .kinds import Kind, Motion
 
 SMALLEST, SMALLEST_RATIO = 1e-7, 1e-4  # vibration [m] and its ratio to none that are told apart
-_NORMAL = 1.959963984540054  # two-sided 95 %
-
-
-def wilson(count: int, of: int) -> tuple[float, float]:
-    """95 % confidence interval of a share (Wilson 1927)."""
-    share, z2 = count / of, _NORMAL**2
-    middle = (share + z2 / (2.0 * of)) / (1.0 + z2 / of)
-    half = _NORMAL * math.sqrt(share * (1.0 - share) / of + z2 / (4.0 * of * of)) / (1.0 + z2 / of)
-    return max(0.0, middle - half), min(1.0, middle + half)
 
 
 @dataclass(frozen=True)

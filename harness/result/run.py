@@ -114,9 +114,9 @@ def is_in_one_piece(scene: Scene) -> bool:
 
 
 def tries_collocation(scene: Scene) -> bool:
-    """Whether a run in one piece tries steps by collocation, as a stiff machine does.
+    """Whether a run in one piece tries steps by collocation, as a stiff machine does, or may try.
 
-    It is started to see, and not run: a whirl that makes it stiff later is not seen.
+    It is started to see, and not run.
 
     Raises:
         SimulationError: the machine cannot be started.

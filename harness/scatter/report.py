@@ -7,13 +7,13 @@ from typing import Any
 
 import numpy as np
 
+from ...models.shares import wilson
 from ..master.merged import SHORT
 from ..output.table import Sheet
 from ..result.verdict.words import is_nothing
 from ..scene.grade import GRADES
 from .study import Scatter
 
-CONFIDENCE = 0.95
 _SAME = 1e-3  # relative: so near amplitudes are one
 MOST_REASONS = 5  # said; the table has all
 
@@ -60,18 +60,16 @@ def _without(scatter: Scatter) -> dict[str, Any]:
 
 def _grades(scatter: Scatter) -> list[dict[str, Any]]:
     """Share of the machines that ran within each grade, and its interval."""
-    from scipy.stats import binomtest
-
     rows, ran = [], int(scatter.ran.sum())
     for grade in GRADES:
         within = int((scatter.grade <= grade).sum())
-        interval = binomtest(within, ran).proportion_ci(CONFIDENCE, "wilson")
+        low, high = wilson(within, ran)
         rows.append(
             {
                 "grade": f"G{grade:g}",
                 "share": within / ran,
-                "low": float(interval.low),
-                "high": float(interval.high),
+                "low": low,
+                "high": high,
             }
         )
     return rows

@@ -39,7 +39,7 @@ def bibtex(scene: Scene, in_one_piece: bool = False, collocates: bool = False) -
 
     Args:
         in_one_piece: whether the machine is integrated without a coupling.
-        collocates: whether it then tries steps by collocation, as a stiff machine does.
+        collocates: whether it then tries steps by collocation, as a stiff machine does, or may try.
     """
     reasons: dict[str, list[str]] = {}
     for cited, reason in _cited(scene, in_one_piece, collocates):

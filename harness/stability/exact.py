@@ -15,6 +15,7 @@ from ...models.proof.window import WindowBalls
 from ..errors import SceneError, UserError
 from ..scene import Scene
 from ..scene.quantities import LARGEST
+from ..scene.replace import in_full
 from ..units import si_number
 from .ball_tables import Change, Tables, liquid_mass
 
@@ -28,11 +29,15 @@ def tolerances(text: str, scene: Scene) -> tuple[Change, ...]:
         UserError: it is not written like that, a path names no number of the machine, or a band
             reaches values that the scene does not allow.
     """
-    changes, amounts = list[Change](), dict[str, str]()
+    changes, amounts, named = list[Change](), dict[str, str](), set[str]()
     for item in text.split(","):
         path, _, amount = (part.strip() for part in item.partition("="))
         if not path or not amount:
             raise UserError(f"within {item!r}: must be PATH=5% or PATH=AMOUNT, as rotor.mass=2%")
+        full = in_full(path, scene.body_names)
+        if full in named:
+            raise UserError(f"within {item!r}: {path} is given twice; each value once")
+        named.add(full)
         percent = amount.removesuffix("%")
         unit = "" if percent != amount else scene.unit_of(path)
         size = si_number(percent, unit, f"within {path}:")

@@ -134,20 +134,31 @@ static void begin_step(Unit *unit)
     }
 }
 
-/* Whether steps by collocation are tried: of a machine that is stiff, or whose shaft internal damping takes along with
-   the whirl, the faster the larger that is. */
-static bool may_collocate(const Composite *c)
+/* Internal damping by which a whirl takes a motor's shaft along, the faster the larger it is; 0: it takes none. */
+static double taken_along(const Composite *c)
 {
     const Machine *m = &c->pieces.step;
     const int n = m->stations;
-    const double largest = c->course->one_piece.largest;
     double damping = 0.0;
     int k;
     for (k = 0; k < n && c->motor && !c->pieces.is_eventful && !m->restraints; k++) {
         damping += m->internal_damping[k * n + k];
     }
+    return damping;
+}
+
+bool one_piece_may_collocate(const Composite *c)
+{
+    return c->pieces.is_stiff || taken_along(c) > 0.0;
+}
+
+/* Whether steps by collocation are tried now. */
+static bool collocates(const Composite *c)
+{
+    const Machine *m = &c->pieces.step;
+    const double largest = c->course->one_piece.largest;
     return c->pieces.is_stiff ||
-           damping * largest * largest > STIFF_RATE * c->course->drive.fastest * m->per_rate * m->drive.inertia;
+           taken_along(c) * largest * largest > STIFF_RATE * c->course->drive.fastest * m->per_rate * m->drive.inertia;
 }
 
 /* Length of the step in the machine's time; 1 with the reason. */
@@ -157,7 +168,7 @@ static int choose_length(Unit *unit, double *length)
     const Composite *c = unit->own;
     const Machine *m = &c->pieces.step;
     OnePiece *one_piece = &c->course->one_piece;
-    const bool is_stiff = may_collocate(c);
+    const bool is_stiff = collocates(c);
     int k, leaves = 0;
     for (k = 0; k < MOST_LINES; k++) {
         double ends[2];

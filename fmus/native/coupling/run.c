@@ -5,6 +5,7 @@
 
 #include "base/elementary.h"
 #include "coupling/composite.h"
+#include "coupling/one_piece.h"
 
 enum { WARNINGS_SIZE = 8192 };
 static const char NAME[] = "run", OF_PART[] = "run: ";
@@ -58,7 +59,7 @@ static void show_facts(KeptRun *run)
     shown->time = run->unit->time;
     shown->order = course->one_piece.order;
     shown->collocated = course->one_piece.collocated_steps;
-    shown->stiff = c->pieces.is_stiff;
+    shown->stiff = one_piece_may_collocate(c);
     shown->steps = course->total.steps;
     shown->passes = course->total.passes;
 }

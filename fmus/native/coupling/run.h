@@ -35,7 +35,7 @@ typedef struct {
 typedef struct {
     double time, steps, passes, order; /* passes: series made; order: of the series */
     double collocated;    /* steps by collocation, of a stiff machine */
-    double stiff;         /* 1: such steps are tried, known from the start */
+    double stiff;         /* 1: such steps are tried, or may be later; known from the start */
     const char *reason;   /* why the call failed; empty where it did not */
     const char *warnings; /* of the units, a line each */
 } Run;

@@ -221,3 +221,18 @@ def test_a_grade_counts_what_a_largest_mass_leaves(tmp_path):
     left = free.grade.before + free.grade.after  # as good as nothing is mounted
     assert small.grade.after == pytest.approx(left, rel=1e-3)
     assert not small.met
+
+
+def test_the_column_of_the_sensor_can_be_left_out_where_there_is_one(tmp_path):
+    lines = ["run,sensor,amplitude [um],phase_lead [deg],mass [g],angle [deg]",
+             "as found,A,10,0,,", "trial,A,8,60,5,90"]  # fmt: skip
+    named, short = tmp_path / "named.csv", tmp_path / "short.csv"
+    named.write_text("\n".join(lines), encoding="utf-8")
+    short.write_text("\n".join(each.replace(",sensor", "").replace(",A", "") for each in lines),
+                     encoding="utf-8")  # fmt: skip
+    both = [read_measured(path) for path in (named, short)]
+    assert both[0].responses == pytest.approx(both[1].responses)
+    twice = tmp_path / "twice.csv"
+    twice.write_text(short.read_text("utf-8") + "\ntrial,9,70,5,90", encoding="utf-8")
+    with pytest.raises(UserError, match="read twice; with several sensors add a column `sensor`"):
+        read_measured(twice)

@@ -212,10 +212,13 @@ def test_limits_are_those_of_the_scene(path, limits):
 @pytest.mark.parametrize(
     ("text", "words"),
     [
-        ("speed,amplitude [kg]\n3,1\n", "amplitude: 1 kg: a length is expected"),
+        ("speed,amplitude [kg]\n3,1\n", r"amplitude \[kg\]: a length is expected"),
         ("sped,amplitude\n3,1\n", "sped: neither measured nor set; did you mean speed?"),
         ("rotor.mas,amplitude\n3,1\n", "rotor.mas: neither measured nor set"),
-        ("rotor.mass [mm],amplitude\n3,1\n", "rotor.mass: 1 mm: a mass is expected"),
+        (
+            "rotor.mass [mm],amplitude\n3,1\n",
+            r"rotor.mass \[mm\]: a mass is expected: name the column `rotor.mass \[g\]`",
+        ),
         ("speed\n3\n", "nothing measured: a column must be one of: amplitude"),
         ("rpm,amplitude\n3,1\n", r"rpm: neither measured nor set; did you mean speed \[rpm\]?"),
         ("speed,speed [Hz],amplitude\n3,3,1\n", "speed: given twice"),

@@ -86,3 +86,15 @@ def test_collocation_is_cited_where_a_run_tries_such_steps_and_nothing_runs(
     monkeypatch.setattr("autobalancer.fmus.composite.run.Run.on", refused)
     keys = set(cited("two_balls", weights__drag=drag))
     assert ("Hairer1996" in keys) == is_stiff
+
+
+@pytest.mark.parametrize(("damping", "may"), [(0.0, False), (5.0, True)])
+def test_collocation_is_cited_where_a_whirl_may_make_the_machine_stiff(damping, may):
+    """Internal damping turns a motor's shaft with a large whirl; at the start it is not stiff."""
+    scene = ab.Scene(
+        rotor={"kind": "planar", "mass": 8.0, "stiffness": 20e3, "damping": 80.0,
+               "internal_damping": damping, "unbalance": 0.02},
+        operation={"motor": {"inertia": 0.2, "stall_torque": 1.2, "no_load_speed": 300.0}},
+        run={"revolutions": 20},
+    )  # fmt: skip
+    assert ("Hairer1996" in scene.cite()) == may

@@ -322,3 +322,9 @@ def test_ends_of_a_narrow_band_can_be_told_apart_in_rpm():
     assert low < high
     assert [low, high] == pytest.approx([1499.9997, 1500.0007], abs=6e-4)
     assert wide == "1500 rpm to 2865 rpm"
+
+
+def test_a_tolerance_of_a_value_is_given_once():
+    for twice in ("rotor.mass=1%, rotor.mass=2%", "rotor.stiffness=1%,rotor.stiffness=1%"):
+        with pytest.raises(UserError, match="is given twice"):
+            tolerances(twice, load_scene("two_balls"))

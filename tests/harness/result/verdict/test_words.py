@@ -8,6 +8,7 @@ from autobalancer.harness.result.verdict.words import (
     millimetres,
     percent,
     seconds,
+    show_too_little,
     times,
     velocity,
 )
