@@ -25,7 +25,7 @@ from .record import Record
 from .seen import window_of
 from .steady import size_of
 from .stretches import Stretch
-from .words import millimetres, percent
+from .words import millimetres, percent, show_too_little
 
 LASTS, FEWEST = 0.5, 20.0  # of the record, and revolutions at least, that a motion has to last
 GROWS = 1.05  # times the largest vibration of the third quarter of the record: it grows
@@ -122,8 +122,8 @@ def rule_by_run(case: Case, vibration: Array, parts: list[float]) -> Ruling:
         if cannot is not None:
             return cannot
     if case.now is None or case.before is None or case.weights is None:
-        turned = f"{case.record.revolutions:.2g} revolutions"
-        return Ruling(Outcome.NOT_SETTLED, f"not settled yet: {turned} show too little")
+        little = show_too_little(case.record.revolutions)
+        return Ruling(Outcome.NOT_SETTLED, f"not settled yet: {little}")
     behind = turning(case, case.now, case.weights, 0.0)
     if behind is not None:
         return behind

@@ -173,12 +173,15 @@ class Run:
 
     def _with_parts(self, bare: Verdict, record: Record, now: Vibration) -> Verdict:
         """With the vibration told apart by frequency."""
+        frequency, other = now.largest_other
+        whole = math.inf if bare.vibration is None else bare.vibration
         bare = replace(
             bare,
             synchronous=now.size,
             mean=float(np.hypot(*now.mean).max()),
-            other=now.largest_other if now.others else None,
-            other_change=now.changes.get(now.largest_other[0]),
+            # in a window that is longer than the last revolution it may have been more
+            other=(frequency, min(other, whole)) if now.others else None,
+            other_change=now.changes.get(frequency),
         )
         if not self.scene.rotor.is_free:
             return bare

@@ -14,6 +14,7 @@ from .facts import from_facts, rule_linear
 from .lasting import lasting
 from .outcome import Outcome
 from .seen import Weights
+from .words import show_too_little
 
 
 def rule(case: Case) -> Ruling:
@@ -48,11 +49,8 @@ def _with_left_behind(found: Ruling, case: Case) -> Ruling:
 
 def _short(case: Case) -> Ruling:
     """A run that shows too little since the last change."""
-    turned = case.record.revolutions
-    return Ruling(
-        Outcome.NOT_SETTLED,
-        f"{unsettled(case)}: {rounded(turned, 2)} revolutions show too little{DOUBT}",
-    )
+    little = show_too_little(case.record.revolutions)
+    return Ruling(Outcome.NOT_SETTLED, f"{unsettled(case)}: {little}{DOUBT}")
 
 
 def _undecided(case: Case, weights: Weights) -> Ruling:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ...units import brief
+from ...units import brief, rounded
 
 _COUNTED = 10  # times: so often or more is counted exactly by no run
 _SHORTEST, _LONGEST = 1e-4, 1e9  # s: nothing beside a run; some 30 years
@@ -43,6 +43,12 @@ def seconds(time: float, digits: int = 2) -> str:
     if 0.0 < time < _SHORTEST:
         return f"below {_SHORTEST:g} s"
     return "over a billion s" if time >= _LONGEST else f"{brief(time, digits)} s"
+
+
+def show_too_little(revolutions: float) -> str:
+    """That so few revolutions do."""
+    turned = rounded(revolutions, 2)
+    return f"{turned} revolution{' shows' if turned == '1' else 's show'} too little"
 
 
 def times(count: int, before: int | None = None) -> str:

@@ -44,3 +44,8 @@ def test_what_is_as_good_as_nothing_or_without_bound_is_said_so():
 )
 def test_touches_are_counted_as_exactly_as_two_runs_agree(count, before, said):
     assert times(count, before) == said
+
+
+def test_one_revolution_shows_and_several_show_too_little():
+    assert show_too_little(1.0) == "1 revolution shows too little"
+    assert show_too_little(1.5) == "1.5 revolutions show too little"
