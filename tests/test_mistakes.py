@@ -44,6 +44,8 @@ IN_FILES = [
     ("[[balancer]]", "[[balancers]]", 'did you mean "balancer"'),
     ("speed = 150.0", "run_up = {from = 0, to = 150}", "seconds"),
     ('kind = "planar"', 'kind = "flexible"', "stations"),
+    ('name = "balls"', 'name = ""', "must begin with a letter"),
+    ("mass = 8.0", "mass = 1e29", "times the critical speed"),  # a frequency that rounds to 0
 ]
 
 
@@ -55,6 +57,20 @@ COMMANDS = [
     ("run two_bals", "two_balls"),
     ("run {f}", "is a directory; a scene is a TOML file"),
     ("run", "Missing argument"),
+    ("run TWO_BALLS", 'did you mean "two_balls"'),
+    ("run {f}/drum.toml --set balancer[1].mass=1", "did you mean balls.mass"),
+    ("run {f}/drum.toml --set balls.angles[1]=0", "give it whole, as balls.angles=[...]"),
+    ("run {f}/drum.toml --set run.record=['x']", 'did you mean "rotor.x"'),
+    ("run {f}/drum.toml --set run.record=['ball.spread']", "UNIT.VARIABLE, of the units rotor"),
+    ("run {f}/drum.toml --set run.record=['balls.spred']", 'did you mean "balls.spread"'),
+    # below it two tolerances give the same steps, and the error would seem to be 0
+    ("run {f}/drum.toml --set coupling.tolerance=1e-30", "must be 1e-13 or more"),
+    ("run {f}/drum.toml --polar {f}/p.png", "4 or more are needed: raise run.revolutions"),
+    # what is read would be lost, and of two outputs one
+    ("run {f}/drum.toml --json {f}/drum.toml", "the command reads this file"),
+    ("fit {f}/drum.toml --measured {f}/ok.csv --free balls.drag --json {f}/ok.csv", "reads this"),
+    ("run {f}/drum.toml --plot {f}/a.png --weights {f}/../{n}/a.png", "two outputs"),
+    ("design {f}/drum.toml --save {f}/none/x.toml", "none"),
     ("run {f}/drum.toml --set mass=3", "did you mean rotor.mass or balls.mass"),
     ("run {f}/drum.toml --set rotor.mass 3", "KEY=VALUE"),
     ("run {f}/drum.toml --set rotor.mass=3kN", "a mass is expected"),
@@ -114,6 +130,6 @@ def test_a_mistake_in_a_scene_file_is_named(invoke, tmp_path, old, new, words):
 
 @pytest.mark.parametrize(("line", "words"), COMMANDS, ids=[line for line, _ in COMMANDS])
 def test_a_mistake_in_a_command_is_named_and_ends_it(invoke, folder, line, words):
-    outcome = invoke(*line.format(f=folder).split())
+    outcome = invoke(*line.format(f=folder, n=folder.name).split())
     assert words in " ".join(outcome.output.split())
     assert outcome.exit_code == 2

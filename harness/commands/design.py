@@ -84,10 +84,7 @@ def command(
     ] = None,
     save: Annotated[
         Path | None,
-        typer.Option(
-            metavar="FILE.toml",
-            help="Scene with the recommended weights, at the smallest drag tried.",
-        ),
+        options.output(".toml", "Scene with the recommended weights, at the smallest drag tried."),
     ] = None,
     changes: Annotated[list[str] | None, set_option("balls.drag=0.1")] = None,
     report: Annotated[Path | None, options.REPORT] = None,

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ..errors import UserError
+from ..output.options import claim
 from ..output.terminal import progress_bars, ready_to_write, say
 
 if TYPE_CHECKING:
@@ -25,6 +26,7 @@ def check_movie(path: Path | None) -> Path | None:
 
         refuse_unwritable(path)
         ready_to_write(path)
+        claim(path)
     return path
 
 

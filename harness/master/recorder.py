@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from ..errors import SceneError
 from ..output.memory import free_memory, refuse_beyond
 from ..scene import Scene
+from ..scene.messages import did_you_mean
 from .names import OF_STOPS, by_unit, displacements
 
 Signal = NDArray[np.float64]
@@ -56,10 +57,9 @@ class Recorder:
         wanted = by_unit(every)
         for name in every:
             unit, _, variable = name.partition(".")
-            known = units[unit].variables if unit in units else units
-            if unit not in units or variable not in known:
+            if unit not in units or variable not in units[unit].variables:
                 raise SceneError(
-                    f"run.record: {name!r} is not recorded by any unit; known: {', '.join(known)}"
+                    f"run.record: {name!r} is not recorded by any unit{_known(units, name)}"
                 )
         self._row, end = np.zeros(1 + len(every)), 1  # time, then every unit's signals
         self._bytes = self._row.data.cast("B")
@@ -111,7 +111,7 @@ class Recorder:
         present, free = _COPIES * self.rows.itemsize * len(self.rows), free_memory()
         if present > _TELLING * free:  # first steps can be far shorter than most
             what = f"run.revolutions, run.record: {len(self.names)} signals of the whole run need"
-            refuse_beyond(free, present / done, what, "record less")
+            refuse_beyond(free, present / done, what, "record less, or run shorter")
 
     def columns(self) -> tuple[Signal, dict[str, Signal]]:
         """Times [s], and every signal by name, those watched as well."""
@@ -119,6 +119,17 @@ class Recorder:
         return table[:, 0].copy(), {
             n: table[:, i].copy() for i, n in enumerate(self.signal_units, 1)
         }
+
+
+def _known(units: Mapping[str, Any], name: str) -> str:
+    """What may stand in place of a name that no unit has: the nearest, and all of its unit."""
+    unit, dot, variable = name.partition(".")
+    every = [f"{one}.{each}" for one in units for each in units[one].variables]
+    alike = [each for each in every if each.partition(".")[2] in (name, variable)]
+    near = f' (did you mean "{alike[0]}"?)' if alike else did_you_mean(name, every)
+    if dot and unit in units:
+        return f"{near}; {unit} has: {', '.join(units[unit].variables)}"
+    return f"{near}; a name is UNIT.VARIABLE, of the units {', '.join(units)}"
 
 
 def present_values(units: Mapping[str, Any], names: Sequence[str]) -> dict[str, float]:

@@ -43,6 +43,7 @@ class Commands(TyperGroup):
 
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
         options.typed.set(tuple(args))
+        options.claimed.set(())
         return super().parse_args(ctx, args)
 
     def invoke(self, ctx: Any) -> Any:
@@ -182,12 +183,13 @@ def with_common_options(command: Callable[..., None]) -> Callable[..., None]:
     }
 
     @functools.wraps(command)
-    def run(*args: Any, at_most: float, units: Units, quiet: bool, **options: Any) -> None:
+    def run(*args: Any, at_most: float, units: Units, quiet: bool, **given: Any) -> None:
+        options.refuse_read([*args, *given.values()])
         engineering.set(units is Units.ENGINEERING)
         before = is_quiet.set(quiet)
         try:
             with ended_after(at_most, _out_of_time):
-                command(*args, **options)
+                command(*args, **given)
         finally:
             is_quiet.reset(before)
 

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import os
+from collections.abc import Iterable, Sequence
 from contextvars import ContextVar
 from pathlib import Path
 from typing import Any
@@ -15,6 +16,7 @@ from .files import PICTURES, is_stream, picture_format
 from .terminal import ready_to_write
 
 typed: ContextVar[tuple[str, ...]] = ContextVar("typed", default=())  # after the program's name
+claimed: ContextVar[tuple[Path, ...]] = ContextVar("claimed", default=())  # files to be written
 TABLE = ".csv"
 _PICTURES = [f".{kind}" for kind in PICTURES]
 SCENE = typer.Argument(metavar="SCENE", help="Scene file, or the name of a bundled scene.")
@@ -60,6 +62,36 @@ def _ready(path: Path, endings: Sequence[str]) -> None:
     ready_to_write(path)
     if endings and path.suffix.lower() not in endings and not is_stream(path):
         raise UserError(f"{path}: must end in {', '.join(endings)}")
+    claim(path)
+
+
+def claim(path: Path) -> None:
+    """Note a file that the command will write.
+
+    Raises:
+        UserError: another option writes it too.
+    """
+    if is_stream(path):
+        return
+    if path.resolve() in claimed.get():
+        raise UserError(f"{path}: two outputs of this command; give each a file of its own")
+    claimed.set((*claimed.get(), path.resolve()))
+
+
+def refuse_read(values: Iterable[Any]) -> None:
+    """Refuse to write a file that the command reads.
+
+    Args:
+        values: of all options and arguments.
+
+    Raises:
+        UserError: one that is claimed is a scene or another file that is there to be read.
+    """
+    each = [one for value in values for one in (value if isinstance(value, list) else [value])]
+    there = [one for one in each if isinstance(one, (str, Path)) and os.path.isfile(one)]
+    for path in claimed.get():
+        if sum(os.path.realpath(one) == str(path) for one in there) > 1:
+            raise UserError(f"{path}: the command reads this file; write to another one")
 
 
 def output(kind: str, help: str, *names: str) -> Any:
@@ -80,6 +112,7 @@ def picture(help: str, *names: str) -> Any:
         ready_to_write(path)
         if path is not None:
             picture_format(path)
+            claim(path)
         return path
 
     return typer.Option(*names, metavar="FILE.png", help=help, callback=ready)

@@ -88,7 +88,9 @@ def refuse_unseen(scene: Scene, seconds: float) -> None:
     if not scene.balancer:
         raise UserError(f"{scene.heading}: has no balancer to show")
     if not SHORTEST <= seconds <= LONGEST:
-        raise UserError(f"seconds of the movie = {seconds:g}: must be {SHORTEST:g} to {LONGEST:g}")
+        raise UserError(
+            f"length of the movie = {seconds:g} s: must be {SHORTEST:g} to {LONGEST:g} s"
+        )
 
 
 def write_movie(

@@ -92,8 +92,8 @@ def refuse_few(turned: float, revolutions: int) -> None:
     """
     if _steps(turned) + 1 < POINTS * revolutions:
         raise UserError(
-            f"{turned / math.tau:.3g} revolutions are too few: orders are looked at over "
-            f"{revolutions}"
+            f"{turned / math.tau:.3g} revolutions are too few: {revolutions} or more are needed: "
+            "raise run.revolutions"
         )
 
 

@@ -79,7 +79,7 @@ def find(source: str | Path) -> Path:
         raise SceneError(f"{source}: no such file{_meant_beside(path)}")
     raise SceneError(
         f"{source}: no such file, and no bundled scene of that name"
-        f"{did_you_mean(str(source), names)}; bundled: {', '.join(names)}"
+        f"{did_you_mean(str(source).lower(), names)}; bundled: {', '.join(names)}"
     )
 
 

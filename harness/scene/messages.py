@@ -177,6 +177,7 @@ def _one(error: Any, document: Any, root: type[BaseModel]) -> str:
     if kind == "string_pattern_mismatch":
         return statement(place, patterns.WORDS[context["pattern"]])
     words = _WORDS[kind].format(**context) if kind in _WORDS else error["msg"]
+    words = words.removesuffix("1 values") + "1 value" if words.endswith(" 1 values") else words
     if kind in {"float_type", "int_type", "int_from_float"} and unit:
         words += unit
     return statement(place, words)

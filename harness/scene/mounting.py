@@ -43,7 +43,7 @@ class Balancer(Table):
 
     name: Annotated[
         Text,
-        Field(min_length=1, pattern=NAME),
+        Field(pattern=NAME),
     ] = ""
     """Names its signals and its FMU: a letter first, then letters, digits, _ and -, at most 32;
     unique; default: the kind.  In FMUs a name with - is quoted: `'left-ring'.drag`."""

@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from .scene import Scene
 
 FASTEST = 100.0  # times the lowest critical speed
+SLOWEST = 1e-9  # rad/s: natural frequencies are rounded to it
 FASTEST_TRACK = 100.0  # m/s of balls along their track: steel wheels burst at some 300 m/s
 FARTHEST = 0.1  # eccentricity over the track's radius
 FARTHEST_ALONE = 0.01  # m: eccentricity of a rotor without balancers
@@ -90,7 +91,7 @@ def _implausible(scene: Scene) -> Iterator[str]:
     fast = max((speed * one.track_radius for one in weights), default=0.0)
     if speed > FASTEST * lowest:
         yield (
-            f"{said}: {speed / lowest:.0f} times the critical speed, "
+            f"{said}: {speed / max(lowest, SLOWEST):.0f} times the critical speed, "
             f'{in_both(lowest, "rad/s")}; is it in rpm? then write "{speed:g} rpm"'
         )
     elif fast > FASTEST_TRACK:

@@ -136,7 +136,11 @@ def _allowed(schema: dict[str, Any], definitions: dict[str, Any]) -> str:
 
 def _bounds(schema: dict[str, Any]) -> str:
     limits_of_all = {each for limit in (LARGEST, LARGEST_ANGLE) for each in (limit, -limit)}
-    found = [schema.get(key) for key in ("exclusiveMinimum", "minimum", "maximum")]
+    found = [
+        schema.get("exclusiveMinimum"),
+        schema.get("ge", schema.get("minimum")),  # as pydantic names a limit of a field's own
+        schema.get("le", schema.get("maximum")),
+    ]
     above, least, most = (None if limit in limits_of_all else limit for limit in found)
     if least is not None and most is not None:
         return f"{least:g} to {most:,.10g}".replace(",", " ")

@@ -85,7 +85,7 @@ def replaced(
             ]
             near = f" (did you mean {' or '.join(within)}?)" if within else ""
             known = [*tables, *bodies]
-            near = near or did_you_mean(first, ["speed", *known])
+            near = near or _by_name(path, balancers) or did_you_mean(first, ["speed", *known])
             raise SceneError(f"{path!r}: unknown{near}; begins with one of: {', '.join(known)}")
         if first in balancers:
             holder = document["balancer"][balancers[first]]
@@ -96,6 +96,13 @@ def replaced(
             if f"{first}.{other}" not in given:
                 holder.pop(other, None)
     return document
+
+
+def _by_name(path: str, balancers: Mapping[str, int]) -> str:
+    """' (did you mean ...?)' for a path that names a balancer by its place, as messages do."""
+    found = re.match(r"balancer\[(\d+)\]\.", path)
+    names = [name for name, place in balancers.items() if found and place == int(found[1]) - 1]
+    return f" (did you mean {names[0]}.{path[found.end() :]}?)" if found and names else ""
 
 
 def _superseded(path: str, value: Any) -> tuple[str, ...]:
@@ -163,6 +170,9 @@ def _assign(target: Document, key: str, indices: str, value: Any, path: str) -> 
             values = holder[last] = [values] * (length if isinstance(length, int) else 2)
         count = len(values) if isinstance(values, list) else 0
         if not 1 <= number <= count:
+            if not count:
+                whole = path.rpartition("[")[0]
+                raise SceneError(f"{path!r}: no list is there; give it whole, as {whole}=[...]")
             raise SceneError(f"{path!r}: the scene gives {count} values there, counted from 1")
         holder, last = values, number - 1
     holder[last] = value

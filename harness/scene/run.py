@@ -32,6 +32,7 @@ STEPS = ("steps_per_rev", "tolerance")  # one or the other
 DRIVES = ("speed", "run_up", "profile", "motor")  # one of them
 MOST_CORNERS = 1000  # of a profile; the text of a one-file FMU holds them all
 LOOSEST_TOLERANCE = 0.1
+TIGHTEST_TOLERANCE = 1e-13  # below, runs at two tolerances differ by nothing: no error is seen
 DEFAULT_STEPS = 40  # per revolution: 1e-6 on the two-ball scene with cubic signals
 FEWEST_STEPS = 4  # per revolution: fewer do not resolve one
 FEWEST_REVOLUTIONS = 1e-9  # a step's square must stay a number
@@ -199,7 +200,9 @@ class Coupling(Table):
 
     scheme: Literal["auto", "jacobi", "gauss-seidel", "compensated", "iterated"] = "auto"
     """How separate FMUs guess and correct forces; `auto` looks at the loop gain."""
-    tolerance: Annotated[Positive | None, Field(le=LOOSEST_TOLERANCE), SI("")] = None
+    tolerance: Annotated[
+        Positive | None, Field(ge=TIGHTEST_TOLERANCE, le=LOOSEST_TOLERANCE), SI("")
+    ] = None
     """Error the motion may have, of itself; chooses the steps.  This or `steps_per_rev`; default:
     1e-4, unless another scheme, an order or corrections are given."""
     steps_per_rev: Annotated[Whole | None, Field(ge=FEWEST_STEPS, le=1_000_000)] = None

@@ -149,7 +149,7 @@ def test_a_movie_without_length_is_refused_before_the_run(invoke, tmp_path, monk
     monkeypatch.setattr("autobalancer.harness.result.run.cosimulate", None)
     done = invoke("run", "two_balls", "--movie", tmp_path / "a.gif", "--movie-seconds", "0")
     assert done.exit_code == 2, done.output
-    assert "seconds of the movie = 0: must be 0.5 to 600" in done.output
+    assert "length of the movie = 0 s: must be 0.5 to 600 s" in done.output
 
 
 def test_command_makes_a_movie_of_liquid(invoke, tmp_path):

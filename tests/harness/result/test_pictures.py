@@ -214,7 +214,7 @@ def test_what_was_not_recorded_is_said():
     result = cosimulate(disc(2.0), record=["rotor.x"])
     with pytest.raises(UnknownSignalError, match=r"rotor.y.*was not recorded"):
         result.plot_orbits()
-    with pytest.raises(UserError, match="2 revolutions are too few: orders are looked at over 4"):
+    with pytest.raises(UserError, match="2 revolutions are too few: 4 or more are needed: raise"):
         cosimulate(disc(2.0)).plot_polar()
 
 
