@@ -14,6 +14,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from matplotlib.ticker import NullLocator
 
+from ..output.panels import COLOURS
 from ..output.picture import Field, Line, Panel, Picture, PlotAxis
 from ..output.plot import Drawing, metres, save
 from .axis import Map
@@ -124,22 +125,22 @@ def plot_proved_map(data: ProvedMap, path: Path | None) -> Path | Drawing:
 
 
 def plot_speeds(data: Speeds, path: Path | None) -> Path | Drawing:
-    """A bar for every method: green where it finds balancing stable, red where it does not."""
+    """A bar for every method: green where it finds balancing stable, orange where it does not."""
     figure = Figure(figsize=(8.6, 1.6 + 0.5 * len(data.methods)), layout="constrained")
     axes = figure.subplots()
-    colours = {"stable": "tab:green", "unstable": "tab:red"}
+    colours = {"stable": COLOURS[2], "unstable": COLOURS[1]}
     for row, (method, found) in enumerate(data.methods.items()):
         ends = [data.range[0], *(crossing.speed for crossing in found), data.range[1]]
         sides = [data.lowest[method], *(crossing.above for crossing in found)]
         for side, low, high in zip(sides, ends, ends[1:], strict=False):
             axes.barh(row, high - low, left=low, height=0.6, color=colours.get(side, "0.8"))
         for speed in _apart(ends[1:-1], data.range):
-            axes.annotate(f"{speed:.5g}", (speed, row), ha="center", va="center", fontsize="small")
+            axes.annotate(f"{speed:.5g}", (speed, row + 0.32), ha="center", fontsize="small")
     names = [f"{name} (a rule)" if name == "criterion" else name for name in data.methods]
     axes.set_yticks(range(len(data.methods)), names)
-    axes.set(xlabel="speed [rad/s]", xlim=data.range)
+    axes.set(xlabel="speed [rad/s]", xlim=data.range, ylim=(-0.5, len(data.methods) - 0.3))
     unknown = ", not decided (grey)" if data.undecided else ""
-    axes.set_title(f"{data.scene}: balancing is stable (green), unstable (red){unknown}")
+    axes.set_title(f"{data.scene}: balancing is stable (green), unstable (orange){unknown}")
     return save(figure, path)
 
 
