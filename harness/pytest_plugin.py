@@ -32,7 +32,7 @@ def cosim(request: pytest.FixtureRequest) -> Callable[..., Result]:
         source: Scene | System | str | Path,
         *,
         record: Iterable[str] | None = None,
-        fmus: Path | None = None,
+        fmus: str | Path | None = None,
         separate: bool = False,
         one_file: bool | None = None,
         **overrides: Any,

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import pytest
 
+from autobalancer.harness import UserError, load_scene
+
 DRUM = """\
 title = "Drum"
 [rotor]
@@ -101,6 +103,25 @@ COMMANDS = [
     ("fit {f}/drum.toml --measured {f}/rpm.csv --free balls.drag", "speed [rpm]"),
     ("fit {f}/drum.toml --measured {f}/none.csv --free balls.drag", "none.csv"),
     ("balance {f}/phase.csv", "phase_lead_deg"),
+    ("balance {f}/back.csv", "back.csv, line 3: speed = -1200 rpm: must be above 0"),
+    ("balance {f}/phase.csv --mass 42", "--mass: judges a grade: give it too"),
+    (
+        "fit {f}/drum.toml --measured {f}/still.csv --free balls.drag",
+        "rad/s: must be greater than 0",
+    ),
+    (
+        "fit {f}/drum.toml --measured {f}/light.csv --free balls.drag",
+        "rotor.mass = -8.0 kg: must be",
+    ),
+    (
+        "fit {f}/drum.toml --measured {f}/none_left.csv --free balls.drag",
+        "line 3: amplitude: must be",
+    ),
+    ("fit {f}/drum.toml --measured {f}/ok.csv --free speed", "every row of the measurements has"),
+    (
+        "fit {f}/drum.toml --measured {f}/ok.csv --free rotor.mass=balls.drag",
+        "must be of one quant",
+    ),
     ("check {f}/drum.toml", "[[check]]"),
     ("new wash_machine", "wash_machine"),
 ]
@@ -113,6 +134,11 @@ def folder(tmp_path_factory):
         "drum.toml": DRUM,
         "rpm.csv": "rpm,amplitude [mm]\n1200,0.5\n1500,0.4\n",
         "ok.csv": "speed [rpm],amplitude [mm]\n1200,0.5\n1500,0.4\n",
+        "still.csv": "speed [rpm],amplitude [mm]\n1200,0.5\n0,0.4\n",
+        "light.csv": "rotor.mass [kg],amplitude [mm]\n-8,0.5\n8,0.4\n",
+        "none_left.csv": "speed [rpm],amplitude [mm]\n1200,0.5\n1500,0\n",
+        "back.csv": "run,sensor,speed_rpm,amplitude_um,phase_lead_deg,mass_g,angle_deg\n"
+        "a,X,1200,1,30,,\nb,X,-1200,2,40,5,0\n",
         "phase.csv": "run,sensor,amplitude_mm,phase_deg,mass_g[1],angle_deg[1]\n"
         "a,X,1,30,,\nb,X,2,40,5,0\n",
     }
@@ -126,6 +152,26 @@ def test_a_mistake_in_a_scene_file_is_named(invoke, tmp_path, old, new, words):
     assert DRUM.count(old) == 1
     (tmp_path / "drum.toml").write_text(DRUM.replace(old, new), encoding="utf-8")
     assert words in " ".join(invoke("run", tmp_path / "drum.toml").output.split())
+
+
+IN_PYTHON = [
+    (lambda scene: scene.run(record="rotor.x"), 'must be a list: ["rotor.x"]'),
+    (lambda scene: scene.run(fmus="nowhere"), "nowhere: no FMU for 'rotor'"),  # a text is a path
+    (lambda scene: scene.speeds(10.0, 300.0, ""), "name at least one"),
+    (lambda scene: scene.scatter({"balls.drag": "normal(0.2,1%)"}, n=0), "1 or more"),
+    (
+        lambda scene: scene.scatter({"balls.drag": "normal(0.2,1%)"}, n=1.5),
+        "must be a whole number",
+    ),
+    (lambda scene: scene.scatter({"balls.drag": 0.2}, n=5), "'normal(0.2,10%)', or a frozen"),
+]
+
+
+@pytest.mark.parametrize(("call", "words"), IN_PYTHON, ids=[words for _, words in IN_PYTHON])
+def test_a_mistake_in_a_call_is_named(folder, call, words):
+    with pytest.raises(UserError) as said:
+        call(load_scene(folder / "drum.toml"))
+    assert words in str(said.value)
 
 
 @pytest.mark.parametrize(("line", "words"), COMMANDS, ids=[line for line, _ in COMMANDS])

@@ -69,6 +69,8 @@ class StabilityMethods(OfScene):
         ends = None if low is None or high is None else (low, high)
         asked = methods.split(",") if isinstance(methods, str) else list(methods)
         names = [name.strip() for name in asked if name.strip()]
+        if not names:
+            raise UserError(f"methods = {methods!r}: name at least one, such as 'floquet,cosim'")
         options: dict[str, Any] = {"progress": progress, "within": within}
         return speeds(self._scene, ends, names, narrowest=narrowest, **options)
 

@@ -40,7 +40,7 @@ class Run(run.Run):
         self,
         *,
         record: Iterable[str] | None = None,
-        fmus: Path | None = None,
+        fmus: str | Path | None = None,
         separate: bool = False,
         progress: Progress | None = None,
     ) -> Result:

@@ -179,6 +179,8 @@ def _readings(table: Measurements, which: Sequence[str]) -> tuple[Vibration, Rea
         if math.isnan(rate) or math.isnan(abs(value)):
             what = "speed" if math.isnan(rate) else "amplitude"
             raise UserError(f"{row.place}: {what}: must be a number; the cell is empty")
+        if speed is not None and rate <= 0.0:
+            raise UserError(f"{row.place}: speed = {rate / RPM:g} rpm: must be above 0")
         reading = f"{sensor} at {rate / RPM:g} rpm" if rate else sensor
         readings = by_run.setdefault(run, {})
         if reading in readings:

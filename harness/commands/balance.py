@@ -77,6 +77,9 @@ def command(
 
         if changes:
             raise UserError("--set: belongs to a scene; measured runs have nothing to replace")
+        for option, value in (("--mass", mass), ("--service-speed", service_speed)):
+            if value is not None and not grade:
+                raise UserError(f"{option}: judges a grade: give it too, such as --grade G2.5")
         name = Path(scene).stem
         page = Report(report, f"Balancing: {Path(scene).name}", [])
         page.cited = "Feese & Grazier 2004; ISO 21940-11"

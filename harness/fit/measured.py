@@ -117,7 +117,8 @@ def read_measured(path: Path, scene: Scene) -> MeasuredAmplitudes:
         elif column.known.name not in seen:
             settings[column.known.name] = table.numbers(column)
     measured = MeasuredAmplitudes(path, settings, amplitudes, *_vibrations(table, signals))
-    _refuse_wrong(measured, names[1:])
+    _refuse_wrong(measured, names[1:], [row.place for row in table.rows])
+    _refuse_settings(measured, scene, [row.place for row in table.rows])
     return measured
 
 
@@ -153,7 +154,19 @@ def _setting(scene: Scene, name: str, known: list[str]) -> Known:
     return Known(name, (scene.unit_of(name),), needs_unit=False)
 
 
-def _refuse_wrong(measured: MeasuredAmplitudes, known: list[str]) -> None:
+def _refuse_settings(measured: MeasuredAmplitudes, scene: Scene, places: list[str]) -> None:
+    """Refuse a value that the scene does not allow; each is looked at once."""
+    for name, column in measured.settings.items():
+        for value, row in zip(*np.unique(column, return_index=True), strict=True):
+            if name == SPEED and value > 0.0:
+                continue  # there may be many
+            try:
+                scene.replace({name: float(value)})
+            except UserError as error:
+                raise UserError(f"{places[row]}: {error}") from None
+
+
+def _refuse_wrong(measured: MeasuredAmplitudes, known: list[str], places: list[str]) -> None:
     path = measured.path
     if not measured.sizes:
         raise UserError(f"{path}: nothing measured: a column must be one of: {', '.join(known)}")
@@ -161,7 +174,9 @@ def _refuse_wrong(measured: MeasuredAmplitudes, known: list[str]) -> None:
         if not np.isfinite(column).all():
             raise UserError(f"{path}: {name}: every row must have a number")
     for name, column in measured.sizes.items():
-        if not (np.isnan(column) | (column > 0.0)).all():
-            raise UserError(f"{path}: {name}: must be above 0, or empty where it was not measured")
+        for row in np.flatnonzero(column <= 0.0)[:1]:
+            raise UserError(
+                f"{places[row]}: {name}: must be above 0, or empty where it was not measured"
+            )
     if all(math.isnan(value) for column in measured.sizes.values() for value in column.tolist()):
         raise UserError(f"{path}: no amplitude is given")

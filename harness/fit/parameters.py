@@ -130,7 +130,15 @@ def _limited(parameters: list[Parameter], text: str, scene: Any) -> list[Paramet
 
 def _parameter(paths: tuple[str, ...], scene: Scene) -> Parameter:
     for path in paths:
+        if in_full(path) == "operation.speed":
+            raise UserError("--free speed: every row of the measurements has its own: it is known")
         refuse_unvaried(scene, path)
+    units = {scene.unit_of(path) for path in paths}
+    if len(units) > 1:
+        raise UserError(
+            f"--free {'='.join(paths)}: one value in {' and '.join(sorted(units))}: must be of one "
+            "quantity; free them apart, with a comma"
+        )
     start = value_at(scene, paths[0])
     if start == 0.0:
         raise UserError(f"--free {paths[0]}: starts at 0, from where nothing has a size: set it")

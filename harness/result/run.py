@@ -36,7 +36,7 @@ def cosimulate(
     scene: Scene | str | Path,
     *,
     record: Iterable[str] | None = None,
-    fmus: Path | None = None,
+    fmus: str | Path | None = None,
     progress: Progress | None = None,
     separate: bool = False,
     one_file: bool | None = None,
@@ -66,7 +66,10 @@ def cosimulate(
     if not isinstance(scene, Scene):
         scene = load_scene(scene)
     warn(scene)
+    if isinstance(record, str):
+        raise UserError(f'record = "{record}": must be a list: ["{record}"]')
     names = list(recorded(scene) if record is None else record)
+    fmus = None if fmus is None else Path(fmus)
     if one_file is not None:
         warnings.warn(
             "one_file: one file is the default now; separate=True couples separate FMUs",
@@ -84,7 +87,7 @@ def cosimulate(
     return found
 
 
-def refuse_separate(scene: Scene, fmus: Path | None) -> None:
+def refuse_separate(scene: Scene, fmus: str | Path | None) -> None:
     """Raise UserError where only separate units can run a scene, and one file is wanted."""
     if fmus is not None:
         raise UserError(f"{fmus}: holds separate FMUs, and one file is to run: give one of them")

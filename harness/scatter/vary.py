@@ -7,6 +7,7 @@ import math
 import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from numbers import Integral
 from typing import Any
 
 import numpy as np
@@ -117,14 +118,31 @@ def variations(vary: Mapping[str, Any] | Iterable[str], scene: Scene) -> list[Va
         for each in (
             Variation.parse_each(f"{path}={one}", scene)
             if isinstance(one, str)
-            else [Variation(in_full(path), f"{path}={one.dist.name}{one.args or one.kwds}", one)]
+            else [_frozen(path, one)]
         )
     ]
+
+
+def _frozen(path: str, distribution: Any) -> Variation:
+    """A distribution of SciPy's at a path of the scene.
+
+    Raises:
+        UserError: it is none.
+    """
+    if not hasattr(distribution, "dist"):
+        raise UserError(
+            f"{path} = {distribution!r}: must be a text such as 'normal(0.2,10%)', or a frozen "
+            "distribution of scipy.stats"
+        )
+    said = f"{path}={distribution.dist.name}{distribution.args or distribution.kwds}"
+    return Variation(in_full(path), said, distribution)
 
 
 def drawn(variations: Sequence[Variation], count: int, seed: int) -> NDArray[np.float64]:
     """(count, variations) values; each variation has a stream of its own."""
     refuse_seed(seed)
+    if isinstance(count, bool) or not isinstance(count, Integral) or count < 1:
+        raise UserError(f"n = {count!r}: must be a whole number, 1 or more")
     streams = np.random.default_rng(seed).spawn(len(variations))
     values = [
         one.distribution.rvs(size=count, random_state=stream)
