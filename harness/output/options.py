@@ -66,30 +66,25 @@ def _ready(path: Path, endings: Sequence[str]) -> None:
 
 
 def claim(path: Path) -> None:
-    """Note a file that the command will write.
-
-    Raises:
-        UserError: another option writes it too.
-    """
-    if is_stream(path):
-        return
-    if path.resolve() in claimed.get():
-        raise UserError(f"{path}: two outputs of this command; give each a file of its own")
-    claimed.set((*claimed.get(), path.resolve()))
+    """Note a file that the command will write."""
+    if not is_stream(path):
+        claimed.set((*claimed.get(), path.resolve()))
 
 
 def refuse_read(values: Iterable[Any]) -> None:
-    """Refuse to write a file that the command reads.
+    """Refuse to write a file twice, or one that the command reads.
 
     Args:
         values: of all options and arguments.
 
     Raises:
-        UserError: one that is claimed is a scene or another file that is there to be read.
+        UserError: a file that is claimed is so.
     """
     each = [one for value in values for one in (value if isinstance(value, list) else [value])]
     there = [one for one in each if isinstance(one, (str, Path)) and os.path.isfile(one)]
     for path in claimed.get():
+        if claimed.get().count(path) > 1:
+            raise UserError(f"{path}: two outputs of this command; give each a file of its own")
         if sum(os.path.realpath(one) == str(path) for one in there) > 1:
             raise UserError(f"{path}: the command reads this file; write to another one")
 
