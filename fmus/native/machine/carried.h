@@ -13,6 +13,7 @@ typedef struct {
     struct Phase *phase;
     Collocation collocation;
     Relaxation relaxation;
+    double worth;                     /* length of the next step by relaxation that is tried */
     double *impact, *scratch, *rates; /* of impacts; of weights in order; (N,) */
     const Track *track;
     double fastest, slowest;          /* rate of drag, the fastest and the slowest of any weight [1/s] */

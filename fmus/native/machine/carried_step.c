@@ -9,9 +9,24 @@ enum { LEAST_CARRIED_ORDER = 5, MOST_CARRIED_ORDER = 24, MOST_TRIALS = 6, MOST_A
 #define CARRIED_ERROR 1e-11 /* rad: of a step by collocation */
 #define STIFF_TURN 16.0     /* of the drag's rate by a step: from here on collocation is worth it */
 #define LEAST_FALL 3.0      /* of the slowest drag's rate by a step: from here on relaxation is worth it */
+#define NEARER 0.125        /* of a step in which something is near: the next that is tried */
+#define FARTHER 8.0         /* times a step in which nothing was: the next that is tried */
+#define FALL_TO_EVENT 8.0   /* of the fastest drag's rate by a step by series to something near, at most */
 #define LEAST_ADVANCE 1e-13 /* of a step, where events follow each other at once */
 
 /* -- how the motion goes on and how far that is right ----------------------------------------------------------- */
+
+/* Whether resistance holds all weights: nothing falls then as drag lets it. */
+static bool all_rest(const Machine *m)
+{
+    int g;
+    for (g = 0; m->phase && g < m->phase->group_count; g++) {
+        if (!m->phase->groups[g].rests) {
+            return false;
+        }
+    }
+    return m->phase != NULL;
+}
 
 /* What begins the terms of the angles of order k + 2 over a length [rad]: the signal's and w' of order k, about; and
    what they grow by with each order, times it. */
@@ -19,7 +34,8 @@ static double first_terms(const CarriedWeights *c, double length, double *begun)
 {
     const Machine *m = &c->step;
     const Carried *now = m->carried;
-    const double lever = weights_lever(&c->track->weights), drag = c->fastest * m->per_rate, w = absolute(now->speed[0]);
+    const double lever = weights_lever(&c->track->weights), w = absolute(now->speed[0]);
+    const double drag = all_rest(m) ? 0.0 : c->fastest * m->per_rate;
     double rate = 0.0, power = length * length, sum = 0.0;
     int k;
     for (k = 0; k < m->weight_count; k++) {
@@ -68,18 +84,24 @@ static double collocate(CarriedWeights *c, double angle, double length)
     return 0.0;
 }
 
-/* Move weights that cannot stick under heavy drag over a step of at most this length, in which no contact is made or
-   lost; 0: that is not worth it. */
-static double relax(CarriedWeights *c, double length)
+/* Move weights under heavy drag over a step of at most this length, in which nothing happens; 0: that is not worth it, and
+   then whether that is because something is near. */
+static double relax(CarriedWeights *c, double length, bool *is_near)
 {
     Machine *m = &c->step;
-    const bool may = m->from_rotor && c->track->rolling_resistance == 0.0;
+    const double least = LEAST_FALL / (c->slowest * m->per_rate);
+    const bool may = m->from_rotor && !all_rest(m);
     int k;
-    for (k = 0; k < MOST_TRIALS && length * c->slowest * m->per_rate >= LEAST_FALL && may; k++) {
-        if (relaxation_step(&c->relaxation, m, length, CARRIED_ERROR) <= 1.0) {
-            return length;
+    *is_near = false;
+    length = smaller(length, c->worth);
+    for (k = 0; k < MOST_TRIALS && length >= least && may; k++) {
+        const double moved = relaxation_step(&c->relaxation, m, length, least, CARRIED_ERROR);
+        if (moved > 0.0) {
+            c->worth = moved < length ? c->relaxation.unsure : FARTHER * c->worth;
+            return moved;
         }
-        length *= 0.5;
+        *is_near = c->relaxation.sure == 0;
+        length *= *is_near ? NEARER : 0.5;
     }
     return 0.0;
 }
@@ -90,7 +112,7 @@ static double expand_carried(CarriedWeights *c, double angle, double left, int *
 {
     Machine *m = &c->step;
     double length = 0.0;
-    if (c->fastest * m->per_rate * left >= STIFF_TURN) {
+    if (c->fastest * m->per_rate * left >= STIFF_TURN && !all_rest(m)) {
         length = collocate(c, angle, left);
         *order = OF_POWERS;
     }
@@ -250,6 +272,7 @@ int carried_advance(CarriedWeights *c, const CentreMotion *plane, double step, b
     moved->turning = 0.0;
     moved->events = 0;
     moved->reached = step;
+    c->worth = infinity();
     if (refuse_many(c, plane, moved->speeds, step, 0.0, failure) || align_weights(c, moved, failure)) {
         return failure->code;
     }
@@ -261,10 +284,15 @@ int carried_advance(CarriedWeights *c, const CentreMotion *plane, double step, b
     for (whole = step * m->rate; time < whole;) {
         PhaseEvent event = {NO_EVENT, 0};
         const double left = whole - time;
+        bool is_near;
         int order = 0;
-        double length = relax(c, left);
+        double length = relax(c, left, &is_near);
         const bool relaxed = length > 0.0;
-        length = relaxed ? length : expand_carried(c, angle, left, &order);
+        if (!relaxed) {
+            length = is_near ? smaller(left, FALL_TO_EVENT / (c->fastest * m->per_rate)) : left;
+            c->worth = is_near ? FARTHER * length : infinity();
+            length = expand_carried(c, angle, length, &order);
+        }
         if (!(length > 0.0) || ++steps > (m->phase ? MOST_WITH_EVENTS : MAX_SUBSTEPS)) {
             return refuse_many(c, plane, moved->speeds, step, MAX_SUBSTEPS, failure);
         }

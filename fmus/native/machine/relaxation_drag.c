@@ -3,7 +3,6 @@
 #include "machine/relaxation.h"
 
 enum { MOST_TERMS = 120 };
-#define SUMMED_FALL 20.0 /* of d t: beyond, integrals follow from each other without a loss of digits */
 #define CLEAR_PART 0.05  /* of e^{-d t}: below, the polynomial has nearly all of it */
 
 int relaxation_allocate_rule(Unit *unit, RelaxedRule *made, const Radau *rule, int weights)
@@ -25,23 +24,38 @@ int relaxation_allocate_rule(Unit *unit, RelaxedRule *made, const Radau *rule, i
     return !made->of;
 }
 
-/* Integrals of e^{-d (t - s)} (s/h)^k ds up to t = share h. */
+/* The integral of e^{-f (1 - s)} s^k from 0 to 1, whose terms are all above 0. */
+static double integrate_power(double fallen, double left, int k)
+{
+    double term = 1.0, sum = 0.0;
+    int j;
+    for (j = 0; j < MOST_TERMS && term > 1e-17 * sum; j++) {
+        sum += term / (j + k + 1);
+        term *= fallen / (j + 1);
+    }
+    return left * sum;
+}
+
+/* Integrals of e^{-d (t - s)} (s/h)^k ds up to t = share h.  They follow from each other by parts, f J(k) = 1 - k J(k - 1):
+   forwards where f is large, else backwards, in both of which no digit is lost. */
 static void integrate_powers(int powers, double drag, double length, double share, double *to)
 {
     const double time = share * length, fallen = drag * time, left = natural_exp(-fallen);
-    double power = 1.0;
-    int j, k;
+    double power = time;
+    int k;
+    if (fallen < powers - 1) {
+        to[powers - 1] = integrate_power(fallen, left, powers - 1);
+        for (k = powers - 1; k > 0; k--) {
+            to[k - 1] = (1.0 - fallen * to[k]) / k;
+        }
+    } else {
+        to[0] = (1.0 - left) / fallen;
+        for (k = 1; k < powers; k++) {
+            to[k] = (1.0 - k * to[k - 1]) / fallen;
+        }
+    }
     for (k = 0; k < powers; k++, power *= share) {
-        double term = 1.0, sum = 0.0;
-        if (fallen > SUMMED_FALL) {
-            to[k] = ((k ? power : 1.0 - left) - (k ? k / length * to[k - 1] : 0.0)) / drag;
-            continue;
-        }
-        for (j = 0; j < MOST_TERMS && term > 1e-17 * sum; j++) { /* none is negative */
-            sum += term / (j + k + 1);
-            term *= fallen / (j + 1);
-        }
-        to[k] = time * power * left * sum;
+        to[k] *= power;
     }
 }
 
@@ -82,32 +96,34 @@ void relaxation_prepare(const RelaxedRule *by, Relaxed *made, double drag, doubl
     int i, j, k;
     made->drag = drag;
     made->length = length;
-    made->reach = 0.0;
+    made->reach = made->reach_speed = 0.0;
     for (i = 0; i < n; i++) {
         made->fall[i] = natural_exp(-drag * nodes[i] * length);
     }
     find_part(by, made);
     for (i = 0; i < n; i++) {
         const double time = nodes[i] * length;
-        double power = 1.0, reach = 0.0;
+        double power = 1.0, reach = 0.0, reach_speed = 0.0;
         integrate_powers(n, drag, length, nodes[i], integrals);
         made->coasted[i] = integrals[0];
         made->steady[i] = (time - integrals[0]) / drag;
         for (j = 0; j < n; j++) {
-            made->places[i][j] = made->speeds[j] = 0.0;
+            made->places[i][j] = made->speeds[i][j] = 0.0;
         }
         for (k = 0; k < n; k++, power *= nodes[i]) {
             const double place = (time * power / (k + 1) - integrals[k]) / drag;
             for (j = 0; j < n; j++) {
                 made->places[i][j] += place * by->powers[k][j];
-                made->speeds[j] += integrals[k] * by->powers[k][j]; /* of the last point in the end */
+                made->speeds[i][j] += integrals[k] * by->powers[k][j];
             }
         }
         take_fall(n, made, (integrals[0] - time * made->fall[i]) / drag, made->places[i], &made->first[i]);
+        take_fall(n, made, time * made->fall[i], made->speeds[i], &made->first_speed[i]);
         for (j = 0; j < n; j++) {
             reach += absolute(made->places[i][j]);
+            reach_speed += absolute(made->speeds[i][j]);
         }
         made->reach = larger(made->reach, reach);
+        made->reach_speed = larger(made->reach_speed, reach_speed);
     }
-    take_fall(n, made, length * made->fall[n - 1], made->speeds, &made->first_speed);
 }
