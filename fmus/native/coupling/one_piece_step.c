@@ -134,14 +134,18 @@ static void begin_step(Unit *unit)
     }
 }
 
-/* Internal damping by which a whirl takes a motor's shaft along, the faster the larger it is; 0: it takes none. */
+/* Internal damping by which a whirl takes a motor's shaft along, the faster the larger it is; 0: it takes none.  A
+   machine with events has none to go by: a polynomial of collocation is no series whose roots are events. */
 static double taken_along(const Composite *c)
 {
     const Machine *m = &c->pieces.step;
     const int n = m->stations;
     double damping = 0.0;
     int k;
-    for (k = 0; k < n && c->motor && !c->pieces.is_eventful && !m->restraints; k++) {
+    if (!c->motor || c->pieces.is_eventful || m->restraints) {
+        return 0.0;
+    }
+    for (k = 0; k < n; k++) {
         damping += m->internal_damping[k * n + k];
     }
     return damping;
