@@ -26,7 +26,7 @@ static void fill(SmoothStep *step, BatchRun *const *runs, int count)
 }
 
 /* Take the step in every lane where it is one; whether it is in all. */
-static bool take(SmoothStep *step, BatchRun *const *runs, const Held *held, int count, int order)
+static bool take_together(SmoothStep *step, BatchRun *const *runs, const Held *held, int count, int order)
 {
     Terms terms[2][LANES];
     bool are_taken = true;
@@ -114,7 +114,7 @@ void smooth_steps(BatchRun *const *runs, Loaded *const *loaded, int count, Held 
     for (steps = 0; goes_on; steps++) {
         fill(&step, runs, count);
         held->by->expand_on(held->lanes, step.angles, step.speeds, order);
-        goes_on = take(&step, runs, held, count, order);
+        goes_on = take_together(&step, runs, held, count, order);
         for (lane = 0; lane < count; lane++) {
             if (!step.is_taken[lane]) {
                 take_out(held, lane, runs[lane]);
