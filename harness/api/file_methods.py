@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from autobalancer.harness.accuracy.precision.measure import Precision
     from autobalancer.harness.checks.runner import SceneReport
     from autobalancer.harness.export.build import Built
-    from autobalancer.harness.output.workers import ItemProgress, Progress
+    from autobalancer.harness.output.workers import ItemProgress, Progress, Workers
     from autobalancer.harness.report.page import Written
     from autobalancer.harness.show.page import Page
 
@@ -86,6 +86,7 @@ class FileMethods(OfScene):
         limit: float | str | None = None,
         vary: Mapping[str, Any] | Iterable[str] = (),
         n: int = 200,
+        workers: Workers = 1,
         progress: Progress | None = None,
     ) -> Written:
         """Write one page about the machine for a colleague: verdict first, and how sure it is.
@@ -97,6 +98,7 @@ class FileMethods(OfScene):
             limit: of the vibration velocity [m/s rms].
             vary: tolerances, as of `scatter`; none: they are not judged.
             n: machines drawn from them.
+            workers: processes that run the random starts and these machines.
 
         Raises:
             UserError: a value is wrong, or the file cannot be written.
@@ -122,7 +124,7 @@ class FileMethods(OfScene):
                 f'"{limit} mm/s" if it is in mm/s'
             )
         path = Path(output or f"{self._scene.name}_report.html")
-        values |= {"vary": vary, "machines": n, "progress": progress}
+        values |= {"vary": vary, "machines": n, "workers": workers, "progress": progress}
         return write_report(self._scene, path, **values)
 
     def check(self, *, progress: ItemProgress | None = None) -> SceneReport:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 from typing import Annotated
 
@@ -38,7 +39,13 @@ def command(
     loaded = changed_scene(scene, changes)
     with progress_bar(f"report on {loaded.name}") as progress:
         page = loaded.report(
-            output, run_up=run_up, limit=limit, vary=vary or (), n=machines, progress=progress
+            output,
+            run_up=run_up,
+            limit=limit,
+            vary=vary or (),
+            n=machines,
+            workers=os.cpu_count() or 1,
+            progress=progress,
         )
     for line in page.verdicts:
         say(line)

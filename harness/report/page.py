@@ -10,7 +10,7 @@ from typing import Any
 
 from ..output.files import write_whole
 from ..output.report import Report
-from ..output.workers import Progress
+from ..output.workers import Progress, Workers
 from ..scene import Scene
 from .answers import judged, verdicts
 from .drawing import machine_drawing
@@ -40,6 +40,7 @@ def write_report(
     limit: float | None = None,
     vary: Mapping[str, Any] | Iterable[str] = (),
     machines: int = 200,
+    workers: Workers = 1,
     progress: Progress | None = None,
 ) -> Written:
     """Write the page; see `Scene.report`.
@@ -50,6 +51,7 @@ def write_report(
         limit: of the vibration velocity [m/s rms].
         vary: tolerances as of `scatter`; none: they are not judged.
         machines: drawn from them.
+        workers: processes that run random starts and machines.
 
     Raises:
         UserError: a value is wrong, or the file cannot be written.
@@ -59,7 +61,7 @@ def write_report(
     done = _Steps(progress, 4 + bool(vary))
     own = own_run(scene)
     done.next()
-    started = switched_on(scene, run_up)
+    started = switched_on(scene, run_up, workers)
     done.next()
     said = verdicts(scene, own, started)
     page.parts += [judged(one) for one in said]
@@ -70,7 +72,7 @@ def write_report(
     page.parts += where(scene)
     done.next()
     page.parts += capacity(scene)
-    page.parts += tolerances(scene, vary, machines)
+    page.parts += tolerances(scene, vary, machines, workers)
     page.parts += assumptions(scene, own, started)
     page.cited = "ISO 21940-11"
     text = page.page()

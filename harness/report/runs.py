@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import warnings
 from dataclasses import dataclass
 from typing import Any
@@ -12,6 +11,7 @@ from ..errors import SimulationError, UserError
 from ..motions.outcome import Motions, Point
 from ..motions.starts import drive_to, holders, job, length
 from ..motions.study import find_motions
+from ..output.workers import Workers
 from ..result.result import Result
 from ..result.run import cosimulate
 from ..scene import Scene
@@ -55,14 +55,15 @@ def own_run(scene: Scene) -> Result:
     return _quietly(scene)
 
 
-def switched_on(scene: Scene, seconds: float | None = None) -> SwitchedOn:
+def switched_on(scene: Scene, seconds: float | None = None, workers: Workers = 1) -> SwitchedOn:
     """The scene's own drive where the speed rises from rest, else a run-up at a steady rate.
 
     Args:
         seconds: of the run-up [s]; default: of a slow one.
+        workers: processes that run the random starts.
     """
     started, assumed = from_rest(scene, seconds)
-    motions, unknown = _motions(started)
+    motions, unknown = _motions(started, workers)
     started = _typical(started, motions)
     try:
         started, run = _settled(started)
@@ -98,14 +99,15 @@ def _settled(scene: Scene) -> tuple[Scene, Result]:
     return scene, _quietly(scene)
 
 
-def _motions(scene: Scene) -> tuple[Motions | None, str]:
+def _motions(scene: Scene, workers: Workers) -> tuple[Motions | None, str]:
     """How random starts end, from the real start and from the friendliest."""
     if captured_or_none(scene) is None:
         return None, ""
     kinds = ["run-up"] if scene.operation.motor else ["run-up", "rest", "turning"]
-    speed, workers = scene.profile().end, os.cpu_count() or 1
     try:
-        return find_motions(scene, [speed], kinds, STARTS, seed=SEED, workers=workers), ""
+        return find_motions(
+            scene, [scene.profile().end], kinds, STARTS, seed=SEED, workers=workers
+        ), ""
     except (UserError, SimulationError) as error:
         return None, str(error)
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from typing import Any
@@ -14,6 +13,7 @@ from ..motions.starts import run_up_begins
 from ..output.outcome import Outcome
 from ..output.report import Part
 from ..output.table import GOOD, Sheet
+from ..output.workers import Workers
 from ..result.compared import draw_both
 from ..result.result import Result
 from ..result.verdict.words import millimetres, velocity
@@ -145,7 +145,9 @@ def unbalances(scene: Scene) -> list[tuple[str, float]]:
     return [(f"Unbalance at z = {1e3 * u.position:.4g} mm", u.amount) for u in rotor.unbalances]
 
 
-def tolerances(scene: Scene, vary: Mapping[str, Any] | Iterable[str], machines: int) -> Parts:
+def tolerances(
+    scene: Scene, vary: Mapping[str, Any] | Iterable[str], machines: int, workers: Workers = 1
+) -> Parts:
     """Machines as they leave the factory, if tolerances are given."""
     parts: Parts = [Heading("What do tolerances do?")]
     if not vary:
@@ -153,7 +155,7 @@ def tolerances(scene: Scene, vary: Mapping[str, Any] | Iterable[str], machines: 
             *parts,
             Note('Not judged: no tolerances were given (--vary "balls.drag=normal(0.2,10%)").'),
         ]
-    found = scatter(scene, variations(vary, scene), machines, workers=os.cpu_count() or 1)
+    found = scatter(scene, variations(vary, scene), machines, workers=workers)
     said = found.as_json()
     parts += lines(said)
     if said["grades"]:

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import math
 import re
+import subprocess
+import sys
 from xml.etree import ElementTree
 
 import numpy as np
@@ -28,6 +30,19 @@ def page(tmp_path_factory):
     folder = tmp_path_factory.mktemp("report")
     written = ab.load("two_balls").report(folder / "page.html", limit="4.5 mm/s", run_up="60 s")
     return written, written.path.read_text(encoding="utf-8")
+
+
+def test_a_script_without_a_guard_writes_a_page_with_its_random_starts(page, tmp_path):
+    script = tmp_path / "plain.py"
+    script.write_text(
+        "import autobalancer as ab\n"
+        "page = ab.load('two_balls').report('p.html', limit='4.5 mm/s', run_up='60 s')\n"
+        "print(page.verdicts[0])\n"
+    )
+    done = subprocess.run([sys.executable, script], cwd=tmp_path, capture_output=True, text=True)
+    assert done.stdout.strip() == page[0].verdicts[0]
+    assert "random starts" in done.stdout
+    assert not done.stderr
 
 
 def test_page_asks_no_network_for_anything(page):
