@@ -148,6 +148,9 @@ def job(
             columns += [f"{one.label}.{weight(k, 'angle0')}", f"{one.label}.{weight(k, 'speed0')}"]
             values += [[row[place] for row in drawn], [backwards] * count]
             place += 1
+    if scene.operation.gravity:  # weights at rest roll down: the rotor's angle is what is left
+        columns.append("rotor.angle0")
+        values.append([_rotor_angle(seed, n) for n in range(first, first + count)])
     settled = length(scene, speed)
     table = np.array(values).T
     return Job(driven, speed, tuple(columns), table, reached + settled, settled), said
@@ -180,6 +183,11 @@ def _angles(scene: Scene, random: np.random.Generator) -> list[float]:
         order = np.argsort(np.argsort([angle % math.tau for angle in one.angles], kind="stable"))
         found += turned[order].tolist()
     return found
+
+
+def _rotor_angle(seed: int, number: int) -> float:
+    """Of a start under gravity, at random [rad]."""
+    return float(np.random.default_rng([seed, number, 1]).uniform(0.0, math.tau))
 
 
 def _no_drive() -> dict[str, None]:

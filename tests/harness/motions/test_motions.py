@@ -7,8 +7,10 @@ import pytest
 
 from autobalancer import Scene, load
 from autobalancer.harness.errors import SceneError, UserError
+from autobalancer.harness.motions.batch import displacements
 from autobalancer.harness.motions.kinds import WINDOWS, Kind, Seen, classify
 from autobalancer.harness.motions.outcome import wilson
+from autobalancer.harness.motions.starts import job
 from autobalancer.harness.motions.study import _point
 from autobalancer.models.boundaries import balancing_boundaries
 from tests.studies.left_behind import motions as witness
@@ -125,6 +127,14 @@ def test_a_sag_is_no_part_of_the_largest_vibration():
     (one,) = green(0.05, speed=3.0, gravity=0.1).motions(**given).points  # the sag is 0.107
     (none,) = green(0.05, speed=3.0).motions(**given).points
     assert one.largest == pytest.approx(none.largest, rel=0.1)
+
+
+def test_starts_under_gravity_differ_although_weights_at_rest_roll_down():
+    lying = green(0.05, profile=[[0.0, 0.0], [600.0, 3.0]], gravity=0.3)
+    made, _ = job(lying, 3.0, "run-up", 1, 0, 3)
+    squares, _ = displacements(made)
+    ends = np.sqrt(squares[:, -200:].max(axis=1))
+    assert np.ptp(ends) > 0.1 * ends.max()  # by the weights' angles alone 4e-5
 
 
 def test_the_output_says_that_weights_that_are_alike_were_changed(invoke, tmp_path):
