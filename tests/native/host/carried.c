@@ -56,3 +56,9 @@ int collocated_passes(const CarriedWeights *carried)
 {
     return carried->collocation.passes;
 }
+
+/* Points up to which the last step by relaxation that was tried was sure; 0: none. */
+int relaxed_points(const CarriedWeights *carried)
+{
+    return carried->relaxation.sure;
+}
