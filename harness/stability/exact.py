@@ -29,15 +29,17 @@ def tolerances(text: str, scene: Scene) -> tuple[Change, ...]:
         UserError: it is not written like that, a path names no number of the machine, or a band
             reaches values that the scene does not allow.
     """
-    changes, amounts, named = list[Change](), dict[str, str](), set[str]()
+    changes, amounts, named = list[Change](), dict[str, str](), dict[str, str]()
     for item in text.split(","):
         path, _, amount = (part.strip() for part in item.partition("="))
         if not path or not amount:
             raise UserError(f"within {item!r}: must be PATH=5% or PATH=AMOUNT, as rotor.mass=2%")
         full = in_full(path, scene.body_names)
-        if full in named:
-            raise UserError(f"within {item!r}: {path} is given twice; each value once")
-        named.add(full)
+        for other, written in named.items():
+            if f"{full}[".startswith(f"{other}[") or other.startswith(f"{full}["):
+                also = "" if full == other else f", also by {written}"
+                raise UserError(f"within {item!r}: {path} is given twice{also}; each value once")
+        named[full] = path
         percent = amount.removesuffix("%")
         unit = "" if percent != amount else scene.unit_of(path)
         size = si_number(percent, unit, f"within {path}:")

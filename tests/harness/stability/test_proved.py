@@ -328,3 +328,18 @@ def test_a_tolerance_of_a_value_is_given_once():
     for twice in ("rotor.mass=1%, rotor.mass=2%", "rotor.stiffness=1%,rotor.stiffness=1%"):
         with pytest.raises(UserError, match="is given twice"):
             tolerances(twice, load_scene("two_balls"))
+
+
+@pytest.mark.parametrize("twice", [
+    "rotor.stiffness=1%, rotor.stiffness[1]=2%",
+    "rotor.stiffness[x]=1%, rotor.stiffness=2%",
+    "rotor.stiffness[x]=1%, rotor.stiffness[1]=2%",
+])  # fmt: skip
+def test_a_tolerance_of_a_list_is_that_of_each_of_its_values(twice):
+    scene = load_scene("two_balls").replace({"rotor.stiffness": [1.0, 1.1]})
+    with pytest.raises(UserError, match="is given twice"):
+        tolerances(twice, scene)
+    apart = tolerances("rotor.stiffness[x]=1%, rotor.stiffness[y]=2%", scene)
+    assert [(one.path, one.high) for one in apart] == [
+        ("rotor.stiffness[x]", 0.01), ("rotor.stiffness[y]", 0.02),
+    ]  # fmt: skip
