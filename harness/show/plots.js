@@ -78,8 +78,9 @@ function plotVibration(canvas, colours, machine, place) {
   let largest = 0;
   xs.forEach((x, k) => (largest = Math.max(largest, Math.abs(x), Math.abs(ys[k]))));
   const height = 1.15 * (largest || 1);
-  const area = axes(canvas, colours, `Displacement, within ± ${shown(largest, "m", true)}`,
-    timesShown(machine, times), [-height, height], "s", "m");
+  const title = "Displacement" + (largest ? `, within ± ${shown(largest, "m", true)}` : "");
+  const area = axes(canvas, colours, title, timesShown(machine, times), [-height, height], "s",
+    "m");
   named(area, colours, [["x", colours.x], ["y", colours.y]]);
   if (!machine.free) prescribed(area, colours, machine.data.profile, timesShown(machine, times));
   level(area, colours, 0, "");
@@ -150,8 +151,9 @@ function plotSpectrum(canvas, colours, machine, place) {
   const frequencies = Float64Array.from({ length: FREQUENCIES }, (_, k) => (highest * k) / FREQUENCIES);
   const amplitudes = spectrum(xs, frequencies.map((f) => TURN * f * machine.step));
   const largest = Math.max(...amplitudes);
-  const area = axes(canvas, colours, `Spectrum of x, up to ${shown(largest, "m", true)}`,
-    [0, highest], [0, 1.15 * (largest || 1)], "Hz", "m");
+  const title = "Spectrum of x" + (largest ? `, up to ${shown(largest, "m", true)}` : "");
+  const area = axes(canvas, colours, title, [0, highest], [0, 1.15 * (largest || 1)], "Hz",
+    "m");
   const once = machine.now.speed / TURN;
   area.c.strokeStyle = area.c.fillStyle = colours.faint;
   area.c.setLineDash([2, 3]);

@@ -368,6 +368,24 @@ def test_signals_are_saved_as_the_page_remembers_them(opened):
     assert (picture, image[:22]) == ("machine.png", "data:image/png;base64,")
 
 
+def test_no_size_of_a_displacement_is_written_before_there_is_one(opened):
+    shown = opened("two_balls")
+    shown(
+        "window.written = new Set(); const of = CanvasRenderingContext2D.prototype;"
+        "const fill = of.fillText; of.fillText = function (text, ...place) {"
+        "window.written.add(text); fill.call(this, text, ...place); };"
+    )
+    titles = "[...window.written].filter((text) => /^(Displacement|Spectrum)(?! ×)/.test(text))"
+    shown.wait(f"return {titles}.length > 1")
+    assert set(shown(f"return {titles}")) == {"Displacement", "Spectrum of x"}
+    shown("machine.advance(1.0, 1e9); window.written.clear()")
+    shown.wait(f"return {titles}.length > 1")
+    moved = sorted(shown(f"return {titles}"))
+    assert [text.rsplit(" ", 2)[0] for text in moved] == [
+        "Displacement, within ±", "Spectrum of x, up to",
+    ]  # fmt: skip
+
+
 def test_a_stop_is_shown_with_its_gap_and_contact(opened):
     stop = {"gap": "2 mm", "stiffness": "200 N/mm", "damping": 300.0}
     scene = ab.Scene(
