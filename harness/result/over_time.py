@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 ONE_TURN = PlotAxis(ANGLE, "deg", range(0, 361, 90), limits=(-5.0, 365.0))
 _DECADES = 5  # below the largest amplitude that are drawn
 _MOST_LINES = 12  # in one panel; more cannot be told apart
+_WIDTH = 11.0  # of a panel and the legend beside it [inch]: curves that swing leave no room in it
 
 
 def history(
@@ -77,7 +78,7 @@ def history(
         panels.insert(place, amplitudes)
         if stops:
             panels.insert(place + 1, stops)
-    return Picture(title, panels, height=2.4)
+    return Picture(title, panels, height=2.4, width=_WIDTH)
 
 
 def _panel(
@@ -98,7 +99,7 @@ def _panel(
         label = f"and {len(signals) - _MOST_LINES} more, not drawn"
         lines.append(Line((nothing, nothing), label, "none"))
     upward = ONE_TURN if title == ANGLE else PlotAxis(called.get(title, title), shown)
-    return Panel((PlotAxis("time", "s"), upward), lines, beside=title == ANGLE)
+    return Panel((PlotAxis("time", "s"), upward), lines, beside=True)
 
 
 def _amplitudes(
@@ -125,7 +126,7 @@ def _amplitudes(
         label = f"balanced after {after:.3g} s"
         lines.append(Line((np.full(2, after), np.array([low, top])), label, "#000000", "dotted"))
     upward = PlotAxis(f"{called}, 0-peak", unit, log=True, limits=(low, top))
-    return Panel((PlotAxis("time", "s"), upward), lines)
+    return Panel((PlotAxis("time", "s"), upward), lines, beside=True)
 
 
 def motion_with_weights(motion: Motion, judged: Verdict | None = None) -> Picture:
@@ -145,4 +146,4 @@ def motion_with_weights(motion: Motion, judged: Verdict | None = None) -> Pictur
             line = time, unbroken(np.degrees(light))
             lines.append(Line(line, "opposite the unbalance", GREY, "dashed"))
         panels.append(Panel((axis, ONE_TURN), lines, title=balancer.label, beside=True))
-    return Picture(f"{motion.scene.heading}\nmotion and weights", panels, height=2.6)
+    return Picture(f"{motion.scene.heading}\nmotion and weights", panels, height=2.6, width=_WIDTH)

@@ -44,7 +44,7 @@ def stop_panel(scene: Scene, time: Array, signals: Mapping[str, Array]) -> Panel
         ends = time[[0, -1]], np.full(2, factor * gap)
         lines.append(Line(ends, f"gap, {factor * gap:.3g} {unit}", GREY, "dashed"))
     upward = PlotAxis("way across stops", unit, limits=(0.0, 1.05 * factor * top))
-    return Panel((PlotAxis("time", "s"), upward), lines)
+    return Panel((PlotAxis("time", "s"), upward), lines, beside=True)
 
 
 def ways_across(scene: Scene, signals: Mapping[str, Array]) -> list[Array]:

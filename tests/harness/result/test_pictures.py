@@ -9,6 +9,7 @@ import pytest
 
 from autobalancer.harness import Scene, UserError, cosimulate, load_scene
 from autobalancer.harness.output.picture import Picture
+from autobalancer.harness.output.plot import drawn
 from autobalancer.harness.result.in_space import mode_shapes
 from autobalancer.harness.result.motion import Motion
 from autobalancer.harness.result.orders import spectra, synchronous
@@ -248,7 +249,14 @@ def test_a_waterfall_of_a_profile_says_which_part_it_shows():
     assert result.plot_polar().title.endswith("run-down from 60 s to 110 s only")
 
 
-def test_a_legend_stands_beside_the_angles_of_weights():
-    result = cosimulate(load_scene("two_balls").replace({"run.revolutions": 5.0}))
-    beside = [panel.axes[1].name for panel in result.plot().panels if panel.beside]
-    assert beside == ["angle in the rotor"]
+def test_no_legend_over_time_covers_a_curve():
+    stops = load_scene("washing_machine_stops").replace({"run.duration": 0.5})
+    weights = load_scene("two_balls").replace({"run.revolutions": 2.0})
+    for picture in (cosimulate(stops).plot(), cosimulate(weights).plot_weights()):
+        figure = drawn(picture)
+        figure.draw_without_rendering()
+        legends = [(axes, each) for axes in figure.axes if (each := axes.get_legend())]
+        assert legends
+        for axes, legend in legends:
+            assert legend.get_window_extent().x0 >= axes.get_window_extent().x1
+            assert legend.get_window_extent().x1 <= figure.bbox.x1
