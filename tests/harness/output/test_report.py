@@ -3,16 +3,24 @@
 from __future__ import annotations
 
 import base64
+import io
 import re
 import shlex
 from html.parser import HTMLParser
 from importlib.metadata import version
 from pathlib import Path
 
+import numpy as np
 import pytest
+from matplotlib.figure import Figure
+from matplotlib.image import imread
 
 from autobalancer.harness import Scene, load_scene
+from autobalancer.harness.output.plot import as_png
+from autobalancer.harness.output.report import Report
+from autobalancer.harness.report.parts import Image
 from autobalancer.harness.scene.file import tomllib
+from tests.browser import chromium
 
 pytestmark = pytest.mark.slow
 
@@ -131,3 +139,25 @@ def test_a_report_that_cannot_be_written_is_refused_before_the_work(invoke, monk
     outcome = invoke("balance", "balancing_machine", "--report", "/dev/null/x")
     assert outcome.exit_code == 2
     assert "cannot be made a directory" in outcome.output
+
+
+def test_pictures_are_as_dark_as_the_page_where_the_reader_wants_it_dark(tmp_path):
+    browser = chromium(tmp_path / "chromium")
+    if browser is None:
+        pytest.skip("no chromium with chromedriver: pages are not run")
+    figure = Figure(figsize=(2.0, 1.0), facecolor="white")
+    figure.text(0.0, 0.0, " ")
+    report = Report(None, "pictures", [])
+    report.parts.append(Image(as_png(figure), "nothing"))
+    path = tmp_path / "page.html"
+    path.write_text(report.page(), encoding="utf-8")
+    try:
+        for mode, ground in (("light", 255), ("dark", 22)):
+            wanted = [{"name": "prefers-color-scheme", "value": mode}]
+            browser.execute_cdp_cmd("Emulation.setEmulatedMedia", {"features": wanted})
+            browser.get(path.as_uri())
+            (image,) = browser.find_elements("tag name", "img")
+            pixels = 255.0 * imread(io.BytesIO(image.screenshot_as_png))[5:-5, 5:-5, :3]
+            assert np.abs(pixels - ground).max() < 6.0
+    finally:
+        browser.quit()
