@@ -6,8 +6,10 @@ import math
 import random
 from collections.abc import Callable
 
+from tests.studies import verdict_supports as supports
 from tests.studies.truth import draw
 from tests.studies.truth.sketch import Document, even, rounded, sized
+from tests.studies.verdict_supports import on
 
 MOST_REVOLUTIONS = 120.0
 
@@ -225,6 +227,7 @@ def _as_built(maker: Callable[[random.Random], Document]) -> Callable[..., Docum
     return made
 
 
+_BASES = (planar, settling, settling, two_planes)
 FAMILIES: dict[str, Callable[[random.Random, Machine], Document]] = {
     "planar": planar, "short": short, "over capacity": over_capacity,
     "below critical": below_critical, "resonance": resonance, "settling": settling,
@@ -232,6 +235,9 @@ FAMILIES: dict[str, Callable[[random.Random, Machine], Document]] = {
     "changing": changing, "two planes": two_planes, "off centre": off_centre,
     "tilting": _as_built(draw.tilting), "bearings": _as_built(draw.bearings),
     "bodies": _as_built(draw.bodies),
+    "dry friction": on(supports.dry_friction, _BASES),
+    "free strokes": on(supports.free_strokes, _BASES), "stops": on(supports.stops, _BASES),
+    "cubic springs": on(supports.cubic_springs, _BASES),
 }  # fmt: skip
 
 

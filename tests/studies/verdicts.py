@@ -2,9 +2,17 @@
 
     python -m tests.studies.verdicts [--each 24] [--seed 1] [--by reference|units] [--family NAME]
 
+Families are planar discs in short runs, over capacity, below and near resonance, and as they
+settle; gravity, liquids, motors, profiles, run-ups, unbalances that change, two planes, tracks off
+centre; discs that tilt, bearings and bodies; supports with rigid dry friction, free strokes, stops
+and cubic springs.
+
 The integration is `models.reference`, which shares no code with the units; `--by units` continues
-with the units instead, which is some hundred times faster.  The steady vibration of the rotor alone
-is solved for here.
+with the units instead, which is some hundred times faster.  Stops, which the reference does not
+have, are continued by the units always.  The steady vibration of the rotor alone is solved for; on
+supports that are not linear it is integrated.  What counts is the vibration at the rotor's
+frequency; on such supports all of it, for every verdict but "balanced", beside which a precession
+may decay.
 """
 
 from __future__ import annotations
@@ -33,6 +41,7 @@ BALANCED, ROOM = 0.05, 1.2  # of the vibration alone; by which a balanced rotor 
 WINDOW, POINTS = 8.0, 24  # revolutions of a window, and points in each of them
 MOST_REVOLUTIONS = 6000.0  # that advice is followed for
 ALIKE = 0.03  # of the vibration: that of a steady motion changes by less
+LATE, NOTHING = 8, 1e-12  # last windows of a rotor alone; m, below which it is at rest
 RTOL = 1e-8
 NOT_BALANCED = {
     Outcome.BELOW_CRITICAL, Outcome.UNSTABLE, Outcome.ANOTHER_MOTION, Outcome.STUCK,
@@ -152,7 +161,25 @@ def continued(scene: Scene, verdict: Verdict, stop: float, last: float, by: str)
     step = period / POINTS
     count = max(8, round(width / step))
     times = (ends[:, None] - width) + width * (np.arange(count) + 0.5) / count
-    x, y, angle = motion(going_on, times.ravel(), by)
+    size, largest = sizes(going_on, times, by)
+    if scene.rotor.is_linear:
+        alone = vibration_alone(scene, speed, stop)
+        return Continued(ends, size / alone, largest / alone, 0)
+    without = sizes(going_on.without_balancers(), times[-LATE:], by)[1]
+    if np.ptp(without) > ALIKE * without.max() or without[-1] < NOTHING:
+        raise ArithmeticError("the rotor alone comes to no steady vibration")
+    counts = size if verdict.outcome is Outcome.BALANCED else largest
+    return Continued(ends, counts / without[-1], largest / without[-1], 0)
+
+
+def sizes(scene: Scene, times: Floats, by: str) -> tuple[Floats, Floats]:
+    """Vibration at the rotor's frequency, and all of it, about the mean of every window [m].
+
+    Args:
+        times: (windows, points) [s].
+    """
+    count = times.shape[1]
+    x, y, angle = motion(scene, times.ravel(), by)
     shape = (*times.shape, -1)
     parts = [part.reshape(shape) for part in (x, y)]
     hann = np.sin(math.pi * (np.arange(count) + 0.5) / count) ** 2
@@ -160,10 +187,7 @@ def continued(scene: Scene, verdict: Verdict, stop: float, last: float, by: str)
     bodies = [part - (part * hann[:, None]).sum(axis=1, keepdims=True) / hann.sum()
               for part in parts]  # fmt: skip
     a, b = (2.0 * (body * turn).sum(axis=1) for body in bodies)
-    alone = vibration_alone(scene, speed, stop)
-    size = half_axis(a, b).max(axis=1) / alone
-    largest = np.hypot(*bodies).max(axis=(1, 2)) / alone
-    return Continued(ends, size, largest, 0)
+    return half_axis(a, b).max(axis=1), np.hypot(*bodies).max(axis=(1, 2))
 
 
 def held_at(scene: Scene, stop: float, last: float) -> Scene:
@@ -185,7 +209,7 @@ def motion(scene: Scene, times: Floats, by: str) -> tuple[Floats, Floats, Floats
     at, back = times[order], np.argsort(order, kind="stable")
     shown = len(scene.rotor.stations)  # bodies and axes of discs are behind
     rest = scene.assembly().loaded_rotor.rest_position(scene.operation.start_speed)[:, :shown]
-    if by == "reference":
+    if by == "reference" and not scene.rotor.stops:
         run = simulate(
             scene.assembly(), scene.operation.drive(), at,
             initial=scene.run.initial.motion(), rtol=RTOL,

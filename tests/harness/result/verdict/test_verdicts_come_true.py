@@ -22,13 +22,16 @@ FALSE = {  # what the machine does, and what would be false of it
     ("settling", 0): Outcome.ANOTHER_MOTION,
     ("below critical", 0): Outcome.BALANCED,
     ("settling", 1): Outcome.OUT_OF_REACH,
+    ("stops", 3): Outcome.ANOTHER_MOTION,
+    ("stops", 4): Outcome.BALANCED,
+    ("cubic springs", 5): Outcome.OUT_OF_REACH,
 }
 
 
 @pytest.mark.parametrize(
     ("family", "number"),
     [("planar", 1), ("settling", 0), ("settling", 1), ("gravity", 3), ("short", 2),
-     ("changing", 1), ("liquid", 0), ("run-up", 5)],
+     ("changing", 1), ("liquid", 0), ("run-up", 5), ("stops", 3), ("cubic springs", 5)],
 )  # fmt: skip
 def test_a_verdict_comes_true(family, number):
     found = judge(family, number, seed=1, by="reference")
