@@ -2,6 +2,7 @@
 
 import itertools
 import math
+import random
 
 import numpy as np
 import pytest
@@ -109,3 +110,31 @@ def test_a_weight_that_the_inner_wall_carries_needs_no_series(core, fall):
     found = case.advance(core, [angle], [rate])
     case.check(found, 0, *case.integrated(angle, rate))
     assert core("relaxed_points", case.track._carried) > 0
+
+
+def uneven(number):
+    """A case whose plane, or rotor, changes its way within the step, and two places at rest."""
+    draw = random.Random(f"uneven step {number}")
+    fast, fall, strength = (
+        10 ** draw.uniform(3, 5),
+        10 ** draw.uniform(0.7, 2.7),
+        draw.choice([3, 300]),
+    )
+    case = Case(fast, fall, 0.02, [strength + 0j] * 4, draw.uniform(-100, 100))
+    case.offset = draw.choice([0j, 0.01 + 0j])
+    changed, gained = draw.choice([0.0, 0.02, 0.3]), draw.choice([0.0, 0.02, 0.1])
+    for k in range(1, 4):
+        turned = complex(draw.gauss(0, 1), draw.gauss(0, 1)) * math.factorial(k)
+        case.signal[k] = strength * changed * turned / case.step**k
+    case.rates = [case.speed * gained * draw.gauss(0, 1) / case.step ** (k + 1) for k in range(2)]
+    case.rates += [0.0, 0.0]
+    return case, [draw.uniform(0, 6), draw.uniform(0, 6)]
+
+
+@pytest.mark.parametrize("number", [2790, 21489, 5419, 9636, 7696, 17912, 10391, 11816])
+def test_what_lies_between_the_points_of_an_uneven_step_is_found(core, number):
+    """Drawn from 20,000: those that go wrong without a part of the bounds."""
+    case, angles = uneven(number)
+    found = case.advance(core, angles, [0.0, 0.0])
+    for k, angle in enumerate(angles):
+        case.check(found, k, *case.integrated(angle, 0.0), 3.0 * BOUND)
