@@ -272,6 +272,25 @@ static int is_as(fmi2Component c, const Serialised *before)
     return same;
 }
 
+/* Whether an instance is as it was, its outputs to be observed anew at the most: what they are observed by was made
+   again. */
+static int is_as_observed(fmi2Component c, const Serialised *before)
+{
+    const int32_t observed = 2; /* OBSERVED of unit.h */
+    Serialised made = {malloc(before->size), before->size};
+    int32_t stale;
+    int same;
+    memcpy(made.bytes, before->bytes, made.size);
+    memcpy(&stale, made.bytes + STALE, sizeof stale);
+    if (stale < observed) {
+        memcpy(made.bytes + STALE, &observed, sizeof observed);
+        write_checksum(&made);
+    }
+    same = is_as(c, before) || is_as(c, &made);
+    free(made.bytes);
+    return same;
+}
+
 /* Whether it also moves on as one that has met no forged state. */
 static int goes_on_as(fmi2Component c, const Kind *kind, const Serialised *before)
 {
@@ -352,7 +371,7 @@ static void state_case(int number)
         check(!state && is_as(live, &before), "a refused state changes nothing");
     } else if (two.restore(live, state)) {
         refused_later++;
-        check(is_as(live, &before), "a failed restore leaves the instance as it was");
+        check(is_as_observed(live, &before), "a failed restore leaves the instance as it was");
         check(goes_on_as(live, kind, &before), "an instance goes on behind a failed restore");
     } else {
         accepted++;
