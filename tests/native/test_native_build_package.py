@@ -126,9 +126,9 @@ GENERATED = ("constants.h", "layout.h", "stamp.h", "weights_parameters.h")
 def test_the_one_source_holds_each_file_once_behind_what_it_includes():
     files = re.findall(r'^#line 1 "(.+)"$', one_source(), re.M)
     special = {name for name in texts() if name.split("/")[0] in ("wasm", "windows")}
-    special |= {
-        f"lanes/{name}" for name in ("lanes.c", "weights_beside.c", "lane_names.h", "lane_number.h")
-    }
+    beside = ("lanes.c", "steps_beside.c", "weights_beside.c")  # for each number of lanes
+    headers = ("lane_machine.h", "lane_names.h", "lane_number.h")
+    special |= {f"lanes/{name}" for name in (*beside, *headers)}
     assert sorted(files) == sorted({*texts(), *GENERATED} - special)
     place = {name: k for k, name in enumerate(files)}
     for name in texts().keys() - special:

@@ -114,7 +114,7 @@ def test_thickness_of_the_layer_may_be_said_in_three_ways():
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
-        ({"ring.fill": 0.5}, "one of inner_radius, fill and liquid_mass, not inner_radius and"),
+        ({"ring.fill": 0.5}, "one of inner_radius, fill and liquid_mass: not inner_radius and"),
         ({"ring.inner_radius": None, "ring.fill": 0.5}, "needs inner_wall_radius"),
         ({"ring.inner_radius": None, "ring.liquid_mass": 20.0}, "more liquid than the ring holds"),
         ({"ring.inner_radius": 0.3}, "must be less than wall_radius = 0.25 m"),

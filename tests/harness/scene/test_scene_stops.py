@@ -191,13 +191,13 @@ def test_a_verdict_says_which_stops_were_touched():
     assert "No stop was touched." in quiet
 
 
-def test_touches_that_depend_on_the_tolerance_are_not_counted_exactly():
+def test_weak_touches_are_counted_alike_by_two_tolerances_and_said_in_tens():
     """A rotor that bounces off a stop ever more weakly as its vibration fades below the gap."""
     stop = {"gap": "1 mm", "stiffness": 1e7, "damping": 20.0}
     bouncing = planar(unbalance=0.0, damping=20.0, stops=[stop])
     run = bouncing.replace({"run.initial.x": 2e-3, "run.revolutions": 30}).run()
     count, before = run["rotor.stop[1].touches"][-1], run.counts_before["rotor.stop[1].touches"]
-    assert 0 < abs(count - before) < 0.1 * count  # by two tolerances
+    assert count == before > 100  # by two tolerances
     assert f"was touched about {round(count, -1):.0f} times" in str(run.summary())
     assert run.summary().as_json()["stops"][0]["touches"] == count
 
@@ -228,6 +228,9 @@ def test_what_compares_with_a_linear_response_refuses_or_says_so():
     with pytest.raises(ab.SceneError, match=r"rotor\.stops: a design compares"):
         ab.load("drum").replace({"rotor.stops": [STOP]}).design()
     two = ab.load("two_balls").replace({"rotor.stops": [{"gap": "15 mm", "stiffness": 20.0}]})
-    assert "reaches a stop with a gap of" in str(two.run().summary())
+    assert str(two.run().summary()).startswith(
+        "Not balanced: another steady motion than the balanced one: the weights rest in the rotor, "
+        "which vibrates by 180 % of what it does without."
+    )
     far = two.replace({"rotor.stops[1].gap": "1 m"})
     assert str(far.run().summary()).startswith("Balanced after")
