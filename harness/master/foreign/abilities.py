@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
-
-from fmpy.model_description import ModelDescription, ModelVariable
+from typing import TYPE_CHECKING, Any
 
 from ...errors import UnitError
 from ...scene.messages import did_you_mean
+
+if TYPE_CHECKING:  # of which the lowest FMPy has other names
+    from fmpy.model_description import ModelDescription, ModelVariable
 
 REALS = ("Real", "Float64", "Float32")
 INTEGERS = (
