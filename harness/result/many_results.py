@@ -37,7 +37,7 @@ class Times(NamedTuple):
     """When runs are read.
 
     Attributes:
-        turns: parts of a run, each a revolution where the speed stays.
+        turns: number of equal parts of a run; at a constant speed each is about a revolution.
         points: besides the start, spread evenly over a run.
         revolutions: of a run.
     """

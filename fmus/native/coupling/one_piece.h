@@ -106,6 +106,8 @@ bool one_piece_is_crowded(const Composite *c);
 double one_piece_choose_looks(const Composite *c, double length);
 void one_piece_count_step(Unit *unit);
 bool one_piece_is_too_fast(const Composite *c, double fastest);
+/* Whether steps by collocation are tried, or may be once the shaft whirls far. */
+bool one_piece_may_collocate(const Composite *c);
 
 /* -- one_piece_smooth.c --------------------------------------------------------------------------- */
 
@@ -126,9 +128,6 @@ void one_piece_leave_smooth(Unit *unit, bool has_moved);
 double one_piece_step_tolerance(const Unit *unit);
 /* Order of the step that is shown. */
 int one_piece_order(const Composite *c);
-
-/* Whether steps by collocation are tried, or may be once the shaft whirls far. */
-bool one_piece_may_collocate(const Composite *c);
 /* Load the state of the present step into its machine, and the angle of the rotor, where there is no series of it;
    make the series.  1 with the reason. */
 int one_piece_load_step(Unit *unit, double *angle, bool *is_wanted);

@@ -312,9 +312,9 @@ double one_piece_choose_looks(const Composite *c, double length)
 
 void one_piece_count_step(Unit *unit)
 {
-    Totals *total = &((const Composite *)unit->own)->course->total;
-    const double looks = ((const Composite *)unit->own)->course->one_piece.looks;
-    total->passes += (double)((int)looks / LOOKS_OF_PASS); /* they take time as passes do */
+    Course *course = ((const Composite *)unit->own)->course;
+    Totals *total = &course->total;
+    total->passes += (double)((int)course->one_piece.looks / LOOKS_OF_PASS); /* they take time as passes do */
     total->steps += 1.0;
     total->error += one_piece_step_tolerance(unit);
 }

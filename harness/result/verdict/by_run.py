@@ -77,7 +77,7 @@ def alone_by_run(known: Known, stretch: Stretch, end: float) -> float | None:
     changes = [c.time for c in scene.operation.unbalance_changes]
     turned = max([turned, *(scene.profile().angle(time) / math.tau for time in changes)])
     further = max(SHORTEST, stretch.revolutions)
-    for number in range(RUNS):
+    for _ in range(RUNS):
         found = run_bare(scene.replace({"run.revolutions": turned + further}))
         if found is None:
             return None
@@ -86,10 +86,10 @@ def alone_by_run(known: Known, stretch: Stretch, end: float) -> float | None:
         parts = part_sizes(time[shown], motion[:, shown])
         if is_steady(parts, REACHED):
             return float(np.median(parts[len(parts) // 2 :]))
-        if passes * LONGER > MOST_PASSES or number == RUNS - 1:
-            return float(np.median(parts)) if is_steady(parts, STEADY_SIZE) else None
+        if passes * LONGER > MOST_PASSES:
+            break
         further *= LONGER
-    return None
+    return float(np.median(parts)) if is_steady(parts, STEADY_SIZE) else None
 
 
 def on_one_side(known: Known) -> float | None:
