@@ -5,6 +5,7 @@
 #include "base/elementary.h"
 #include "coupling/composite.h"
 #include "coupling/exchange_events.h"
+#include "coupling/exchange_stops.h"
 #include "units/angle.h"
 
 Status exchange_begin(Unit *unit)
@@ -142,41 +143,11 @@ static int pass_events(Unit *unit, double *next)
         if (meet_host(unit) || exchange_events_pass(unit, &changed)) {
             return 1;
         }
+        memcpy(c->pieces.begun_forces, c->outer_forces, outside_count(c) * sizeof(double));
         next[1] = changed;
         unit->stale = COMPUTED;
     }
     return 0;
-}
-
-/* Follow the largest force of the stops that have pressed over the step, in which they move along a cubic. */
-static void follow_stops(const Composite *c, double step)
-{
-    enum { LOOKS_AT_STOP = 16 };
-    const Rotor *rotor = composite_rotor(c);
-    const int n = rotor->stations;
-    const double *const ends[2] = {c->at_begin + MOTION, c->parts->unit->memory + MOTION};
-    double *states = rotor_stop_states(c->parts->unit);
-    int k, j;
-    for (k = 0; k < rotor->stop_count && step > 0.0; k++, states += STOP_DOUBLES) {
-        const Stop *stop = rotor->stops + k;
-        Complex across[2][2], cubic[SIGNAL_ORDERS], now[2];
-        double place[2], rate[2];
-        for (j = 0; j < 2; j++) {
-            restraint_displacement(stop->rows, n, ends[j], place);
-            restraint_displacement(stop->rows, n, ends[j] + 2 * n, rate);
-            across[j][0] = complex_of(place[0], place[1]);
-            across[j][1] = complex_of(rate[0], rate[1]);
-        }
-        cubic_between(across[0], across[1], step, cubic);
-        for (j = 1; j <= LOOKS_AT_STOP && states[STOP_STATE] == STOP_PRESSES; j++) {
-            cubic_at(cubic, step * j / LOOKS_AT_STOP, now);
-            place[0] = now[0].re;
-            place[1] = now[0].im;
-            rate[0] = now[1].re;
-            rate[1] = now[1].im;
-            states[STOP_LARGEST] = larger(states[STOP_LARGEST], stop_pressure(stop, place, rate));
-        }
-    }
 }
 
 /* Follow the vibration and the stops since the integrator's step before. */
@@ -188,8 +159,11 @@ static int complete_step(Unit *unit)
         return 1;
     }
     verdict_follow(c, composite_speed_now(unit), unit->time - clock->begin);
-    follow_stops(c, unit->time - clock->begin);
+    if (exchange_stops_follow(unit)) {
+        return 1;
+    }
     memcpy(c->at_begin, c->states, c->state_count * sizeof(double));
+    memcpy(c->pieces.begun_forces, c->outer_forces, outside_count(c) * sizeof(double));
     clock->begin = unit->time;
     unit->stale = OBSERVED; /* what was read before is that of the step before */
     return 0;

@@ -52,7 +52,9 @@ int one_piece_allocate(Unit *unit)
     pieces->key = unit_allocate(unit, KEY_NUMBERS + outside_count(c) + one_piece_phase_doubles(c) + c->state_count,
                                 sizeof(double));
     pieces->before = unit_allocate(unit, c->state_count, sizeof(double));
+    pieces->stop_forces = unit_allocate(unit, 2 * (size_t)sizes->stops, sizeof(ForceSeries));
     return !pieces->planned_outputs || !pieces->plan || !pieces->looked_at || !pieces->places || !pieces->waves || !pieces->key || !pieces->before ||
+           !pieces->stop_forces ||
            machine_allocate(unit, &pieces->step, stations, weights, tracks, lobes) ||
            machine_allocate_beside(unit, &pieces->step, weights, tracks) ||
            machine_allocate(unit, &pieces->instant, stations, weights, tracks, lobes) ||

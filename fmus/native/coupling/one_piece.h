@@ -49,6 +49,9 @@ typedef struct {
 /* What outputs follow from: displacements and angles, the memories of parts, signals besides. */
 typedef enum { OUTPUTS_ARE_PLACES, OUTPUTS_OF_STATE, OUTPUTS_OF_SIGNALS } OutputKind;
 
+enum { FORCE_ORDERS = 5 };
+typedef double ForceSeries[FORCE_ORDERS]; /* of a stop's force: powers of time from 0 on */
+
 /* A place: its column among the machine's, and its number in the pair. */
 typedef struct {
     int column, number;
@@ -74,6 +77,7 @@ typedef struct {
     bool is_stiff;         /* steps by collocation are tried */
     Collocation collocation;
     double *begun_forces;  /* in the unit's memory: from outside, at the start of the step (planes, 2) [N] */
+    ForceSeries *stop_forces; /* (2, stops) scratch, of model exchange: at both ends of a step */
     double *looked_at;     /* (n, 2) scratch: displacements */
     Pair *places;          /* (width,) scratch */
     Pair *waves;           /* (2, rings) scratch */
@@ -214,6 +218,8 @@ int one_piece_show(Unit *unit, double time);
 
 /* Expand the state in the parts' memories, in itself and not from its step, in `instant`; 1 with the reason. */
 int one_piece_expand_instant(Unit *unit, int order);
+/* The same of the state at which the last step of model exchange began. */
+int one_piece_expand_begin(Unit *unit, int order);
 
 /* Compute the outputs of the parts that others need: accelerations, forces and torques; 1 with the reason. */
 int one_piece_signals(Unit *unit);

@@ -23,8 +23,7 @@ static double polynomial_value(void *context, double s)
     return total;
 }
 
-/* Coefficients about s: Horner's scheme, repeated. */
-static void shift(const double *coefficients, int count, double s, double *shifted)
+void polynomial_about(const double *coefficients, int count, double s, double *shifted)
 {
     int first, k;
     copy_doubles((size_t)count, coefficients, shifted);
@@ -42,7 +41,7 @@ static double fall_within(const double *coefficients, int count, double begin, d
     double here[MOST_COEFFICIENTS], power = width, moved = 0.0, bent = 0.0, slope = 0.0, found;
     Polynomial polynomial;
     int k;
-    shift(coefficients, count, begin, here);
+    polynomial_about(coefficients, count, begin, here);
     for (k = 1; k < count; k++, power *= width) {
         const double size = absolute(here[k]) * power;
         moved += size;

@@ -10,5 +10,7 @@
    coefficients: (count,) of powers of s, count at most MOST_COEFFICIENTS.
    rounding: sizes up to which the first three count as 0. */
 double find_first_fall(const double *coefficients, int count, double until, const double *rounding);
+/* The coefficients about s: Horner's scheme, repeated. */
+void polynomial_about(const double *coefficients, int count, double s, double *shifted);
 
 #endif
