@@ -9,12 +9,13 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import minimize
 
 from ..arrays import Complex
 from ..rotor import LinearRotor
+from .bounded import least_bounded
 
 _SMALLEST_SINGULAR_VALUE = 1e-6  # of the largest singular value: readings have three digits
+_NOTHING = 1e-12  # of the largest reading: what rounding leaves
 
 
 def influence(rotor: LinearRotor, speed: float, planes: NDArray | None = None) -> Complex:
@@ -106,7 +107,7 @@ def find_correction(
 ) -> Complex:
     """Corrections w (p,) with the least sum of |A + K w|^2 over the sensors, or the least maximum.
 
-    A convex problem.  With a bound or the maximum it is solved by sequential quadratic programming.
+    A convex problem.  With a bound or the maximum it is solved by `bounded`.
     Foiles, Allaire and Gunter 2000 compare such corrections.
 
     Args:
@@ -120,41 +121,12 @@ def find_correction(
         ArithmeticError: no correction was found.
     """
     best = -unbalance_from_response(coefficients, response)
-    if largest is None and not min_max:
-        return best
     bounds = np.full(len(best), np.inf) if largest is None else np.asarray(largest, float)
-    count, size = len(best), float(np.abs(response).max()) or 1.0
-    scale = np.minimum(float(np.abs(best).max()) or 1.0, bounds)
-    k, a = np.asarray(coefficients) * scale / size, np.asarray(response, complex) / size
-
-    def correction(v: NDArray) -> Complex:
-        return v[:count] + 1j * v[count : 2 * count]
-
-    def squares(v: NDArray) -> NDArray:
-        each = np.abs(a + k @ correction(v)) ** 2
-        return each if min_max else each.sum(keepdims=True)
-
-    def slopes(v: NDArray) -> NDArray:
-        each = 2.0 * (a + k @ correction(v)).conj()[:, None] * k
-        each = each if min_max else each.sum(axis=0, keepdims=True)
-        return np.hstack([-each.real, each.imag, np.ones((len(each), 1))])
-
-    def shortened(w: Complex, bounds: NDArray) -> Complex:
-        return w * np.minimum(1.0, bounds / np.maximum(np.abs(w), np.finfo(float).tiny))
-
-    # the last unknown is the largest square, or the sum of squares
-    begin = shortened(best / scale, bounds / scale)
-    start = np.concatenate([begin.real, begin.imag, [0.0]])
-    start[-1] = squares(start).max()
-    last = np.eye(len(start))[-1]
-    below = [{"type": "ineq", "fun": lambda v: v[-1] - squares(v), "jac": slopes}]
-    if largest is not None:
-        within = (bounds / scale) ** 2
-        below.append({"type": "ineq", "fun": lambda v: within - np.abs(correction(v)) ** 2})
-    found = minimize(lambda v: v[-1], start, jac=lambda v: last, constraints=below, tol=1e-12)
-    if not np.isfinite(found.x).all():
-        raise ArithmeticError(f"no correction was found: {found.message}")
-    return shortened(correction(found.x) * scale, bounds)  # by rounding
+    k, a = np.asarray(coefficients, complex), np.asarray(response, complex)
+    left = np.abs(a + k @ best).max()
+    if (np.abs(best) <= bounds).all() and not (min_max and left > _NOTHING * np.abs(a).max()):
+        return best
+    return least_bounded(k, a, bounds, min_max)
 
 
 def scalar_coefficients(coefficients: NDArray, lag: float = 0.0) -> Complex:

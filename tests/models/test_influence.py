@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from scipy.optimize import linprog
 
 from autobalancer.models.linear.critical import critical_speeds
 from autobalancer.models.papers.influence import (
@@ -184,3 +185,51 @@ def test_least_squares_with_a_largest_mass_keep_it_and_are_least():
     reached = (np.abs(BEFORE + FOILES @ found) ** 2).sum()
     for other in near(found, bound):
         assert (np.abs(BEFORE + FOILES @ other) ** 2).sum() >= reached * (1.0 - 1e-9)
+
+
+PLANES_ALIKE = [(seed, s, p) for seed in range(6) for s, p in ((3, 2), (7, 2), (7, 4), (8, 3))]
+
+
+def alike(seed, readings, planes):
+    """Coefficients whose first two planes are nearly alike, readings, and bounds of the masses."""
+    rng = np.random.default_rng(seed)
+    k = rng.normal(size=(readings, 2 * planes)).view(complex)
+    k[:, 1] = k[:, 0] * (1.0 + 10.0 ** rng.uniform(-3, -1) * rng.normal(size=readings))
+    k *= 10.0 ** rng.uniform(-1.5, 1.5, size=(readings, 1)) * 10.0 ** rng.uniform(-3, 3)
+    a = rng.normal(size=2 * readings).view(complex) * 10.0 ** rng.uniform(-3, 3)
+    free = np.abs(np.linalg.lstsq(k, a, rcond=None)[0])
+    return k, a, free * 10.0 ** rng.uniform(-2.0, 0.7, size=planes)
+
+
+@pytest.mark.parametrize("case", PLANES_ALIKE)
+def test_least_maximum_with_largest_masses_is_that_of_a_linear_program(case):
+    k, a, bounds = alike(*case)
+    found = find_correction(k, a, bounds, min_max=True)
+    assert (np.abs(found) <= bounds * (1.0 + 1e-9)).all()
+    size = np.abs(a).max()
+    least = size * least_by_linear_program(k * bounds / size, a / size)
+    assert np.abs(a + k @ found).max() <= (1.0 + 2e-5) * least + 1e-6 * size
+
+
+def least_by_linear_program(k, a):
+    """Least maximum of |a + k w| with |w| <= 1, or less by 1e-5: 720 edges for every circle."""
+    turns = np.exp(2j * np.pi * np.arange(720) / 720)[:, None]
+    own = np.eye(k.shape[1])
+    planes = [np.hstack([(turns * row).real, -(turns * row).imag]) for row in (*k, *own)]
+    left = np.repeat([-1.0, 0.0], [720 * len(a), 720 * len(own)])[:, None]
+    limits = np.concatenate([-(turns * a).real.T.ravel(), np.ones(720 * len(own))])
+    cost = np.eye(2 * len(own) + 1)[-1]
+    return linprog(
+        cost, np.hstack([np.vstack(planes), left]), limits, bounds=[(None, None)] * len(cost)
+    ).fun
+
+
+@pytest.mark.parametrize("case", PLANES_ALIKE)
+def test_least_squares_with_largest_masses_leave_no_slope_into_the_bounds(case):
+    k, a, bounds = alike(*case)
+    found = find_correction(k, a, bounds)
+    left = a + k @ found
+    slope = k.conj().T @ left
+    # of a convex function: no mass within its bound lowers half the sum by more than this
+    gap = ((slope.conj() * found).real + bounds * np.abs(slope)).sum()
+    assert gap <= 1e-6 * 0.5 * (np.abs(left) ** 2).sum()
