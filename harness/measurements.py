@@ -183,17 +183,18 @@ def unit_in_si(text: str, known: Known) -> tuple[str, float]:
     Raises:
         ValueError: it is not a unit of what the column measures.
     """
-    text, size = text.strip(), 1.0
+    given = text = text.strip()
+    size = 1.0
     if known.is_size:
         words = text.replace("_", " ").split()
         size = math.prod(_SIZES.get(word.lower(), 1.0) for word in words)
         text = " ".join(word for word in words if word.lower() not in _SIZES)
         if len(words) - len(text.split()) > 1:
-            raise ValueError(f"unit {text!r}: must have one of pp, rms and 0-peak at most")
+            raise ValueError(f"unit {given!r}: must have one of pp, rms and 0-peak at most")
+    if not text:
+        raise ValueError(f"unknown unit {given!r}: write the unit of length or speed before it")
     problem = ValueError(f"unknown unit {text!r}")
     for symbol in known.units:
-        if not text:
-            break
         try:
             return symbol, size * to_si(f"1 {text}", symbol)
         except ValueError as error:

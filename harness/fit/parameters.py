@@ -17,6 +17,7 @@ from ..units import si_number
 SCATTER = 0.1  # of a measured difference, where nobody says
 FARTHEST = 1e6  # times the start: as good as no limit
 _LIMIT_HALVINGS = 60  # of the way to a value that the scene refuses
+_COMMA = re.compile(r",(?![^\[\]]*\])")  # outside of brackets
 
 
 @dataclass(frozen=True)
@@ -88,7 +89,8 @@ def parse_free(
 
 
 def _separated(texts: Sequence[str]) -> list[str]:
-    return [one.strip() for some in texts for one in some.split(",") if one.strip()]
+    """What commas separate; those of an index, as in `m.k[1,2]`, do not."""
+    return [one.strip() for some in texts for one in _COMMA.split(some) if one.strip()]
 
 
 def _index_of(parameters: list[Parameter], path: str, said: str) -> int:

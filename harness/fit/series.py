@@ -91,9 +91,7 @@ def read_signals(path: Path, system: System) -> MeasuredSignals:
 
 def _column(path: Path, head: str, run: Any) -> tuple[str, float]:
     """Name of a column, and the factor to what the FMU measures it in."""
-    match = _HEAD.fullmatch(head)
-    assert match is not None
-    name, unit = match["name"], match["unit"] or ""
+    name, unit = _name_and_unit(head, run)
     if name == TIME:
         target, defined = "s", None
     else:
@@ -111,6 +109,16 @@ def _column(path: Path, head: str, run: Any) -> tuple[str, float]:
         return name, conversion(unit, target, (None, defined))
     except Incompatible as error:
         raise UserError(f"{path}: {head}: the FMU measures it in {target}: {error}") from None
+
+
+def _name_and_unit(head: str, run: Any) -> tuple[str, str]:
+    """What a head names, and its unit of measurement; `m.x[1]` is an element where the FMU has it."""
+    owner, _, variable = head.partition(".")
+    if owner in run.units and variable in run.units[owner].variables:
+        return head, ""
+    match = _HEAD.fullmatch(head)
+    assert match is not None
+    return match["name"], match["unit"] or ""
 
 
 def _number(row: CsvRow, head: str) -> float:

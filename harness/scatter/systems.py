@@ -15,7 +15,7 @@ from ..output.workers import Progress, Workers
 from ..result.system import run_system
 from ..scene.system import System
 from .drawn import QUANTILES, Columns, Drawn, Vector, run_drawn
-from .vary import EXAMPLE, Variation, drawn
+from .vary import EXAMPLE, Variation, drawn, frozen
 
 CHUNK = 4  # systems worked on together: some seconds at most
 
@@ -98,9 +98,7 @@ def _variations(vary: Mapping[str, Any] | Iterable[str]) -> list[Variation]:
         return [replace(one, path=one.text.partition("=")[0].strip()) for one in found]
     texts = {path: f"{path}={one}" for path, one in vary.items() if isinstance(one, str)}
     return [
-        replace(Variation.parse(texts[path]), path=path)
-        if path in texts
-        else Variation(path, f"{path}={one.dist.name}{one.args or one.kwds}", one)
+        replace(Variation.parse(texts[path]) if path in texts else frozen(path, one), path=path)
         for path, one in vary.items()
     ]
 

@@ -118,12 +118,12 @@ def variations(vary: Mapping[str, Any] | Iterable[str], scene: Scene) -> list[Va
         for each in (
             Variation.parse_each(f"{path}={one}", scene)
             if isinstance(one, str)
-            else [_frozen(path, one)]
+            else [frozen(path, one)]
         )
     ]
 
 
-def _frozen(path: str, distribution: Any) -> Variation:
+def frozen(path: str, distribution: Any) -> Variation:
     """A distribution of SciPy's at a path of the scene.
 
     Raises:

@@ -134,13 +134,22 @@ def test_units_in_heads_and_cells_are_those_of_the_field(tmp_path, heads, value,
         ("mass_g[a] [oz]", "1", "has two units, g and oz"),
         ("weight [g]", "1", "unknown column; allowed: mass"),
         ("rpm", "1", r"did you mean speed \[rpm\]"),
+        ("size [um pp rms]", "1", "unit 'um pp rms': must have one of pp"),
+        ("size [pp]", "1", "unknown unit 'pp': write the unit of length"),
     ],
 )
 def test_heads_and_cells_that_are_not_clear_are_refused(tmp_path, head, cell, said):
     path = tmp_path / "table.csv"
     path.write_text(f"{head}\n{cell}\n")
     with pytest.raises(UserError, match=said):
-        _first_column(path, [Known("mass", ("kg",), per_plane=True), Known("speed", ("rad/s",))])
+        _first_column(
+            path,
+            [
+                Known("mass", ("kg",), per_plane=True),
+                Known("speed", ("rad/s",)),
+                Known("size", ("m",), is_size=True),
+            ],
+        )
 
 
 @pytest.mark.parametrize(

@@ -105,6 +105,25 @@ def test_units_of_measurement_in_the_heads_are_converted(guest, altered, tmp_pat
         system.fit(wrong, "m.k")
 
 
+def test_elements_of_arrays_are_measured_and_free_by_their_names(guest, altered, tmp_path):
+    def edit(text):
+        return text.replace('name="x"', 'name="x[1]"').replace('name="k"', 'name="k[1,2]"')
+
+    file = altered(guest("mass"), edit)
+    start = {"x0": 1.0, "c": 0.0, "k[1,2]": 10.0}
+    system = ab.System(unit=[{"name": "m", "fmu": str(file), "start": start}],
+                       coupling={"step": 0.02}, run={"duration": 2.0})  # fmt: skip
+    time = np.linspace(0.1, 1.9, 10)
+    for number, head in enumerate(("m.x[1]", "m.x[1] [m]")):
+        path = write(tmp_path / f"{number}.csv", time, (head, np.cos(3.5 * time)))
+        assert system.fit(path, "m.k[1,2]").values[0] == pytest.approx(3.5**2, rel=1e-3)
+
+
+def test_a_value_that_is_no_distribution_is_refused_with_what_is_one(mass):
+    with pytest.raises(ab.UserError, match=r"m\.x0 = 3.0: must be a text such as"):
+        mass.scatter({"m.x0": 3.0}, n=3)
+
+
 def test_commands_say_draw_and_write_both(mass, tmp_path, invoke):
     scene = tmp_path / "mass.toml"
     scene.write_text(tomli_w.dumps(mass.document))
