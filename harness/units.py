@@ -13,6 +13,7 @@ from decimal import ROUND_CEILING, ROUND_FLOOR, Context
 from functools import cache
 from typing import Any, NamedTuple
 
+from ..models.readable import rounded
 from .errors import UserError
 
 _WITH_UNIT = (
@@ -80,7 +81,6 @@ QUANTITIES = {
     "N m^2": Quantity("a bending stiffness", ("80 N m^2", "8e7 N mm^2")),
     "m/N": Quantity("a compliance", ("2 mm/kN", "2e-6 m/N")),
 }
-_UNBALANCES = ((1.0, "kg m"), (1e-3, "g m"), (1e-6, "g mm"))
 engineering: ContextVar[bool] = ContextVar("engineering", default=False)  # shown instead of SI
 
 
@@ -200,40 +200,7 @@ def engineers(value: float, symbol: str, digits: int = 4) -> str:
     return f"{rounded(value * factor, digits)} {unit}"
 
 
-def rounded(value: float, digits: int = 4) -> str:
-    """A value with so many digits, and without an exponent below a billion."""
-    text = f"{value:.{digits}g}"
-    return f"{float(text):.0f}" if 10**digits <= abs(float(text)) < 1e9 else text
-
-
 def rounded_outwards(low: float, high: float, digits: int = 10) -> tuple[str, str]:
     """The ends of an interval with so many digits: the lower one rounded down, the upper one up."""
     down, up = (Context(prec=digits, rounding=way) for way in (ROUND_FLOOR, ROUND_CEILING))
     return f"{down.create_decimal(low):f}", f"{up.create_decimal(high):f}"
-
-
-def brief(value: float, digits: int = 2) -> str:
-    """A number for people, in a unit that fits: what is as good as nothing is 0."""
-    return "0" if abs(value) < 1e-5 else rounded(value, digits)
-
-
-def readable_unbalance(value: float) -> str:
-    """An unbalance [kg m] in the unit in which it reads well, such as '30 g m'."""
-    unit, factor = unbalance_unit(value)
-    return f"{brief(value * factor, 3)} {unit}"
-
-
-def readable_apart(one: float, other: float) -> tuple[str, str]:
-    """Two different unbalances [kg m] in one unit, with the digits that tell them apart."""
-    unit, factor = unbalance_unit(max(one, other))
-    for digits in range(3, 15):
-        first, second = (f"{brief(value * factor, digits)} {unit}" for value in (one, other))
-        if first != second:
-            break
-    return first, second
-
-
-def unbalance_unit(value: float) -> tuple[str, float]:
-    """Unit in which an unbalance [kg m] reads well, and how many of it are one kg m."""
-    size, unit = next(((s, u) for s, u in _UNBALANCES if value >= s), _UNBALANCES[-1])
-    return unit, 1.0 / size

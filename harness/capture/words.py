@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ...models.capture.capture import SHARE_OF_CAPACITY, STRONG_DAMPING
-from ..units import brief, in_both
+from ...models.readable import brief
+from ..units import in_both
 
 if TYPE_CHECKING:
     from .captured import Captured

@@ -9,12 +9,13 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from ...models.readable import rounded
 from ..design.space import MATERIALS
 from ..errors import UserError
 from ..output import options
 from ..output.table import Sheet
 from ..output.terminal import progress_bar, say, show
-from ..units import in_both, rounded, shown_in
+from ..units import in_both, shown_in
 from .changes import changed_scene, set_option
 
 if TYPE_CHECKING:

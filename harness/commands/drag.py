@@ -6,10 +6,10 @@ from typing import Annotated
 
 import typer
 
+from ...models.readable import rounded
 from ..errors import UserError
 from ..output import options
 from ..output.terminal import say
-from ..units import rounded
 
 
 def command(

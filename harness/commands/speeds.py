@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from ...models.readable import written_apart
 from ..errors import UserError
 from ..output import options
 from ..output.files import write_json
@@ -24,7 +25,6 @@ if TYPE_CHECKING:
     from ..stability.whirl import Whirls
 
 DEFAULT = ",".join(DEFAULT_METHODS)
-MOST_DIGITS = 17  # of a double
 HEADS = {"criterion": "criterion, a rule"}  # what the other methods compute, it approximates
 _COLOURS = {"stable": GOOD, "unstable": "red", "undecided": "yellow", "neutral": "yellow"}
 
@@ -140,20 +140,12 @@ def bands_table(proof: Proof, title: str) -> Sheet:
     if not engineering.get():
         columns.append("that is")
         for row, b in zip(rows, proof.bands, strict=True):
-            row.append(" to ".join(_apart(b.low, b.high)))
+            ends = written_apart(lambda v, n: engineers(v, "rad/s", n), b.low, b.high, 4)
+            row.append(" to ".join(ends))
     machines = f"for every machine within {proof.within}" if proof.within else "for this machine"
     colours = {"proved": _COLOURS}
     aligned = "rrl" + "l" * (len(columns) - 3)
     return Sheet(columns, rows, aligned, f"{title}: proved {machines}", colours)
-
-
-def _apart(low: float, high: float) -> tuple[str, str]:
-    """Both ends of a band in engineers' units, with enough digits to tell them apart."""
-    for digits in range(4, MOST_DIGITS + 1):
-        ends = engineers(low, "rad/s", digits), engineers(high, "rad/s", digits)
-        if ends[0] != ends[1]:
-            break
-    return ends
 
 
 def whirl_table(whirl: Whirls) -> Sheet:

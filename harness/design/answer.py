@@ -5,7 +5,8 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from ..units import brief, in_both, readable_unbalance, rounded
+from ...models.readable import brief, readable_unbalance, rounded
+from ..units import in_both
 from .trials import LIKELY, WORSE_PEAK, Trial, preference
 
 if TYPE_CHECKING:

@@ -7,12 +7,12 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
+from ...models.readable import readable_unbalance
 from ..motions.starts import drive_to, run_up_begins
 from ..output.outcome import Outcome
 from ..output.table import Sheet
 from ..output.workers import Progress, Workers, in_order
 from ..scene import Scene
-from ..units import readable_unbalance
 from .candidates import Candidate, candidates, largest_capacity
 from .drags import DragRange
 from .scenes import unbalance_of, weights_of

@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ...models.papers.touching import critical_unbalance
+from ...models.readable import readable_unbalance, rounded
 from ..capture.captured import captured_or_none
 from ..output.words import kinds_of
-from ..units import readable_unbalance, rounded
 from .scenes import weights_of
 
 if TYPE_CHECKING:

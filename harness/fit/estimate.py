@@ -13,10 +13,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...models.arrays import Array
+from ...models.readable import brief
 from ..errors import UserError
 from ..output.outcome import Outcome
 from ..output.table import Sheet
-from ..units import brief
 from .parameters import Parameter
 from .systematic import SIGNIFICANCE
 

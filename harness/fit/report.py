@@ -7,9 +7,9 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
+from ...models.readable import rounded
 from ..output.outcome import Outcome
 from ..output.table import Sheet
-from ..units import rounded
 from .estimate import document_of_values
 from .study import Fit
 

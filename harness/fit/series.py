@@ -112,7 +112,7 @@ def _column(path: Path, head: str, run: Any) -> tuple[str, float]:
 
 
 def _name_and_unit(head: str, run: Any) -> tuple[str, str]:
-    """What a head names, and its unit of measurement; `m.x[1]` is an element where the FMU has it."""
+    """Name and unit of measurement of a head; `m.x[1]` is an element where the FMU has it."""
     owner, _, variable = head.partition(".")
     if owner in run.units and variable in run.units[owner].variables:
         return head, ""

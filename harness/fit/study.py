@@ -13,9 +13,9 @@ from numpy.typing import NDArray
 
 from ...models.arrays import Array
 from ...models.harmonic_balance import NoResponse
+from ...models.readable import brief
 from ..errors import UserError
 from ..scene import Scene
-from ..units import brief
 from .estimate import Estimate, of_values, refuse_few
 from .measured import SPEED, MeasuredAmplitudes, read_measured
 from .model import HarmonicModel, Model

@@ -7,11 +7,12 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
+from ...models.readable import brief
 from ...models.shares import wilson
 from ..output.outcome import Outcome
 from ..output.table import Sheet
 from ..scene import Scene
-from ..units import brief, in_both
+from ..units import in_both
 from .kinds import Kind, Motion
 
 SMALLEST, SMALLEST_RATIO = 1e-7, 1e-4  # vibration [m] and its ratio to none that are told apart

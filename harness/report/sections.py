@@ -7,6 +7,7 @@ from dataclasses import replace
 from typing import Any
 
 from ...models.linear.critical import speeds_of_interest
+from ...models.readable import readable_unbalance
 from ..capture.captured import captured, captured_or_none
 from ..errors import SceneError, UserError
 from ..motions.starts import run_up_begins
@@ -23,7 +24,7 @@ from ..scatter.vary import variations
 from ..scene import Scene
 from ..scene.balancer import WeightBalancer
 from ..stability.boundaries import speeds
-from ..units import in_both, in_words, readable_unbalance
+from ..units import in_both, in_words
 from .answers import distances, largest
 from .parts import Heading, Image, Note
 from .runs import SwitchedOn

@@ -20,6 +20,7 @@ from matplotlib.patches import Circle
 
 from ...models.arrays import Array, Complex
 from ...models.race import path
+from ...models.readable import brief
 from ...models.weights import Lobes
 from ..errors import UserError
 from ..output.files import movie_format, write_whole
@@ -27,7 +28,6 @@ from ..output.picture import GREY, colour, unbroken
 from ..output.plot import harmless, metres
 from ..scene import Scene
 from ..scene.balancer import Liquid, Ring, WeightBalancer
-from ..units import brief
 from .motion import Motion
 from .movie_stops import draw_stop, stop_views
 

@@ -11,7 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...models.papers.capacity import weight_mass
-from ..units import WIDEST, engineers, in_both, readable_apart, readable_unbalance, rounded
+from ...models.readable import readable_apart, readable_unbalance, rounded
+from ..units import WIDEST, engineers, in_both
 from .balancer import Liquid, Ring, WeightBalancer
 from .quantities import each_of
 from .rotor_flexible import Flexible

@@ -12,6 +12,7 @@ from typing import Any
 from ...fmus.composite.composition import Composition
 from ...fmus.native.build.compile import page_library, stamp
 from ...models.assembly import weights_of
+from ...models.readable import unbalance_unit
 from ..capture.captured import captured_or_none
 from ..errors import SceneError
 from ..master.one_file import composition
@@ -19,7 +20,7 @@ from ..master.plan import plan
 from ..scene import Scene
 from ..scene.balancer import Ring, WeightBalancer
 from ..scene.grade import GRADES
-from ..units import shown_in, unbalance_unit
+from ..units import shown_in
 from .saved import document, keys_of
 from .window import window
 

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from ..assembly import Assembly
 from ..papers.capacity import moment_range, packed_sine
+from ..readable import readable_apart
 from ..weights import Weights
 from .room import Gaps, nearest_with_room
 
@@ -150,7 +151,7 @@ def check_reach(assembly: Assembly, table: WeightTable) -> dict[int, complex]:
         least = max(0.0, *(low + high - most for low, high in ranges))
         if size > most * (1.0 + _BALANCED) or size < least * (1.0 - _BALANCED):
             count = sum(len(rows) for rows, _ in tracks)
-            needs, makes = _apart(size, most if size > most else least)
+            needs, makes = readable_apart(size, most if size > most else least)
             span = f"{'at most' if size > most else 'no less than'} {makes}"
             raise CannotBalance(
                 f"the unbalance needs a moment of {needs} in plane {plane + 1}; "
@@ -162,19 +163,6 @@ def check_reach(assembly: Assembly, table: WeightTable) -> dict[int, complex]:
             )
         moments[plane] = complex(moment)
     return moments
-
-
-def _apart(one: float, other: float) -> tuple[str, str]:
-    """Two static moments [kg m] as people write them, with digits that tell them apart."""
-    largest = max(one, other)
-    unit, factor = ("g mm", 1e6) if largest < 1e-2 else ("g m", 1e3)
-    unit, factor = (unit, factor) if largest < 1.0 else ("kg m", 1.0)
-    texts = ["", ""]
-    for digits in range(4, 16):
-        texts = [f"{factor * value:.{digits}g} {unit}" for value in (one, other)]
-        if texts[0] != texts[1]:
-            break
-    return texts[0], texts[1]
 
 
 def _range_of(

@@ -12,7 +12,7 @@ import autobalancer as ab
 from autobalancer.harness.accuracy.precision.report import cheapest
 from autobalancer.harness.checks.report import text
 from autobalancer.harness.output.table import Sheet
-from autobalancer.harness.units import rounded
+from autobalancer.models.readable import rounded
 
 SCENES = ("two_balls", "three_mass_shaft", "two_plane_rodrigues", "drum", "balls_and_liquid")
 SECONDS = 60.0  # of measuring, per scene

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 
+from ....models.readable import rounded
 from ...output.table import Sheet
-from ...units import rounded
 from .measure import TARGETS, TWO_DECADES, Point, Precision
 
 

@@ -6,8 +6,9 @@ import math
 
 import numpy as np
 
+from ....models.readable import readable_apart, rounded
 from ....models.supports import Slider
-from ...units import in_both, readable_apart, rounded
+from ...units import in_both
 from .case import MARGIN, OFFSETS_TELL, SAFE, Case, Ruling
 from .known import SURELY_BEYOND, Known
 from .outcome import Outcome

@@ -6,9 +6,9 @@ import math
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
+from ....models.readable import rounded
 from ...master.names import OF_STOPS, stations
 from ...scene import Scene
-from ...units import rounded
 from .ahead import look_ahead
 from .case import DOUBT
 from .known import Known

@@ -8,8 +8,9 @@ from collections.abc import Sequence
 import numpy as np
 
 from ....models.arrays import Array, Complex
+from ....models.readable import rounded
 from ...scene.balancer import WeightBalancer
-from ...units import in_both, rounded
+from ...units import in_both
 from .balance import CREEP
 from .case import MANY_TIME_CONSTANTS, Case, Ruling
 from .outcome import Outcome

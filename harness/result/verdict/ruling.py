@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from ...units import brief, rounded
+from ....models.readable import brief, rounded
 from .balance import balanced, settling
 from .case import DOUBT, MANY_TIME_CONSTANTS, Case, Ruling, unsettled
 from .elsewhere import dragged, resting, stuck, together, turning

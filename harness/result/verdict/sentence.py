@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
+from ....models.readable import brief, readable_unbalance, rounded
 from ....models.ring import BELIEVED, DRY, WARNED
 from ...scene.grade import GRADES
-from ...units import brief, in_both, readable_unbalance, rounded
+from ...units import in_both
 from .outcome import Outcome
 from .words import is_nothing, millimetres, percent, times, velocity
 

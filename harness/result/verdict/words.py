@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ...units import brief, rounded
+from ....models.readable import brief, rounded
 
 _COUNTED = 10  # times: so often or more is counted exactly by no run
 _SHORTEST, _LONGEST = 1e-4, 1e9  # s: nothing beside a run; some 30 years

@@ -25,7 +25,7 @@ from autobalancer.harness.design.decay import decay
 from autobalancer.harness.design.recommendation import contradictions, rivals, words
 from autobalancer.harness.design.settling import median_interval, random_start, settled_at
 from autobalancer.harness.errors import SceneError, SimulationError
-from autobalancer.harness.units import readable_unbalance
+from autobalancer.models.readable import readable_unbalance
 from autobalancer.models.spacing import closest
 from autobalancer.models.weights import alignment
 from tests.studies.papers import fan_angles
