@@ -12,6 +12,8 @@ import autobalancer as ab
 from autobalancer.fmus.composite.build import build_composite
 from autobalancer.harness import cosimulate
 from autobalancer.harness.master.one_file import composition
+from autobalancer.harness.master.one_file_run import OneFileRun
+from autobalancer.harness.master.recorder import Recorder
 from autobalancer.models.cubic_spring import CubicDisc, free_period
 from autobalancer.models.free_stroke import turning_points
 from autobalancer.models.stops import DiscInRing, FreeBetweenStops, restitution
@@ -198,6 +200,16 @@ def test_a_touch_of_a_stop_counts_once(separate):
     run = cosimulate(scene, separate=separate)
     beyond = np.hypot(run["rotor.x"], run["rotor.y"]) > 1e-3
     assert run["rotor.stop[1].touches"][-1] == np.count_nonzero(beyond[1:] & ~beyond[:-1]) == 23
+
+
+@pytest.mark.parametrize("tolerance", [1e-3, 1e-5, 1e-7])
+def test_a_touch_of_a_damped_stop_is_three_events_at_any_tolerance(tolerance):
+    """Touch, letting go, back inside: found at once where the motion of the step has them."""
+    scene = ab.Scene.from_document({**BOUNCING, "coupling": {"tolerance": tolerance}})
+    with OneFileRun(scene) as run:
+        run.start(1.0, np.array([0.0, 0.25]))
+        run.record(Recorder(run.units, ["rotor.stop[1].touches"]), None)
+        assert run.events[-1] == 3 * 22 + 1  # the last of 23 ends beyond the run
 
 
 @pytest.fixture(scope="module")

@@ -9,6 +9,7 @@
 #define GAP_SLACK 1e-14  /* rad: a gap closes when it is less than 0 by more than this */
 #define RATE_SLACK 1e-15 /* of what a weight turns by in the machine's time: a rate that is rounding */
 #define LIMIT_SLACK 2e-12 /* of a slider's limit: more than what is decided by */
+#define MOST_CORRECTED 0.01 /* of the time up to which one looks: what is further off is no rounding of the step */
 #define FORCE_SLACK 2.0 /* times the rounding of forces, which is decided by */
 
 /* The search: the machine's step, and the first event so far. */
@@ -26,15 +27,17 @@ static double *cleared(const Search *search)
     return series;
 }
 
-/* The series in the scratch, of this order, falls: an event. */
-static void look(Search *search, int order, EventKind kind, int which)
+/* The series in the scratch, of this order, falls: an event; whether it is the first so far. */
+static bool look(Search *search, int order, EventKind kind, int which)
 {
     const double time = find_polynomial_fall(search->machine->phase->series, order, search->until);
     if (time >= 0.0 && (time < search->until || search->event.kind == NO_EVENT)) {
         search->until = time;
         search->event.kind = kind;
         search->event.which = which;
+        return true;
     }
+    return false;
 }
 
 static void look_at_gap(Search *search, int w)
@@ -157,30 +160,70 @@ static void look_at_slider(Search *search, int which)
     }
 }
 
-/* How far the square of a distance is below that of another one, `way` 1, or above it, -1. */
-static void look_at_distance(Search *search, const RestraintSeries *one, double limit, double way, EventKind kind,
-                             int which)
+/* Displacement and its first two derivatives (2,) at a time of the step. */
+static void displaced_at(const RestraintSeries *one, int order, double time, double *d, double *v, double *a)
 {
+    int k, axis;
+    for (axis = 0; axis < 2; axis++) {
+        d[axis] = v[axis] = a[axis] = 0.0;
+        for (k = order; k >= 0; k--) {
+            a[axis] = a[axis] * time + 2.0 * v[axis];
+            v[axis] = v[axis] * time + d[axis];
+            d[axis] = d[axis] * time + one->displacement[2 * k + axis];
+        }
+    }
+}
+
+/* The time of the event just found, up to which this force is not 0, of the displacement itself: the series of the
+   distance's square and of the force lack products of high order, and so err as the step does. */
+static void correct(Search *search, RestraintSeries *one, const Stop *force, double latest)
+{
+    enum { CORRECTIONS = 3 };
+    int k;
+    restraints_complete(search->machine, one, force->rows, search->order);
+    for (k = 0; k < CORRECTIONS; k++) {
+        double d[2], v[2], a[2], miss, slope;
+        displaced_at(one, search->order, search->until, d, v, a);
+        miss = stop_pressure(force, d, v);
+        slope = stop_pressure_rate(force, d, v, a);
+        if (!(absolute(miss) <= MOST_CORRECTED * latest * absolute(slope))) {
+            return;
+        }
+        search->until = smaller(latest, larger(0.0, search->until - miss / slope));
+    }
+}
+
+/* How far the square of a distance is below that of another one, `way` 1, or above it, -1. */
+static void look_at_distance(Search *search, RestraintSeries *one, const double *rows, double limit, double way,
+                             EventKind kind, int which)
+{
+    const Stop beyond = {rows, limit, 1.0, 0.0, 0};
     double *series = search->machine->phase->series;
+    const double latest = search->until;
     int k;
     for (k = 0; k <= search->order; k++) {
         series[k] = -way * restraint_square(one, k);
     }
     series[0] = larger(0.0, series[0] + way * limit * limit);
-    look(search, search->order, kind, which);
+    if (look(search, search->order, kind, which)) {
+        correct(search, one, &beyond, latest);
+    }
 }
 
 /* How far the force of a stop is above 0, `way` 1, or below it, -1. */
-static void look_at_pressure(Search *search, const RestraintSeries *one, double way, EventKind kind, int which)
+static void look_at_pressure(Search *search, MachineStop *one, double way, EventKind kind, int which)
 {
     double *series = search->machine->phase->series;
+    const double latest = search->until;
     const int order = search->order - 2;
     int k;
     for (k = 0; k <= order; k++) {
-        series[k] = way * one->pressure[k];
+        series[k] = way * one->series.pressure[k];
     }
     series[0] = larger(0.0, series[0]);
-    look(search, order, kind, which);
+    if (look(search, order, kind, which)) {
+        correct(search, &one->series, &one->stop, latest);
+    }
 }
 
 static void look_at_stop(Search *search, int which)
@@ -189,19 +232,19 @@ static void look_at_stop(Search *search, int which)
     MachineStop *stop = m->restraints->stops + which;
     int k;
     if (stop->state == STOP_PRESSES) {
-        look_at_pressure(search, &stop->series, 1.0, STOP_LETS_GO, which);
+        look_at_pressure(search, stop, 1.0, STOP_LETS_GO, which);
         return;
     }
     restraints_complete(m, &stop->series, stop->stop.rows, search->order);
     if (stop->state == STOP_APART) {
-        look_at_distance(search, &stop->series, stop->stop.gap, 1.0, STOP_TOUCHED, which);
+        look_at_distance(search, &stop->series, stop->stop.rows, stop->stop.gap, 1.0, STOP_TOUCHED, which);
         return;
     }
     for (k = 0; k <= search->order - 2; k++) {
         stop_series_pressure(&stop->stop, &stop->series, k);
     }
-    look_at_distance(search, &stop->series, stop->stop.gap, -1.0, STOP_LEFT, which);
-    look_at_pressure(search, &stop->series, -1.0, STOP_TOUCHED, which);
+    look_at_distance(search, &stop->series, stop->stop.rows, stop->stop.gap, -1.0, STOP_LEFT, which);
+    look_at_pressure(search, stop, -1.0, STOP_TOUCHED, which);
 }
 
 static void look_at_restraints(Search *search)
@@ -215,7 +258,7 @@ static void look_at_restraints(Search *search)
         MachineCubic *cubic = m->restraints->cubics + k;
         if (cubic->spring.limit > 0.0) {
             restraints_complete(m, &cubic->series, cubic->spring.rows, search->order);
-            look_at_distance(search, &cubic->series, cubic->spring.limit, 1.0, SPRING_ENDS, k);
+            look_at_distance(search, &cubic->series, cubic->spring.rows, cubic->spring.limit, 1.0, SPRING_ENDS, k);
         }
     }
 }

@@ -30,6 +30,14 @@ double stop_pressure(const Stop *stop, const double *d, const double *v)
     return stop->stiffness * (r - stop->gap) + stop->damping * rate;
 }
 
+double stop_pressure_rate(const Stop *stop, const double *d, const double *v, const double *a)
+{
+    const double r = hypotenuse(d[0], d[1]);
+    const double rate = r > 0.0 ? (d[0] * v[0] + d[1] * v[1]) / r : 0.0;
+    const double bend = r > 0.0 ? (d[0] * a[0] + d[1] * a[1] + v[0] * v[0] + v[1] * v[1] - rate * rate) / r : 0.0;
+    return stop->stiffness * rate + stop->damping * bend;
+}
+
 double stop_rounding(const Stop *stop, const double *d, const double *v)
 {
     return STATE_ROUNDING * (stop->stiffness * hypotenuse(d[0], d[1]) + stop->damping * hypotenuse(v[0], v[1]));

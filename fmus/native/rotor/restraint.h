@@ -36,6 +36,9 @@ void restraint_displacement(const double *rows, int n, const double *stations, d
 void cubic_force(const CubicSpring *spring, const double *displacement, double *force);
 /* Force of a stop along the displacement, by displacement and velocity, whatever its state. */
 double stop_pressure(const Stop *stop, const double *displacement, const double *velocity);
+/* Its derivative in time, with the acceleration. */
+double stop_pressure_rate(const Stop *stop, const double *displacement, const double *velocity,
+                          const double *acceleration);
 /* Forces below that do not change its state. */
 double stop_rounding(const Stop *stop, const double *displacement, const double *velocity);
 /* State of a stop with this displacement and velocity; a known one stays but for more than rounding. */
