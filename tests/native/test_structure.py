@@ -7,7 +7,8 @@ from graphlib import TopologicalSorter
 
 import pytest
 
-from autobalancer.fmus.native.build.compile import texts
+from autobalancer.fmus.native.build.compile import fast_of, parts_of_library, texts
+from autobalancer.fmus.native.build.targets import FAST_COMPILE, PLATFORMS
 
 from .core import STRUCTURES
 
@@ -63,3 +64,26 @@ def _members(name: str) -> list[str]:
 @pytest.mark.parametrize("structure", STRUCTURES, ids=lambda structure: structure.__name__)
 def test_structures_of_the_tests_are_those_of_the_headers(structure):
     assert [field[0] for field in structure._fields_] == _members(structure.__name__)
+
+
+def test_a_fast_file_that_is_renamed_does_not_lose_its_options_unsaid():
+    sources = [name for name in texts() if name.endswith(".c")]
+    fast = fast_of(sources)
+    steps = [name for name in sources if name.startswith("coupling/one_piece_s")]
+    machine = [name for name in sources if name.startswith("machine/")]
+    assert fast == ["base/elementary.c", *steps, *machine]
+    assert len(steps) == 7
+    renamed = [name.replace("one_piece_step", "one_piece_pace") for name in sources]
+    with pytest.raises(ValueError, match=r"FAST.*no file of coupling/one_piece_step\.c"):
+        fast_of(renamed)
+
+
+@pytest.mark.parametrize("platform", PLATFORMS.values(), ids=PLATFORMS)
+def test_fast_files_alone_are_compiled_with_the_options_of_fast_ones(platform):
+    parts = parts_of_library(platform)
+    sources = [n for n in texts() if n.endswith(".c") and n.startswith(("machine/", "coupling/"))]
+    fast = {*fast_of(["base/elementary.c", *sources])}
+    for name in sources:
+        text, options = parts["series" if name in fast else "autobalancer"]
+        assert f'#line 1 "{name}"' in text
+        assert (name in fast) == (options[-len(FAST_COMPILE) :] == FAST_COMPILE)

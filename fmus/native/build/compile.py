@@ -147,6 +147,21 @@ def _sources(written: dict[str, str], folder: str) -> list[str]:
     return [n for n in written if n.endswith(".c") and n.split("/")[0] not in others]
 
 
+def fast_of(sources: Iterable[str]) -> list[str]:
+    """Those that are compiled with more put in line, in their order.
+
+    Raises:
+        ValueError: an entry of `FAST` is no file and no folder with files: it was renamed.
+    """
+    sources = list(sources)
+    found = {e: [n for n in sources if n == e or (e[-1] == "/" and n.startswith(e))] for e in FAST}
+    if absent := [entry for entry, names in found.items() if not names]:
+        raise ValueError(
+            f"FAST in build/targets.py: no file of {', '.join(absent)}; name it as it is"
+        )
+    return [name for name in sources if any(name in names for names in found.values())]
+
+
 def parts_of_library(platform: Platform) -> dict[str, tuple[str, tuple[str, ...]]]:
     """Text and options of each object of a library, by name; together they are `one_source`.
 
@@ -155,7 +170,7 @@ def parts_of_library(platform: Platform) -> dict[str, tuple[str, tuple[str, ...]
     """
     written, _ = _complete()
     sources = _sources(written, platform.folder)
-    fast = [name for name in sources if name.startswith(FAST)]
+    fast = fast_of(sources)
     has = {"-DHAS_LANES": platform.lanes, "-DHAS_WIDE_VECTORS": platform.wide}
     common = (*COMPILE, *platform.compiler, *(option for option in has if has[option]))
     parts = {

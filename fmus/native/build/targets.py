@@ -18,8 +18,13 @@ COMPILE = (
     *("-fPIC", "-fvisibility=hidden", "-D_FORTIFY_SOURCE=0", "-g0"),
     "-ffunction-sections",  # the linker leaves out what nobody calls: lanes have much of that
 )
-# the series of machines, where the time goes: in line and unrolled what is worth it
-FAST = ("machine/", "coupling/one_piece_s", "base/elementary")  # begin of their names
+# the series of machines and their steps, where the time goes: in line and unrolled what pays.
+# Files, and folders with all that is in them; an entry without a file is refused (compile.py)
+FAST = (
+    "base/elementary.c",
+    *(f"coupling/one_piece_{n}.c" for n in ("series", "show", "smooth", "sources", "stand")),
+    *("coupling/one_piece_step.c", "coupling/one_piece_stiff.c", "machine/"),
+)
 _IN_LINE = ("-mllvm", "-inline-threshold=225")
 _ALWAYS = ("-DIN_LINE=__attribute__((always_inline))",)
 # loops over few stations alone, whose number is known: of at most three stations two axes
