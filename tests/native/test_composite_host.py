@@ -56,6 +56,47 @@ def test_the_tolerance_of_the_experiment_is_that_of_the_coupling_unless_that_is_
     assert asked(path, 1e-7, own).get(*COUPLING) == [1e-3]
 
 
+@pytest.mark.parametrize("last", [1e-7, None])
+def test_the_experiment_that_is_set_up_last_counts(tmp_path, last):
+    """FMI 2.0 allows `fmi2SetupExperiment` wherever an instance has not been initialised."""
+    path = one_file(tmp_path, load_scene("two_balls"))
+    host, built = Host(path), Host(path).begin().get(*COUPLING)
+    expected = [last] if last else built
+    host.slave.setupExperiment(tolerance=1e-3)
+    assert host.get(*COUPLING) == built  # a parameter is not computed from others
+    host.get("rotor.x")
+    host.slave.setupExperiment(tolerance=last)
+    host.slave.enterInitializationMode()
+    host.slave.exitInitializationMode()
+    assert host.get(*COUPLING) == expected
+
+
+@pytest.mark.parametrize("fmi", [2, 3])
+def test_a_reset_instance_takes_the_tolerance_of_its_next_experiment(tmp_path, fmi):
+    path = one_file(tmp_path, load_scene("two_balls"), fmi)
+    host, built = asked(path, 1e-3), Host(path).begin().get(*COUPLING)
+    for tolerance in (1e-7, None, 1e-6):
+        host.slave.reset()
+        if fmi == 2:
+            host.slave.setupExperiment(tolerance=tolerance)
+            host.slave.enterInitializationMode()
+        else:
+            host.slave.enterInitializationMode(tolerance=tolerance)
+        host.slave.exitInitializationMode()
+        assert host.get(*COUPLING) == ([tolerance] if tolerance else built)
+
+
+def test_a_tolerance_that_the_host_has_set_stays_at_a_later_experiment(tmp_path):
+    host = Host(one_file(tmp_path, load_scene("two_balls")))
+    host.slave.setupExperiment(tolerance=1e-3)
+    host.set({"coupling.tolerance": 1e-5})
+    host.get("rotor.x")
+    host.slave.setupExperiment(tolerance=1e-7)
+    host.slave.enterInitializationMode()
+    host.slave.exitInitializationMode()
+    assert host.get(*COUPLING) == [1e-5]
+
+
 def test_a_tighter_tolerance_of_the_tool_makes_a_smaller_error(tmp_path):
     path = one_file(tmp_path, load_scene("two_balls"))
 

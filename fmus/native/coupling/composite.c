@@ -64,14 +64,41 @@ static int composite_allocate(Unit *unit)
 
 /* -- the start ------------------------------------------------------------------------------- */
 
+/* The tolerance of the experiment that was set up last, if it has one, counts where the host has set no other. */
+static void take_tolerance(Unit *unit, double *tolerance, double given)
+{
+    if (unit->taken_tolerance > 0.0 && *tolerance == unit->taken_tolerance) {
+        *tolerance = given;
+    }
+    unit->taken_tolerance = 0.0;
+    if (unit->asks_tolerance && *tolerance == given) {
+        *tolerance = unit->taken_tolerance = unit->tolerance;
+    }
+}
+
+/* 1 with the reason where a motor drives a ring, which scenes refuse with the same words. */
+static int refuse_driven_ring(Unit *unit)
+{
+    const Composite *c = unit->own;
+    int k;
+    for (k = 1; k < c->parts_without_motor && c->motor; k++) {
+        if (part_ring(c->parts + k)) {
+            return unit_fail(unit, "operation.motor: does not support a ring of liquid (%s): the liquid lags behind a rotor "
+                             "that changes its speed, by a law that is not known here; give operation.run_up",
+                             c->parts[k].unit->name);
+        }
+    }
+    return 0;
+}
+
 static int composite_parameters(Unit *unit)
 {
     Composite *c = unit->own;
     double *tolerance = unit->real + c->tolerance;
     int k;
-    /* the tolerance of the experiment counts where the host has set no other */
-    if (unit->asks_tolerance && *tolerance == unit->starts[c->tolerance]) {
-        *tolerance = unit->tolerance;
+    take_tolerance(unit, tolerance, unit->starts[c->tolerance]);
+    if (refuse_driven_ring(unit)) {
+        return 1;
     }
     if (!(*tolerance > 0.0 && *tolerance <= LOOSEST)) {
         return unit_fail(unit, "coupling.tolerance: must be above 0 and at most 0.1");

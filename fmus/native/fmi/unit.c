@@ -45,6 +45,7 @@ void unit_reset(Unit *unit)
     unit->time = unit->time_left = unit->start = unit->point = 0.0;
     unit->stop = infinity();
     unit->asks_tolerance = false;
+    unit->taken_tolerance = 0.0;
     unit->phase = INSTANTIATED;
     unit->stale = BEGINNING;
     unit->warned = 0;

@@ -107,6 +107,7 @@ struct Unit {
     double start, point, stop; /* of the host: its start, the communication point reached, and the end of the
                                   experiment, infinite when not defined [s] */
     double tolerance; /* that the host asks for, where it does; relative */
+    double taken_tolerance; /* value of the coupling's that is the tolerance of an experiment; 0: none is */
     bool asks_tolerance;
     double made;               /* length of the last step, less than asked where it ended early [s] */
     size_t first_boolean; /* value reference, as the version of FMI has it */

@@ -7,12 +7,16 @@ import math
 
 import numpy as np
 import pytest
+from fmpy import platform_tuple
 
 import autobalancer as ab
+from autobalancer.fmus.composite.build import build_composite
 from autobalancer.harness import cosimulate
 from autobalancer.harness.errors import SceneError
+from autobalancer.harness.master.one_file import composition
 from autobalancer.harness.scene.plausible import implausible
 from autobalancer.models.monolith import simulate
+from tests.native.packaging import Host
 from tests.studies import rings
 
 SIGNALS = [
@@ -129,6 +133,21 @@ def test_thickness_of_the_layer_may_be_said_in_three_ways():
 def test_wrong_rings_are_refused_with_a_reason(changes, message):
     with pytest.raises(SceneError, match=message):
         machine(**changes)
+
+
+@pytest.mark.parametrize("fmi", [2, 3])
+def test_a_file_whose_motor_drives_a_ring_is_refused_as_the_scene_is(tmp_path, fmi):
+    """By the FMU itself, whoever has put its parts together."""
+    motor = {"stall_torque": 5.0, "no_load_speed": 100.0, "inertia": 1.0}
+    with pytest.raises(SceneError) as refused:
+        machine(operation={"motor": motor})
+    driven = composition(machine(operation={"motor": motor}, balancer=[BALLS]))
+    ring = composition(machine()).parts[1]
+    object.__setattr__(driven, "parts", (driven.parts[0], ring, driven.parts[-1]))
+    path = build_composite(driven, tmp_path, name="one", fmi=fmi, platforms=[platform_tuple])
+    host = Host(path)
+    said = host.refused(host.begin)
+    assert str(refused.value).removeprefix("scene: ").replace("balancer[1]", ring.name) in said
 
 
 def test_wave_of_a_steady_drum_is_that_of_the_closed_form():
