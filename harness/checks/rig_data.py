@@ -16,9 +16,10 @@ from numpy.typing import NDArray
 
 from ...models.arrays import Array
 from ..errors import SimulationError
-from ..master.names import station_residuals
+from ..master.names import displacements, station_residuals
 from ..result.many import cosimulate_many
 from ..result.run import cosimulate
+from ..result.sag import complex_motion
 from ..scene import Scene
 from ..scene.balancer import WeightBalancer
 from ..units import RPM
@@ -109,9 +110,9 @@ def swept(
 
 def _recorded(scene: Scene) -> Curve:
     """Run a scene along its profile, and take records of it as the rig did."""
-    prefixes = [f"rotor.station[{number}]." for number in scene.rotor.supports]
-    run = cosimulate(scene, record=[f"{prefix}{axis}" for prefix in prefixes for axis in "xy"])
-    sizes = np.array([np.hypot(run[f"{prefix}x"], run[f"{prefix}y"]) for prefix in prefixes])
+    count, supports = len(scene.rotor.points), np.array(scene.rotor.supports) - 1
+    run = cosimulate(scene, record=displacements(count))
+    sizes = np.abs(complex_motion(run.signals, count)[supports])
     begins = RECORD * np.arange(int(run.time[-1] / RECORD * (1.0 + 1e-9)))
     amplitude = np.maximum.reduceat(sizes, np.searchsorted(run.time, begins), axis=1).mean(axis=0)
     speeds = scene.profile().speeds_at(begins + RECORD / 2.0)

@@ -13,7 +13,7 @@ from ...models.capture import Capture
 from ...models.shares import wilson
 from ..capture.captured import captured_or_none
 from ..errors import SimulationError, UserError
-from ..motions.batch import displacements
+from ..motions.batch import squared_distances
 from ..motions.settle import alone
 from ..motions.starts import Job, job
 from ..scene import Scene
@@ -197,7 +197,7 @@ def _margin(found: Capture) -> float:
 def _judged(made: Job, bare: float) -> tuple[list[Array], str]:
     """Settling times, vibration left over none, largest vibration [m], vibration at the end over
     that halfway, each (n,), and why a run failed."""
-    squares, reasons = displacements(made)
+    squares, reasons = squared_distances(made)
     size = np.sqrt(squares)
     points = size.shape[1]
     times = np.linspace(0.0, made.seconds, points)
@@ -218,7 +218,7 @@ def _judged(made: Job, bare: float) -> tuple[list[Array], str]:
 def _largest_alone(made: Job) -> float:
     """Largest vibration of the same drive without balancers [m]."""
     bare = replace(made, scene=made.scene.without_balancers(), columns=(), values=np.zeros((1, 0)))
-    squares, reasons = displacements(bare)
+    squares, reasons = squared_distances(bare)
     if any(reasons):
         raise SimulationError(f"without balancers: {reasons[0]}")
     return float(np.sqrt(squares.max()))

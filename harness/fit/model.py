@@ -6,6 +6,7 @@ By runs in C; or, as a first guess, by harmonic balance, where the scene is a ro
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import chain
 from typing import NamedTuple
 
 import numpy as np
@@ -14,7 +15,7 @@ from numpy.typing import NDArray
 from ...models.arrays import Array, Complex
 from ...models.harmonic_balance import NoResponse, largest_displacement, unbalance_response
 from ..errors import SimulationError, UserError
-from ..master.names import displacements, station_residuals, stations
+from ..master.names import along_axes, station_residuals
 from ..result.alike import table_of
 from ..result.many import cosimulate_many
 from ..scene import Scene
@@ -109,11 +110,11 @@ class Model:
             SimulationError: a run has failed.
         """
         base = self.scene(values.tolist())
-        signals = displacements(len(self._stations))
+        names = along_axes(len(self._stations))
         scenes = [base.replace(kind) for kind in self._kinds]
         speeds = self._measured.settings.get(SPEED)
-        _, found = self._found(scenes, self._kind, speeds, signals)
-        x, y = (np.array([found[name] for name in signals[axis::2]]) for axis in (0, 1))
+        _, found = self._found(scenes, self._kind, speeds, [*chain(*names)])
+        x, y = (np.array([found[name] for name in axis]) for axis in names)
         forward, backward = 0.5 * (x + 1j * y), 0.5 * np.abs(x - 1j * y)
         at = {name: [k] for k, name in enumerate(self._stations)}
         at[AMPLITUDE] = [number - 1 for number in self._scene.rotor.supports]
@@ -186,8 +187,6 @@ class HarmonicModel(Model):
             motion[here] = unbalance_response(scene.assembly().rotor, own)
         largest = largest_displacement(motion)
         sizes = {LARGEST: largest.max(axis=1), **dict(zip(self._stations, largest.T, strict=True))}
-        every = [
-            f"rotor.{prefix}{axis}" for axis in "xy" for prefix in stations(len(self._stations))
-        ]
+        every = chain(*along_axes(len(self._stations)))
         columns = dict(zip(every, motion.reshape(len(place), -1).T, strict=True))
         return sizes, {name: columns[name] for name in signals}

@@ -29,6 +29,12 @@ def displacements(count: int) -> list[str]:
     return [f"rotor.{prefix}{axis}" for prefix in stations(count) for axis in "xy"]
 
 
+def along_axes(count: int) -> tuple[list[str], list[str]]:
+    """Signals of x of every station, and those of y."""
+    both = displacements(count)
+    return both[::2], both[1::2]
+
+
 def station_residuals(count: int) -> list[str]:
     """What many runs call the amplitudes of all stations in the last revolution."""
     return [f"rotor.{prefix}residual" for prefix in stations(count)]

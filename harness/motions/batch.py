@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ...models.arrays import Array
-from ..master.names import stations, weight
+from ..master.names import displacements, weight
 from ..result.sag import sag_of
 from .kinds import WINDOWS, Seen
 from .starts import Job, holders
@@ -23,7 +23,7 @@ _WINDOW = 0.06  # of the time at the speed that a window takes
 _FEWEST = 6.0  # revolutions of a window
 
 
-def displacements(job: Job) -> tuple[Array, list[str]]:
+def squared_distances(job: Job) -> tuple[Array, list[str]]:
     """Largest squared distance of a station (r, t) at evenly spread times [m^2]; failures.
 
     It is counted from the sag, as a vibration is.
@@ -31,7 +31,7 @@ def displacements(job: Job) -> tuple[Array, list[str]]:
     from ...fmus.composite.batch import BatchRuns
     from ..master.one_file import composition
 
-    rotor = [f"rotor.{p}{axis}" for p in stations(len(job.scene.rotor.points)) for axis in "xy"]
+    rotor = displacements(len(job.scene.rotor.points))
     motor = ["motor.speed"] if job.scene.operation.motor else []
     points = math.ceil(_turns(job) * _PER_TURN)
     runs = BatchRuns(composition(job.scene), list(job.columns), [*rotor, *motor], points)
@@ -50,7 +50,7 @@ def run(job: Job) -> tuple[Seen, NDArray[np.object_], Array]:
     from ..master.one_file import composition
 
     scene = job.scene
-    rotor = [f"rotor.{p}{axis}" for p in stations(len(scene.rotor.points)) for axis in "xy"]
+    rotor = displacements(len(scene.rotor.points))
     angles = [
         f"{b.label}.{weight(k, 'angle')}" for b in holders(scene) for k in range(1, b.count + 1)
     ]

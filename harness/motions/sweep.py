@@ -17,7 +17,7 @@ from ..errors import UserError
 from ..output.outcome import Outcome
 from ..output.table import Sheet
 from ..scene import Scene
-from .batch import displacements
+from .batch import squared_distances
 from .held import Held, differ, held_at, hold
 from .settle import alone, alone_at
 from .starts import Job, job, perturbed
@@ -169,7 +169,7 @@ def _reached(made: Job, first: float, last: float, speed: float) -> float:
 
 def _way(name: str, first: float, last: float, made: Job) -> Branch:
     """Its run."""
-    moved, reasons = displacements(made)
+    moved, reasons = squared_distances(made)
     if reasons[0]:
         raise UserError(f"the {name} sweep has failed: {reasons[0]}")
     seconds, begins = made.settled, made.seconds - made.settled

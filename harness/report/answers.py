@@ -10,10 +10,9 @@ import numpy as np
 
 from ...models.arrays import Array
 from ..capture.captured import captured_or_none
-from ..master.names import stations
 from ..motions.starts import first_speed
 from ..result.result import Result
-from ..result.sag import from_sag
+from ..result.sag import complex_motion, from_sag
 from ..result.verdict.words import millimetres, percent
 from ..scene import Scene
 from ..units import in_both, in_words
@@ -109,8 +108,7 @@ def distances(run: Result) -> Array:
     """Largest distance of a station from its rest at every time (T,) [m]."""
     moved = from_sag(run.signals, run.sag())
     assert run.scene is not None
-    prefixes = [f"rotor.{p}" for p in stations(len(run.scene.rotor.points))]
-    found: Array = np.max([np.hypot(moved[f"{p}x"], moved[f"{p}y"]) for p in prefixes], axis=0)
+    found: Array = np.abs(complex_motion(moved, len(run.scene.rotor.points))).max(axis=0)
     return found
 
 

@@ -6,11 +6,11 @@ import numpy as np
 
 from ...models.arrays import Array
 from ..errors import UserError
-from ..master.names import stations
+from ..master.names import displacements
 from ..output.picture import GREY, Line, Panel, Picture, PlotAxis, colour
 from ..output.plot import metres
 from ..scene import Scene
-from .sag import from_sag, sag_of
+from .sag import complex_motion, from_sag, sag_of
 from .verdict.passages import without_balancers
 
 _POINTS = 400  # of an envelope
@@ -30,12 +30,12 @@ def compare(scene: Scene, time: Array, signals: dict[str, Array]) -> Picture:
     """
     if not scene.balancer:
         raise UserError("--compare: the scene has no balancer to leave out")
-    names = [f"rotor.{p}" for p in stations(len(scene.rotor.points))]
-    missing = [f"{n}{axis}" for n in names for axis in "xy" if f"{n}{axis}" not in signals]
+    count = len(scene.rotor.points)
+    missing = [name for name in displacements(count) if name not in signals]
     if missing:
         raise UserError(f"--compare: {', '.join(missing)}: not recorded; name them in run.record")
     moved = from_sag(signals, sag_of(scene, time, signals.get("motor.speed")))
-    size = np.max([np.hypot(moved[f"{n}x"], moved[f"{n}y"]) for n in names], axis=0)
+    size = np.abs(complex_motion(moved, count)).max(axis=0)
     bare = without_balancers(scene)
     if bare is None:
         raise UserError("--compare: the rotor without balancers cannot be run")

@@ -13,7 +13,7 @@ from scipy.interpolate import CubicSpline
 
 from ...models.arrays import Array
 from ..errors import UserError
-from ..master.names import stations
+from ..master.names import along_axes
 from ..output.picture import PlotAxis
 from ..scene import Scene
 from ..scene.balancer import WeightBalancer
@@ -98,11 +98,6 @@ class Motion:
             return PlotAxis("speed", "rad/s"), self.speed
         return PlotAxis("time", "s"), self.time
 
-    @property
-    def prefixes(self) -> list[str]:
-        """Of every station's signals."""
-        return [f"rotor.{prefix}" for prefix in stations(len(self.scene.rotor.points))]
-
     @cached_property
     def displacement(self) -> Array:
         """x and y of every station, under gravity from the sag, (T, 2, n) [m].
@@ -110,7 +105,7 @@ class Motion:
         Raises:
             UnknownSignalError: one was not recorded.
         """
-        names = [[f"{p}{axis}" for p in self.prefixes] for axis in "xy"]
+        names = along_axes(len(self.scene.rotor.points))
         both = np.array([[self.recorded[name] for name in row] for row in names])
         if sag := self._sag:
             both -= np.array([[sag[name] for name in row] for row in names])

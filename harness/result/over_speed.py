@@ -10,6 +10,7 @@ import numpy as np
 
 from ...models.arrays import Array
 from ..errors import UserError
+from ..master.names import along_axes
 from ..output.picture import Field, Line, Panel, Picture, PlotAxis, colour
 from ..output.plot import metres
 from .motion import Motion, station_names
@@ -71,7 +72,7 @@ def _field(across: Array, frequency: Array, heights: Array, amplitude: PlotAxis)
 def _largest(motion: Motion) -> str:
     size = np.abs(motion.displacement).max(axis=0)
     axis, station = np.unravel_index(int(size.argmax()), size.shape)
-    return f"{motion.prefixes[station]}{'xy'[axis]}"
+    return along_axes(len(motion.scene.rotor.points))[axis][station]
 
 
 def polar(motion: Motion) -> Picture:

@@ -6,8 +6,8 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from ...models.arrays import Array
-from ..master.names import stations
+from ...models.arrays import Array, Complex
+from ..master.names import along_axes
 from ..scene import Scene
 
 FROM_SAG = "displacement from the sag"
@@ -38,10 +38,16 @@ def sag_of(scene: Scene, time: Array, speed: Array | None = None) -> dict[str, A
     grid = np.linspace(low, high, _GRID) if high > low else np.array([low])
     solved = np.array([rotor.rest_position(w) for w in grid])  # (g, 2, n)
     return {
-        f"rotor.{prefix}{axis}": np.interp(speed, grid, solved[:, k, j])
-        for j, prefix in enumerate(stations(rotor.stations))
-        for k, axis in enumerate("xy")
+        name: np.interp(speed, grid, solved[:, k, j])
+        for k, names in enumerate(along_axes(rotor.stations))
+        for j, name in enumerate(names)
     }
+
+
+def complex_motion(signals: Mapping[str, Array], count: int) -> Complex:
+    """x + i y of each of so many stations (n, T) [m]."""
+    x, y = along_axes(count)
+    return np.array([signals[a] + 1j * signals[b] for a, b in zip(x, y, strict=True)])
 
 
 def from_sag(signals: Mapping[str, Array], sag: Mapping[str, Array]) -> dict[str, Array]:

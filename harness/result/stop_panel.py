@@ -7,7 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from ...models.arrays import Array
-from ..master.names import stations
+from ..master.names import along_axes
 from ..output.picture import GREY, Line, Panel, PlotAxis, colour
 from ..output.plot import metres
 from ..scene import Scene
@@ -54,8 +54,7 @@ def ways_across(scene: Scene, signals: Mapping[str, Array]) -> list[Array]:
 
 def motions_across(scene: Scene, signals: Mapping[str, Array]) -> list[Array]:
     """Of every stop x and y of the displacement across it (2, T) [m]; none where not recorded."""
-    prefixes = stations(len(scene.rotor.points))
-    names = [[f"rotor.{prefix}{axis}" for prefix in prefixes] for axis in "xy"]
+    names = along_axes(len(scene.rotor.points))
     if not all(name in signals for axis in names for name in axis):
         return []
     motion = np.array([[signals[name] for name in axis] for axis in names])

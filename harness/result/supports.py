@@ -13,7 +13,7 @@ from ...models.forces import forces, hand_weight
 from ...models.linear.synchronous import synchronous
 from ...models.rotor import LinearRotor
 from ..errors import UserError
-from ..master.names import stations
+from ..master.names import along_axes
 from ..output.table import Sheet
 from ..scene import Scene
 
@@ -86,8 +86,8 @@ def of_run(result: Result) -> Sheet:
     late = result.time >= end - span
     angle = scene.run.initial.angle + profile.angles_at(result.time[late])
     rotor = scene.assembly().at(end).resting_rotor  # of supports and places alone
-    names = [f"rotor.{prefix}{axis}" for axis in "xy" for prefix in stations(rotor.stations)]
-    samples = np.array([result[name][late] for name in names])
+    x, y = along_axes(rotor.stations)
+    samples = np.array([result[name][late] for name in (*x, *y)])
     motion = synchronous(angle, samples, scene.rotor.is_free).reshape(2, rotor.stations)
     return support_sheet(scene, rotor, motion, speed)
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 import math
 import warnings
 from dataclasses import dataclass
+from itertools import chain
 from typing import Any, ClassVar, Literal
 
 import numpy as np
@@ -19,11 +20,11 @@ from ...models.linear.modes import FREE_RATE, Campbell, Modes, campbell, modes
 from ...models.linear.synchronous import synchronous
 from ...models.papers.influence import influence
 from ..errors import UserError
-from ..master.names import stations
+from ..master.names import along_axes, by_unit, displacements
 from ..output.outcome import Outcome
 from ..output.table import Sheet
 from ..result.run import cosimulate
-from ..result.sag import from_sag
+from ..result.sag import complex_motion, from_sag
 from ..result.supports import HEADS, support_sheet
 from ..scene import Scene
 from ..scene.at_rest import about_restraints
@@ -218,23 +219,17 @@ def analyse(scene: Scene, low: float | str | None, high: float | str | None) -> 
     return RotorAnalysis(scene, first, last, modes(assembly.rotor, speed), *critical)
 
 
-def _displacements(count: int) -> list[str]:
-    """x of all stations, then y."""
-    return [f"{prefix}{axis}" for axis in "xy" for prefix in stations(count)]
-
-
 def _steady(units: Revolution, speed: float) -> NDArray[np.complexfloating]:
     """Synchronous amplitude (2, n) of the revolution that repeats itself."""
     count = len(units.scene.rotor.points)
-    table = units.record(units.steady(speed), speed, ["angle", *_displacements(count)])
+    names = by_unit(chain(*along_axes(count)))["rotor"]
+    table = units.record(units.steady(speed), speed, ["angle", *names])
     return synchronous(table[:, 0], table[:, 1:].T).reshape(2, count)
 
 
 def _displacement(rising: Scene) -> tuple[Array, Array]:
     """Speeds (m,) and sqrt(x^2 + y^2) from the sag (m, n); each run has times of its own."""
     count = len(rising.rotor.points)
-    outputs = [f"rotor.{name}" for name in _displacements(count)]
-    result = cosimulate(rising, record=outputs)
-    moved = from_sag(result.signals, result.sag())
-    x, y = np.split(np.stack([moved[name] for name in outputs], axis=1), 2, axis=1)
-    return rising.profile().speeds_at(result.time), np.hypot(x, y)
+    result = cosimulate(rising, record=displacements(count))
+    moved = complex_motion(from_sag(result.signals, result.sag()), count)
+    return rising.profile().speeds_at(result.time), np.abs(moved).T

@@ -7,7 +7,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from ....models.readable import rounded
-from ...master.names import OF_STOPS, stations
+from ...master.names import OF_STOPS, displacements
 from ...scene import Scene
 from .ahead import look_ahead
 from .case import DOUBT
@@ -32,10 +32,8 @@ _OPEN = (Outcome.NOT_SETTLED, Outcome.CANNOT_TELL)
 def judge(result: Result, scene: Scene) -> Verdict:
     """The verdict on a scene's run."""
     called = _called(scene)
-    prefixes = [f"rotor.{prefix}" for prefix in stations(len(scene.rotor.points))]
-    missing = [
-        f"{p}{axis}" for p in prefixes for axis in "xy" if f"{p}{axis}" not in result.signals
-    ]
+    names = displacements(len(scene.rotor.points))
+    missing = [name for name in names if name not in result.signals]
     if scene.operation.motor and "motor.speed" not in result.signals:
         missing.append("motor.speed")
     if scene.guests:

@@ -7,9 +7,9 @@ from collections.abc import Sequence
 import numpy as np
 
 from ....models.arrays import Array, Complex
-from ...master.names import stations
+from ...master.names import displacements
 from ...scene import Scene
-from ..sag import from_sag, sag_of
+from ..sag import complex_motion, from_sag, sag_of
 from .ran import run_again
 from .stretches import Stretch
 from .verdict import Passage
@@ -46,13 +46,12 @@ def without_balancers(scene: Scene) -> tuple[Array, Array] | None:
 def run_bare(bare: Scene) -> tuple[Array, Complex, int] | None:
     """Times (T,) [s], displacements x + i y from the sag (n, T) [m] and passes of a run of a rotor
     without balancers; None where it cannot run."""
-    prefixes = stations(len(bare.rotor.points))
-    run = run_again(bare, [f"rotor.{p}{axis}" for p in prefixes for axis in "xy"])
+    count = len(bare.rotor.points)
+    run = run_again(bare, displacements(count))
     if run is None:
         return None
     moved = from_sag(run.signals, sag_of(bare, run.time))
-    motion = [moved[f"rotor.{p}x"] + 1j * moved[f"rotor.{p}y"] for p in prefixes]
-    return run.time, np.array(motion), run.passes
+    return run.time, complex_motion(moved, count), run.passes
 
 
 def _largest(time: Array, size: Array, stretch: Stretch) -> float:

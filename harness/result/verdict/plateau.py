@@ -12,7 +12,7 @@ from ....models.harmonic_balance import NoResponse
 from ...master.merged import SHORT
 from ...master.names import stations
 from ...scene.grade import residual_unbalance
-from ..sag import from_sag, sag_of
+from ..sag import complex_motion, from_sag, sag_of
 from ..velocity import VELOCITY
 from .by_run import about_mean, on_one_side, rule_by_run, vibration_without
 from .case import Case, Ruling
@@ -49,10 +49,7 @@ class Run:
         else:
             self.angle = start + scene.profile().angles_at(self.time)
             self.stretches = prescribed(scene, float(self.time[-1]))
-        prefixes = [f"rotor.{prefix}" for prefix in stations(len(scene.rotor.points))]
-        self.motion = np.array(
-            [self.signals[f"{p}x"] + 1j * self.signals[f"{p}y"] for p in prefixes]
-        )
+        self.motion = complex_motion(self.signals, len(scene.rotor.points))
 
     @property
     def size(self) -> Array:

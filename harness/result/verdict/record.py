@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ....models.arrays import Array
-from ...master.names import stations, weight
+from ...master.names import along_axes, weight
 from ...scene import Scene
 from ...scene.balancer import WeightBalancer
 
@@ -51,9 +51,8 @@ class Record:
     @cached_property
     def displacement(self) -> Array:
         """x, then y, of all stations (T, 2 n) [m]."""
-        prefixes = stations(len(self.scene.rotor.points))
-        names = [f"rotor.{prefix}{axis}" for axis in "xy" for prefix in prefixes]
-        return np.stack([self.signals[name] for name in names], axis=1)
+        x, y = along_axes(len(self.scene.rotor.points))
+        return np.stack([self.signals[name] for name in (*x, *y)], axis=1)
 
     def since(self, revolutions: float) -> Mask:
         """Which points lie in the last revolutions (T,)."""

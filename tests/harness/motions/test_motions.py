@@ -7,7 +7,7 @@ import pytest
 
 from autobalancer import Scene, load
 from autobalancer.harness.errors import SceneError, UserError
-from autobalancer.harness.motions.batch import displacements
+from autobalancer.harness.motions.batch import squared_distances
 from autobalancer.harness.motions.kinds import WINDOWS, Kind, Seen, classify
 from autobalancer.harness.motions.outcome import wilson
 from autobalancer.harness.motions.starts import job
@@ -132,7 +132,7 @@ def test_a_sag_is_no_part_of_the_largest_vibration():
 def test_starts_under_gravity_differ_although_weights_at_rest_roll_down():
     lying = green(0.05, profile=[[0.0, 0.0], [600.0, 3.0]], gravity=0.3)
     made, _ = job(lying, 3.0, "run-up", 1, 0, 3)
-    squares, _ = displacements(made)
+    squares, _ = squared_distances(made)
     ends = np.sqrt(squares[:, -200:].max(axis=1))
     assert np.ptp(ends) > 0.1 * ends.max()  # by the weights' angles alone 4e-5
 
