@@ -65,7 +65,7 @@ class BodyTable(Table):
     """A body that does not turn: a tub, a casing, a base, an absorber, the rest of a hand tool."""
 
     name: Annotated[Text, Field(pattern=BODY)]
-    """What outputs call it."""
+    """What outputs call it: a letter first, then letters, digits, _ and -, at most 32; unique."""
     mass: Annotated[Positive, SI("kg")]
     """Without the rotor."""
     transverse_inertia: Annotated[NotNegative, SI("kg m^2")] = 0.0

@@ -6,11 +6,11 @@ import re
 
 LONGEST_NAME = 32  # characters: every variable of it has at most the 63 of MATLAB
 NAME = rf"^[A-Za-z_][A-Za-z0-9_-]{{0,{LONGEST_NAME - 1}}}$"  # of a balancer or a unit
-BODY = r"^[A-Za-z][\w-]*$"
+BODY = rf"^[^\W\d_][\w-]{{0,{LONGEST_NAME - 1}}}$"  # in tables and legends alone: any script
 PORT = rf"^[A-Za-z_][A-Za-z0-9_-]{{0,{LONGEST_NAME - 1}}}\..+$"
 WORDS = {
     NAME: f"must begin with a letter; letters, digits, _, - only, at most {LONGEST_NAME}",
-    BODY: "must begin with a letter; letters, digits, _, - only",
+    BODY: f"must begin with a letter; letters, digits, _, - only, at most {LONGEST_NAME}",
     PORT: "must be unit.variable, such as rotor.x: a name, a dot, and a variable of it",
 }
 

@@ -30,6 +30,19 @@ def test_an_extreme_value_or_path_is_refused(changes, words):
         SCENE.replace(changes)
 
 
+@pytest.mark.parametrize("name", ["tub", "Ü", "桶", "b" * 32])
+def test_a_body_is_named_in_any_script(name):
+    scene = load_scene("rubber_drive")
+    named = scene.replace({"rotor.bodies[1].name": name, "rotor.on": name})
+    assert named.replace({f"{name}.mass": 2.5}).rotor.bodies[0].mass == 2.5
+
+
+@pytest.mark.parametrize("name", ["b" * 33, "1a", "a b", "a.b", "<b>"])
+def test_a_name_of_a_body_that_no_table_could_show_is_refused(name):
+    with pytest.raises(SceneError, match=r"bodies\[1\]\.name .* digits, _, - only, at most 32"):
+        load_scene("rubber_drive").replace({"rotor.bodies[1].name": name, "rotor.on": name})
+
+
 def test_a_document_deeper_than_any_scene_is_refused():
     deep: dict = {}
     inner = deep
