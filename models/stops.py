@@ -44,7 +44,7 @@ class FreeBetweenStops:
         """
         free, touching = stiffness / mass, (stiffness + stop_stiffness) / mass
         square = speed**2 - free * gap**2  # of the speed at the stop
-        if square < 0.0:
+        if square < 0.0 or speed <= 0.0:
             raise ValueError(f"speed = {speed:g} m/s: too slow to reach the stops")
         reach = math.sqrt(square)
         rest = stop_stiffness * gap / (stiffness + stop_stiffness)  # of spring and stop together

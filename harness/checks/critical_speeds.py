@@ -23,6 +23,7 @@ from .row import Row, Rows
 
 SPEED_TOLERANCE = 1e-3  # relative, co-simulated against Floquet: the coupling's error
 BALANCED_SHARE = 0.01  # residual moment over that at the start
+IN_BALANCE = 1e-9  # of the weights' capacity: rounding of a sum of moments that is 0
 LATE = 10  # last part of a run in which it is judged: one tenth
 SETTLING = 9.0  # times 1/growth rate: e^-9 = 1e-4 of the distance to the main motion is left
 TRANSIENT = 60.0  # revolutions before that: the weights find their places
@@ -105,6 +106,7 @@ def speed_rows(rows: Rows, result: Speeds, prefix: str, scale: float = 1.0) -> I
 
 
 def rest_row(rows: Rows, scene: Scene, speed: float, prefix: str) -> Row:
+    """Whether a run from rest comes to balance where Floquet says so; as `run_from_rest`."""
     growth = float(growth_rates(scene.assembly(), speed)[0])
     revolutions = needed_revolutions(growth, speed)
     residual, share = run_from_rest(scene, speed, revolutions)
@@ -135,6 +137,7 @@ def run_from_rest(scene: Scene, speed: float, revolutions: float) -> tuple[float
         unbalance at the start, weights included.
 
     Raises:
+        SceneError: nothing is unbalanced at the start, so that there is nothing to compare with.
         SimulationError: the run cannot be completed correctly.
     """
     scene = scene.replace({"operation.speed": speed, "run.revolutions": revolutions})
@@ -145,5 +148,10 @@ def run_from_rest(scene: Scene, speed: float, revolutions: float) -> tuple[float
     for mounted, (xi, eta) in zip(weights, moments, strict=True):
         unbalance += (result[xi] + 1j * result[eta])[:, None] * rotor.planes[mounted.plane]
     size = np.abs(unbalance).max(axis=1)
-    residual = float(size[-(len(result.time) // LATE) :].max())
-    return residual, residual / float(size[0])
+    first, residual = float(size[0]), float(size[-(len(result.time) // LATE) :].max())
+    if first <= IN_BALANCE * scene.assembly().capacity:
+        raise SceneError(
+            f"{scene.label}: check critical_speeds: runs_from_rest: rotor and weights are in "
+            f"balance at the start: set other angles, such as {weights[0].name}.angles"
+        )
+    return residual, residual / first

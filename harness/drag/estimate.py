@@ -120,7 +120,7 @@ def _measured(mass: float, first: str, last: str, time: str, swings: float | Non
         "swing, to the other side) is known: from such an angle the drag depends on how many "
         "swings there were; count them and give --swings, such as --swings 2 (2.5 if it ends on "
         "the other side)",
-        0.5 * (ratio - 1.0) / (0.5 * (1.0 + ratio)),
+        (ratio - 1.0) / (ratio + 1.0),
     )
 
 

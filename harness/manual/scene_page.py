@@ -57,4 +57,5 @@ def live(name: str, path: Path) -> None:
         own = own.replace("script-src ", "script-src 'self' file: ", 1)
         path.write_text(f'{own}<script src="units.js"></script>', encoding="utf-8")
     except (SimulationError, UserError) as error:
-        path.write_text(f"<!DOCTYPE html><meta charset='utf-8'><p>{html.escape(str(error))}</p>")
+        text = f"<!DOCTYPE html><meta charset='utf-8'><p>{html.escape(str(error))}</p>"
+        path.write_text(text, encoding="utf-8")

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -58,7 +57,7 @@ def write_report(
         SimulationError: the scene itself cannot be run.
     """
     page = Report(None, f"Report: {scene.heading}", [scene])
-    done = _Steps(progress, 4 + bool(vary))
+    done = _Steps(progress, 5)
     own = own_run(scene)
     done.next()
     started = switched_on(scene, run_up, workers)
@@ -92,4 +91,4 @@ class _Steps:
         """One more is done."""
         self.at += 1
         if self.progress is not None:
-            self.progress(min(1.0, self.at / self.count) if self.count else math.nan)
+            self.progress(self.at / self.count)

@@ -278,6 +278,6 @@ def _difference(full: _Lateral, reduced: _Lateral, speed: float, highest: float)
 
 def _judged(places: Array, full: _Lateral) -> list[int]:
     """Numbers of one or two stations next to the outer bearings."""
-    ends = [full.bearings[0], full.bearings[-1]] if full.bearings else [0]
-    found = [1 + int(np.argmin(np.abs(places - full.places[node]))) for node in ends]
+    held = full.places[list(full.bearings)] if full.bearings else full.places[:1]
+    found = [1 + int(np.argmin(np.abs(places - end))) for end in (held.min(), held.max())]
     return list(dict.fromkeys(found))

@@ -196,9 +196,7 @@ def _unbalances(made: Composition) -> list[complex]:
 def _moment(scene: Scene, made: Composition) -> float:
     """Unbalance that the scene is about: the rotor's, else what its weights can balance [kg m]."""
     unbalance = sum(map(abs, _unbalances(made)))
-    capacity = sum(
-        b.count * b.mass * b.track_radius for b in scene.balancer if isinstance(b, WeightBalancer)
-    )
+    capacity = sum(b.capacity for b in scene.balancer if isinstance(b, WeightBalancer))
     return unbalance or capacity or scene.rotor.mass * BARE
 
 

@@ -133,6 +133,9 @@ def substeps(
     """Substeps of a step, so that no weight moves more than `TURN_PER_SUBSTEP` in one.
 
     Arguments as `advance`.
+
+    Raises:
+        ArithmeticError: there would be `MAX_SUBSTEPS` or more.
     """
     # value and slope only: corrector passes change the rest, and must not change the substeps
     strongest = abs(signal[0]) + step * abs(signal[1])

@@ -69,8 +69,12 @@ def test_free_motion_between_stops_without_a_spring():
     found = FreeBetweenStops.of(1.0, 0.0, 8.0, 0.5, 1.0)
     assert found.period == pytest.approx(4.22144147, abs=5.1e-9)
     assert found.amplitude == pytest.approx(0.5 + 1.0 / math.sqrt(8.0))
+
+
+@pytest.mark.parametrize(("stiffness", "speed"), [(1.0, 0.4), (0.0, 0.0), (1.0, -1.0)])
+def test_a_body_too_slow_for_the_stops_has_no_motion_between_them(stiffness, speed):
     with pytest.raises(ValueError, match="too slow to reach"):
-        FreeBetweenStops.of(1.0, 1.0, 8.0, 0.5, 0.4)
+        FreeBetweenStops.of(1.0, stiffness, 8.0, 0.5, speed)
 
 
 @pytest.mark.parametrize(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -27,6 +28,8 @@ REFERENCE_SHARE = 0.1  # of the error allowed: a reference less certain proves n
 STATES = ("x", "y", "vx", "vy", "angle", "speed")  # for which the reference states its error
 XY = ("rotor.x", "rotor.y")
 ROTOR_AND_MOMENT = (*XY, "weights.moment_xi", "weights.moment_eta")
+
+_ADVICE = re.compile(r"\buse\b")  # in a refusal: what to do
 
 Series = Mapping[str, NDArray[np.float64]]
 
@@ -226,7 +229,7 @@ def _left_alone(
     try:
         error, own, result = compare(scene, signals, right, LEFT_ALONE, separate)
     except SimulationError as refusal:
-        return f"as it is refused ({refusal})", "use" in str(refusal), 0.0
+        return f"as it is refused ({refusal})", bool(_ADVICE.search(str(refusal))), 0.0
     text = f"as it is {error:.1e} in {result.steps} steps"
     if stated := stated_error(result):
         text = f"{text} and reported as too coarse ({stated:.1g})"

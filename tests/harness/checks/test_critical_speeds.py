@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import math
+
 import pytest
 
 from autobalancer.harness import load_scene
-from autobalancer.harness.checks.critical_speeds import check_critical_speeds
+from autobalancer.harness.checks.critical_speeds import check_critical_speeds, run_from_rest
+from autobalancer.harness.errors import SceneError
 
 pytestmark = pytest.mark.slow
 
@@ -38,3 +41,9 @@ def test_a_published_speed_that_is_not_there_does_not_hold(scene):
     (row,) = published(alone)
     assert not row.holds
     assert row.measured != row.measured  # NaN: none found
+
+
+def test_a_run_from_rest_in_balance_is_refused_as_it_loses_nothing():
+    start = {"rotor.unbalance": 0.0, "weights.angles": [0.5, 0.5 + math.pi]}
+    with pytest.raises(SceneError, match=r"in balance at the start: .*weights\.angles"):
+        run_from_rest(load_scene("two_balls").replace(start), 3.0, 2)

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
 import autobalancer as ab
+from autobalancer.harness.rotor.imported import _judged
 
 SPEED = 4000.0 * np.pi / 30.0
 MASS, STIFFNESS = np.diag([2.0, 8.0]), np.array([[6e5, -4e5], [-4e5, 4.5e5]])
@@ -142,3 +145,9 @@ def test_a_node_that_does_not_exist_is_refused(ross):
     model = friswell(ross, 6, [(6, 0.35)], [(0, {}), (4, {})])
     with pytest.raises(ab.UserError, match="must be a node of the model, 0 to 6"):
         ab.Rotor.from_ross(model, [7], speed=SPEED)
+
+
+def test_the_balance_is_judged_at_the_outer_bearings_in_whatever_order_they_are_given():
+    places = np.array([0.0, 0.2, 0.5, 0.9])
+    model = SimpleNamespace(places=places, bearings=(1, 3, 2))
+    assert _judged(places, model) == [2, 4]
