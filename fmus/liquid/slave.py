@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from ...models import cubic
 from ...models.liquid import Liquid
-from ..python.slave import Slave, cubic_of
+from ..python.signals import cubic_of
+from ..python.slave import Slave
 from .variables import LIQUID
 
 

@@ -6,22 +6,19 @@ A unit adds its equations in four methods, in this order: `parameters`, `begin`,
 
 from __future__ import annotations
 
-import cmath
 import json
 import math
-import os
 from collections.abc import Mapping, Sequence
 from typing import Any, ClassVar
 
 from ..unit import Sizes, Unit
 from ._pythonfmu import Fmi2Slave, Fmi2Status
 from .host import keep
-from .resources import OPTIONS, START
+from .resources import kept_in
 
 POINT_OF_STEP, POINT_OF_TIME = 1e-6, 1e-10  # a host's own sums of times are off by their rounding
 FRESH, OBSERVED, COMPUTED, BEGINNING = range(4)  # how stale the outputs are
 _FIXED = "fixed once initialisation has ended"
-Signal = tuple[complex, complex]  # a vector and its slope
 
 
 class Slave(Fmi2Slave):
@@ -81,7 +78,7 @@ class Slave(Fmi2Slave):
         super().__init__(**kwargs)
         start: Mapping[str, float | bool] = {}
         if options is None:
-            options, start = _kept_in(self.resources) if self.resources else ({}, {})
+            options, start = kept_in(self.resources) if self.resources else ({}, {})
         sized = self.unit.sized(options).in_python
         self.sizes = sized.sizes
         self.layout = sized.layout
@@ -338,47 +335,8 @@ class Slave(Fmi2Slave):
         return RuntimeError(self._report(what, error))
 
 
-def cubic_of(signal: Sequence[float]) -> tuple[complex, complex, complex, complex]:
-    """Value and derivatives from the eight inputs of one vector signal."""
-    x0, y0, x1, y1, x2, y2, x3, y3 = signal
-    return complex(x0, y0), complex(x1, y1), complex(x2, y2), complex(x3, y3)
-
-
-def rotating(vector: Signal, angle: float, speed: float) -> Signal:
-    """A vector and its slope in axes that turn: those of the rotor.
-
-    With the negative angle and speed the vector is taken back to fixed axes.
-    """
-    value, slope = vector
-    turn = cmath.rect(1.0, -angle)
-    return value * turn, (slope - 1j * speed * value) * turn
-
-
 def _refuse_unknown(vrs: Sequence[int], count: int) -> None:
     """Raise ValueError for value references that do not exist."""
     unknown = [vr for vr in vrs if not 0 <= vr < count]
     if unknown:
         raise ValueError(f"value references {unknown}: unknown, there are 0 to {count - 1}")
-
-
-_kept: dict[str, tuple[dict[str, Any], dict[str, float | bool]]] = {}  # by resources folder
-
-
-def _kept_in(resources: str) -> tuple[dict[str, Any], dict[str, float | bool]]:
-    """Options and start values of the FMU whose resources are there.
-
-    For a reset the folder may be gone by then.
-    """
-    try:
-        with open(f"{resources}/{OPTIONS}", encoding="utf-8") as file:
-            options = json.load(file)
-    except FileNotFoundError:
-        if resources not in _kept:
-            raise
-        return _kept[resources]
-    start = {}
-    if os.path.isfile(f"{resources}/{START}"):
-        with open(f"{resources}/{START}", encoding="utf-8") as file:
-            start = json.load(file)
-    _kept[resources] = options, start
-    return options, start

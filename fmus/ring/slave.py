@@ -5,7 +5,8 @@ from __future__ import annotations
 from ...models import cubic
 from ...models.ring import BELIEVED, DRY, WARNED, Ring
 from ...models.steps.ring import advance, reaction
-from ..python.slave import Signal, Slave, cubic_of, rotating
+from ..python.signals import Signal, cubic_of, rotating
+from ..python.slave import Slave
 from .variables import RING
 
 _SAID = {

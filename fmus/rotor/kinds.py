@@ -12,7 +12,7 @@ from ...models.arrays import Array
 from ...models.constants import SAME_PLACE
 from ...models.forces import force_rows
 from ...models.rotor import LinearRotor
-from .parameters import RotorSizes
+from .sizes import RotorSizes
 
 Values = Mapping[str, float]
 

@@ -15,7 +15,7 @@ from ...models.steps.variable_speed import Drive, VariableSpeedStep
 from ..python.slave import Slave
 from .angle import total, turned
 from .kinds import FORCES, ROTORS
-from .parameters import RotorSizes
+from .sizes import RotorSizes
 from .variables import ROTOR
 
 Complex = NDArray[np.complex128]  # x + i y

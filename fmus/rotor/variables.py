@@ -17,7 +17,9 @@ from ..variables import (
     spin_inputs,
     torque_outputs,
 )
-from .parameters import PARAMETERS, RotorSizes, friction, restraints
+from .parameters import PARAMETERS
+from .restraints import friction, restraints
+from .sizes import RotorSizes
 
 
 def station(j: int, stations: int) -> str:

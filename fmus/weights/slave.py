@@ -7,7 +7,8 @@ from typing import NamedTuple
 from ...models import cubic
 from ...models.steps.weights import advance, reaction
 from ...models.weights import Weights, alignment, static_moment
-from ..python.slave import Signal, Slave, cubic_of, rotating
+from ..python.signals import Signal, cubic_of, rotating
+from ..python.slave import Slave
 from .variables import BALLS, WeightSizes
 
 

@@ -17,7 +17,7 @@ from typing import Any
 from ....models import constants as shared
 from ...catalogue import sized_unit
 from ...composite.variables import COMPOSITE
-from ...rotor.parameters import FORCES, GIVEN, TABLED
+from ...rotor.matrices import FORCES, GIVEN, TABLED
 from ...variables import Layout, Variable
 from ...xml.archive import source
 

@@ -10,9 +10,10 @@ import numpy as np
 import pytest
 
 from autobalancer.harness import UserError, load_scene
-from autobalancer.harness.balancing.correction import correct, split
+from autobalancer.harness.balancing.correction import correct
 from autobalancer.harness.balancing.machine import Machine
 from autobalancer.harness.balancing.measured import read_measured
+from autobalancer.harness.balancing.pieces import split
 from autobalancer.harness.commands.balance import allowed_angles
 from autobalancer.models.papers.influence import influence
 
