@@ -5,7 +5,7 @@ from __future__ import annotations
 import importlib
 import inspect
 import re
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import is_dataclass
 from typing import Any
 
@@ -121,13 +121,23 @@ def _signature(name: str, thing: Any, is_table: bool) -> str:
     for p in signature.parameters.values():
         typed = p.annotation is not p.empty and not is_table
         given.append(p.replace(annotation=_Bare(p.annotation) if typed else p.empty))
-    shown = [str(p) for p in given if p.name not in ("self", "cls", "kind")]
+    shown = list(_shown(p for p in given if p.name not in ("self", "cls", "kind")))
     result = signature.return_annotation
     ends = f" -> {result}" if isinstance(result, str) and not inspect.isclass(thing) else ""
     text = f"{name}({', '.join(shown)}){ends}"
     if len(text) > 80:
         text = f"{name}(\n" + "".join(f"    {each},\n" for each in shown) + f"){ends}"
     return re.sub(r"\b(?:autobalancer|collections|pathlib)\.(?:\w+\.)*(?=[A-Z])", "", text)
+
+
+def _shown(parameters: Iterable[inspect.Parameter]) -> Iterator[str]:
+    """Parameters as text, with the * behind which they are given by name alone."""
+    named = False
+    for p in parameters:
+        if p.kind is p.KEYWORD_ONLY and not named:
+            yield "*"
+        named = named or p.kind in (p.KEYWORD_ONLY, p.VAR_POSITIONAL)
+        yield str(p)
 
 
 def _docstring(text: str) -> Iterator[str]:

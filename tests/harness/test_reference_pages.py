@@ -64,3 +64,8 @@ def test_the_pages_can_be_read_where_the_repository_is(pages):
         for line in text.splitlines():
             fenced ^= line.startswith("```")
             assert fenced or not line.startswith(">>>"), line
+
+
+def test_a_signature_says_what_is_given_by_name_alone(pages):
+    signature = "assert_balanced(below: float | str, *, last: float = 0.1) -> None"
+    assert signature in pages["python.md"]

@@ -25,10 +25,11 @@ from ..library import STATUS, runs_python
 from . import crashes, python_guest
 from .abilities import abilities, kind_of, variable_of
 from .archive import read_description, unpacked
+from .group import Group
 from .measures import measured_in
 
 if TYPE_CHECKING:
-    from fmpy.model_description import ModelVariable
+    pass
 
 PATIENCE = 5.0  # s in which a unit must come back when it is freed
 _MOST_MESSAGES = 100  # that are kept
@@ -41,26 +42,6 @@ class UnitFailure(UnitError, SimulationError):
 
 class EndAsked(SimulationError):
     """A unit asks to end the simulation: nothing has failed, and the run ends there."""
-
-
-class Group:
-    """Some variables of a unit, read or written by one call a type; numbers as reals.
-
-    Attributes:
-        reals: their values.
-        parts: by type, places in `reals` and value references.
-    """
-
-    def __init__(self, variables: Sequence[ModelVariable], memory: np.ndarray | None) -> None:
-        self.names = tuple(v.name for v in variables)
-        self.reals = np.zeros(len(variables)) if memory is None else memory
-        by_type: dict[str, list[int]] = {}
-        for place, variable in enumerate(variables):
-            by_type.setdefault(variable.type, []).append(place)
-        self.parts = [
-            (kind, places, [variables[p].valueReference for p in places])
-            for kind, places in by_type.items()
-        ]
 
 
 class ForeignUnit(Closing):
