@@ -2,39 +2,15 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..errors import UserError
 from ..units import si_number
-
-if TYPE_CHECKING:
-    from .verdict import Verdict
-
-    class _Result:
-        time: NDArray[np.float64]
-        signals: dict[str, NDArray[np.float64]]
-        signal_units: dict[str, str]
-        scene_title: str
-        unknown_error: str
-
-        @property
-        def error_known(self) -> bool: ...
-
-        def __getitem__(self, name: str) -> NDArray[np.float64]: ...
-
-        def summary(self) -> Verdict: ...
-
-        def sag(self) -> dict[str, NDArray[np.float64]]: ...
-
-        def residual_moment(self, balancer: str) -> NDArray[np.float64]: ...
-else:
-    _Result = object
+from .mixed import Mixed
 
 
-class Assertions(_Result):
+class Assertions(Mixed):
     """Checks of a result that fail with what is wrong, at the line of the test."""
 
     def assert_close(self, name: str, reference: ArrayLike, relative: float) -> None:

@@ -5,35 +5,17 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, overload
 
-import numpy as np
-from numpy.typing import NDArray
-
 from ..errors import UserError
+from .mixed import Mixed
 
 if TYPE_CHECKING:
     from ..output.picture import Picture
     from ..output.workers import Progress
     from ..scene import Scene
     from .motion import Motion
-    from .verdict import Verdict
-
-    class _Result:
-        time: NDArray[np.float64]
-        signals: dict[str, NDArray[np.float64]]
-        signal_units: dict[str, str]
-        scene_title: str
-        scene: Scene | None
-
-        def __getitem__(self, name: str) -> NDArray[np.float64]: ...
-
-        def summary(self) -> Verdict: ...
-
-        def sag(self) -> dict[str, NDArray[np.float64]]: ...
-else:
-    _Result = object
 
 
-class Pictures(_Result):
+class Pictures(Mixed):
     """What a result can draw.
 
     A `Picture` is saved by `save(path)` (png, svg, pdf) and shows itself in a notebook.  Each

@@ -5,8 +5,9 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import chain
 from pathlib import Path
-from typing import ClassVar
+from typing import ClassVar, NamedTuple
 
 import numpy as np
 import tomli_w
@@ -155,57 +156,83 @@ def _machines(job: tuple[Scene, list[str], Vector]) -> Columns:
     return found, failure
 
 
+class _Asked(NamedTuple):
+    """What is read of the runs of machines, by its names.
+
+    Attributes:
+        states: of `merged`.
+        held_by: by the names that a grade asks for, the moments that are read; none of a liquid.
+        rates: speeds of weights in the rotor [rad/s], and how far they lag behind it on average.
+        motor: the motor's speed, where there is one.
+    """
+
+    states: list[str]
+    held_by: dict[str, str]
+    rates: list[tuple[str, str]]
+    motor: list[str]
+
+    @classmethod
+    def of(cls, machines: list[Scene]) -> _Asked:
+        """Of machines of one scene."""
+        first, heavy = machines[0], any(one.operation.gravity for one in machines)
+        kept = ".mean_moment_" if heavy else ".moment_"  # weights swing once per revolution
+        weights = [
+            f"{b.label}.{weight(k, '')}"
+            for b in first.balancer
+            if isinstance(b, WeightBalancer)
+            for k in range(1, b.count + 1)
+        ]
+        return cls(
+            names_of_states(first),
+            {name: name.replace(".moment_", kept) for name in moments(first) or ()},
+            [(f"{w}speed", f"{w}mean_lag") for w in weights],
+            ["motor.speed"] if first.operation.motor else [],
+        )
+
+    @property
+    def results(self) -> list[str]:
+        """All of it."""
+        of_run = ["residual", "settled", "largest"]
+        names = [*of_run, *self.held_by.values(), *self.states, *chain(*self.rates), *self.motor]
+        return list(dict.fromkeys(names))
+
+
 def _outcomes(machines: list[Scene]) -> Columns:
     """Of machines that can be run, by row."""
-    first = machines[0]
-    asked, states = moments(first), names_of_states(first)
-    weights = [
-        f"{b.label}.{weight(k, '')}"
-        for b in first.balancer
-        if isinstance(b, WeightBalancer)
-        for k in range(1, b.count + 1)
-    ]
-    speeds, lags = [f"{w}speed" for w in weights], [f"{w}mean_lag" for w in weights]
-    heavy = any(machine.operation.gravity for machine in machines)  # swings once per revolution
-    held_by = {
-        name: name.replace(".moment_", ".mean_moment_" if heavy else ".moment_")
-        for name in asked or ()
-    }
-    motor = ["motor.speed"] if first.operation.motor else []
-    wanted = ["residual", "settled", "largest", *held_by.values(), *states, *speeds, *lags, *motor]
-    results = list(dict.fromkeys(wanted))
-    outcomes = cosimulate_many(first, table_of(machines), results=results, threads=1)
+    asked = _Asked.of(machines)
+    graded = moments(machines[0]) is not None
+    outcomes = cosimulate_many(machines[0], table_of(machines), results=asked.results, threads=1)
     bare = [one.without_balancers() for one in machines]
     without = cosimulate_many(bare[0], table_of(bare), results=["largest"], threads=1)
     found = np.full((len(machines), len(_NUMBERS)), np.nan)
     for k, machine in enumerate(machines):
-        if outcomes["failure"][k]:
-            continue
-        ends = {name: float(outcomes[name][k]) for name in states}
-        grade = math.nan
-        if asked is not None:
-            held = {name: outcomes[by][k] for name, by in held_by.items()}
-            grade = residual_unbalance(machine, held, end_time(machine))[1]
-        at_end = machine.profile().speed(end_time(machine))
-        speed = float(outcomes["motor.speed"][k]) if motor else at_end
-        behind = sum(
-            min(-float(outcomes[now][k]), float(outcomes[mean][k])) > BEHIND * speed
-            for now, mean in zip(speeds, lags, strict=True)
-        )
-        residual, alone = float(outcomes["residual"][k]), _alone(machine, speed)
-        other = behind or (bool(speeds) and residual >= alone)
-        settled = 0.0 if other else float(outcomes["settled"][k])
-        found[k] = (
-            residual,
-            grade,
-            settled,
-            bool(merged(machine, ends)),
-            behind,
-            alone,
-            outcomes["largest"][k],
-            without["largest"][k],
-        )
+        if not outcomes["failure"][k]:
+            own = {name: float(outcomes[name][k]) for name in asked.results}
+            found[k] = *_numbers(machine, own, asked, graded), without["largest"][k]
     return found, outcomes["failure"]
+
+
+def _numbers(
+    machine: Scene, own: dict[str, float], asked: _Asked, graded: bool
+) -> tuple[float, ...]:
+    """All but the last of `_NUMBERS` of a machine whose run has not failed."""
+    end, grade = end_time(machine), math.nan
+    if graded:
+        held = {name: own[by] for name, by in asked.held_by.items()}
+        grade = residual_unbalance(machine, held, end)[1]
+    speed = own["motor.speed"] if asked.motor else machine.profile().speed(end)
+    behind = sum(min(-own[now], own[mean]) > BEHIND * speed for now, mean in asked.rates)
+    alone = _alone(machine, speed)
+    other = behind or (bool(asked.rates) and own["residual"] >= alone)
+    return (
+        own["residual"],
+        grade,
+        0.0 if other else own["settled"],
+        bool(merged(machine, {name: own[name] for name in asked.states})),
+        behind,
+        alone,
+        own["largest"],
+    )
 
 
 def _alone(machine: Scene, speed: float) -> float:
