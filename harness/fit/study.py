@@ -22,7 +22,7 @@ from .model import HarmonicModel, Model
 from .parameters import Parameter
 from .runout import SIGNIFICANCE as RUNOUT_SIGNIFICANCE
 from .runout import Runout, find_runout
-from .search import difference, first_guess, known, rms, search
+from .search import Guess, difference, first_guess, known, rms, search
 from .systematic import significance
 
 if TYPE_CHECKING:
@@ -151,15 +151,10 @@ def fit(
     model, logarithms = Model(scene, parameters, measured), measured.logarithms
     is_phase = measured.is_phase
     scale = np.array([parameter.start for parameter in parameters])
-    guess, closest = None, model
-    try:
-        by_harmonic = HarmonicModel(scene, parameters, measured)
-        reporting = progress if harmonic else None
-        guess = first_guess(by_harmonic, model, logarithms, is_phase, starts, reporting)
-        closest = by_harmonic
-    except NoResponse as error:
-        if harmonic or starts > 1:
-            raise UserError(f"{scene.label}: no fit by harmonic balance: {error}") from None
+    reporting = progress if harmonic else None
+    guess, closest, refused = _guess(model, scene, measured, starts, reporting)
+    if refused and (harmonic or starts > 1):
+        raise UserError(f"{scene.label}: no fit by harmonic balance: {refused}")
     if guess and harmonic:
         solution = guess.closer
     else:
@@ -190,6 +185,20 @@ def fit(
         starts=guess.starts if guess else 0,
         **of_values(parameters, solution, chance, uncertainty),
     )
+
+
+def _guess(
+    model: Model, scene: Scene, measured: MeasuredAmplitudes, starts: int, progress: Progress | None
+) -> tuple[Guess | None, Model, str]:
+    """What harmonic balance finds, and the model that is nearest to it; why it has no answer."""
+    try:
+        harmonic = HarmonicModel(scene, model.parameters, measured)
+        found = first_guess(
+            harmonic, model, measured.logarithms, measured.is_phase, starts, progress
+        )
+    except NoResponse as error:
+        return None, model, str(error) or "it has no answer"
+    return found, harmonic, ""
 
 
 def _sequences(measured: MeasuredAmplitudes) -> list[NDArray[np.int_]]:

@@ -144,7 +144,6 @@ def rotor_balls(
     Raises:
         Unproved: it is not proved that there is such a rotor.
     """
-    given = {key: value for key, value in table.items() if key not in _NO_ARGUMENTS}
     kind = table["kind"]
     if kind == "planar":
         places = [arb(0)]
@@ -152,29 +151,9 @@ def rotor_balls(
     else:
         places = table["stations"] if kind == "flexible" else table["planes"]
         loads = [(u["position"], u["amount"], u["angle"]) for u in table["unbalances"]]
-    given["bearings"] = [
-        (b["support"], b["table"]) if b["table"] is not None
-        else (b["support"], b["stiffness"], b["damping"])
-        for b in table["bearings"]
-    ]  # fmt: skip
     if table.get("skews"):
         raise Unproved("rotor.skews: no weights in planes undo the couple of a disc that is askew")
-    if kind == "flexible":
-        given |= {"elastic": _elastic, "solve": _solve, "larger": largest}
-    try:
-        rotor: LinearRotor = (
-            _of_matrices(table) if kind == "matrices" else getattr(LinearRotor, kind)(**given)
-        )
-        if table["bodies"]:
-            rotor = _with_bodies(rotor, table, places)
-    except ValueError as error:
-        raise Unproved(str(error)) from error
-    if rubber := _rubber(table):
-        rotor = with_rubber(rotor, rubber)
-    if table.get("shaft_loss_factor"):
-        one = zener(cast(Any, arb(1)), table["shaft_loss_factor"], table["shaft_loss_frequency"])
-        count = len(places) + sum(bool(each) for each in table["transverse_inertias"])
-        rotor = with_turning_rubber(rotor, count, one)
+    rotor = _of_table(table, places)
     masses = balls([0] * rotor.plane_count)
     for plane, mass in added:
         masses[plane] += mass
@@ -192,6 +171,38 @@ def rotor_balls(
                          for place, size, angle in loads),
         rigid=kind == "two_support",
     )  # fmt: skip
+
+
+def _of_table(table: Mapping[str, Any], places: Sequence[Any]) -> LinearRotor:
+    """The rotor of a table alone, with its bodies and rubber.
+
+    Raises:
+        Unproved: it is not proved that there is such a rotor.
+    """
+    kind = table["kind"]
+    given = {key: value for key, value in table.items() if key not in _NO_ARGUMENTS}
+    given["bearings"] = [
+        (b["support"], b["table"]) if b["table"] is not None
+        else (b["support"], b["stiffness"], b["damping"])
+        for b in table["bearings"]
+    ]  # fmt: skip
+    if kind == "flexible":
+        given |= {"elastic": _elastic, "solve": _solve, "larger": largest}
+    try:
+        rotor: LinearRotor = (
+            _of_matrices(table) if kind == "matrices" else getattr(LinearRotor, kind)(**given)
+        )
+        if table["bodies"]:
+            rotor = _with_bodies(rotor, table, places)
+    except ValueError as error:
+        raise Unproved(str(error)) from error
+    if rubber := _rubber(table):
+        rotor = with_rubber(rotor, rubber)
+    if table.get("shaft_loss_factor"):
+        one = zener(cast(Any, arb(1)), table["shaft_loss_factor"], table["shaft_loss_frequency"])
+        count = len(places) + sum(bool(each) for each in table["transverse_inertias"])
+        rotor = with_turning_rubber(rotor, count, one)
+    return rotor
 
 
 def _in_balls(parts: RotorParts) -> dict[str, Any]:
