@@ -166,6 +166,10 @@ int one_piece_load_step(Unit *unit, double *angle, bool *is_wanted)
 
 void one_piece_load_collocation(Composite *c, double angle)
 {
+    if (c->pieces.is_eventful) { /* points have the phase of the step */
+        one_piece_load(c, &c->pieces.instant, c->at_begin, c->course->one_piece.speed, 0.0);
+        one_piece_load_phase(c, &c->pieces.instant, c->at_begin);
+    }
     machine_take_bearings(&c->pieces.instant, &composite_rotor(c)->rotor, (int)c->course->one_piece.bearing_line);
     collocation_start(&c->pieces.collocation, &c->pieces.step, &c->pieces.instant, angle);
 }

@@ -134,15 +134,15 @@ static void begin_step(Unit *unit)
     }
 }
 
-/* Internal damping by which a whirl takes a motor's shaft along, the faster the larger it is; 0: it takes none.  A
-   machine with events has none to go by: a polynomial of collocation is no series whose roots are events. */
+/* Internal damping by which a whirl takes a motor's shaft along, the faster the larger it is; 0: it takes none, or
+   there are forces of stops, sliders or cubic springs, of which a collocation knows nothing. */
 static double taken_along(const Composite *c)
 {
     const Machine *m = &c->pieces.step;
     const int n = m->stations;
     double damping = 0.0;
     int k;
-    if (!c->motor || c->pieces.is_eventful || m->restraints) {
+    if (!c->motor || m->restraints || (m->phase && m->phase->slider_count)) {
         return 0.0;
     }
     for (k = 0; k < n; k++) {

@@ -48,6 +48,7 @@ int one_piece_try_collocation(Unit *unit, double *length)
     }
     one_piece->patience = 0.0;
     *length = one_piece->collocated;
+    one_piece->order = c->pieces.is_eventful ? OF_POWERS : one_piece->order;
     /* from here on the key is that of the polynomial */
     if (one_piece_load_step(unit, &angle, &is_wanted)) {
         return 1;

@@ -142,7 +142,7 @@ void collocation_start(Collocation *c, const Machine *m, Machine *at, double ang
     const int d = first + m->weight_count + has_shaft;
     double *places = c->start, *speeds = places + d;
     int k;
-    c->rule = m->carried ? &RADAU_SEVEN : &RADAU_ELEVEN;
+    c->rule = m->carried || m->phase ? &RADAU_SEVEN : &RADAU_ELEVEN;
     c->at = at;
     c->unknowns = d;
     c->displacements = first;
@@ -216,6 +216,7 @@ static void write_order(const Collocation *c, const double *row, double scale, i
     write_columns(m, speeds, m->velocity + order * m->width);
     if (m->drive.motor) {
         m->shaft[order] = pair_of(speeds[d - 1], places[d - 1]);
+        m->speed[order] = c->rule->powers ? speeds[d - 1] : m->speed[order];
     }
 }
 
@@ -230,6 +231,9 @@ static void write_powers(const Collocation *c, double length, Machine *m)
     }
     for (k = (stages + 1) * m->width; k < (OF_POWERS + 1) * m->width; k++) {
         m->motion[k] = m->velocity[k] = pair_zero();
+    }
+    for (order = stages + 1; order <= OF_POWERS && m->drive.motor; order++) {
+        m->speed[order] = 0.0;
     }
     write_holds(c, length, m);
 }
