@@ -9,7 +9,7 @@ import numpy as np
 
 from ...models.arrays import Array
 from ...models.capture.capture import brake_curve
-from ..output.picture import GREY, Line, Panel, Picture, PlotAxis, colour
+from ..output.picture import GREY, Line, Panel, Picture, PlotAxis, Style, colour
 from ..units import shown_in
 
 if TYPE_CHECKING:
@@ -56,11 +56,12 @@ def plot_captured(data: Captured, path: Path | None = None) -> Path | Picture:
         unstable += _falling_crossings(w, lag, found.speed)
         stable += [m.frequency for _, m in found.motions if m.weights == k]
     lines.append(Line((w * factor, (found.speed - w) * factor), "drag", GREY, "dashed"))
-    marks = ((stable, "stable: left behind", "#000000"), (unstable, "unstable", "#D55E00"))
-    for points, label, shade in marks:
+    marks: tuple[tuple[list[float], str, Style], ...]
+    marks = ((stable, "stable: left behind", "marks"), (unstable, "unstable", "crosses"))
+    for points, label, style in marks:
         if points:
             x = np.array(points)
-            lines.append(Line((x * factor, (found.speed - x) * factor), label, shade, "marks"))
+            lines.append(Line((x * factor, (found.speed - x) * factor), label, "#000000", style))
     axes = (
         PlotAxis("speed of the weights", unit, limits=(0.0, found.speed * factor)),
         PlotAxis("lag that brake or drag hold", unit, limits=(0.0, 1.05 * top * factor)),

@@ -16,7 +16,7 @@ from ...models.arrays import Array
 # Okabe and Ito's colours, told apart by colour-blind people and in grey
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")
 GREY = "#767676"
-Style = Literal["solid", "dashed", "dotted", "dots", "marks"]  # of a line
+Style = Literal["solid", "dashed", "dotted", "dots", "marks", "crosses"]  # of a line
 
 
 def colour(number: int) -> str:
@@ -61,7 +61,8 @@ class Line:
         points: (m,) an axis: two, or three in space; angle [rad] and radius in a polar panel.  NaN
             interrupts the line.
         label: in the legend; empty: not in it.
-        style: of the line; `dots` are small points, `marks` large ones, without a line.
+        style: of the line; `dots` are small points, `marks` large ones and
+            `crosses` crosses, without a line.
         texts: beside the points, one each.
     """
 

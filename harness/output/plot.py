@@ -16,6 +16,7 @@ import numpy as np
 from matplotlib.cm import ScalarMappable
 from matplotlib.colors import LogNorm, Normalize
 from matplotlib.figure import Figure
+from matplotlib.patheffects import AbstractPathEffect, withStroke
 from matplotlib.ticker import MaxNLocator
 
 from ..errors import UserError
@@ -31,9 +32,11 @@ _STYLES: dict[str, dict[str, Any]] = {
     "dotted": {"ls": ":"},
     "dots": {"ls": "", "marker": ".", "ms": 2.5},
     "marks": {"ls": "", "marker": "o", "ms": 5.0},
+    "crosses": {"ls": "", "marker": "x", "ms": 7.0, "mew": 2.0},
 }
 _VIEW = {"elev": 22.0, "azim": -62.0}  # degrees, from where space is looked at
 _MOST_WITHIN, _MOST_BESIDE = 6, 12  # entries of a legend, within the axes and beside them
+_WHITE = "#FFFFFF"  # is lost on light colours
 _RESOLUTION = 150  # dots an inch
 
 
@@ -156,7 +159,7 @@ def _draw(figure: Figure, axes: Any, panel: Panel) -> None:
     if panel.field is not None:
         _colours(figure, axes, panel.field)
     for line in panel.lines:
-        _line(axes, line)
+        _line(axes, line, outlined=panel.field is not None)
     for letter, axis in zip("xyz", panel.axes, strict=False):
         if panel.kind != "polar":
             _axis(axes, letter, axis)
@@ -200,13 +203,22 @@ def _colours(figure: Figure, axes: Any, field: Field) -> None:
     figure.colorbar(mappable, ax=axes, pad=0.015, label=field.quantity.label)
 
 
-def _line(axes: Any, line: Line) -> None:
-    look = _STYLES[line.style]
+def _line(axes: Any, line: Line, outlined: bool = False) -> None:
+    """A line and its texts, over a field with an outline that shows them on every colour."""
+    look = dict(_STYLES[line.style])
+    if outlined and line.colour == _WHITE:
+        look["path_effects"] = _outline(line.width + 1.5)
     label = line.label or None
     axes.plot(*line.points, color=line.colour, lw=line.width, label=label, **look)
     for *place, text in zip(*line.points, line.texts, strict=False):
-        near = {"xytext": (5, 4), "textcoords": "offset points"}
-        axes.annotate(in_words(text), place, color=line.text_colour, fontsize="small", **near)
+        near = {"xytext": (5, 4), "textcoords": "offset points", "fontsize": "small"}
+        said = axes.annotate(in_words(text), place, color=line.text_colour, **near)
+        if outlined:
+            said.set_path_effects(_outline(2.0))
+
+
+def _outline(width: float) -> list[AbstractPathEffect]:
+    return [withStroke(linewidth=width, foreground="#000000")]
 
 
 def _axis(axes: Any, letter: str, axis: PlotAxis) -> None:

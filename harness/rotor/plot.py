@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import replace
 from pathlib import Path
 from typing import get_args
 
@@ -63,35 +62,45 @@ def campbell_diagram(found: RotorAnalysis) -> Picture:
     data, critical = found.campbell(), _critical(found)
     frequency = np.abs(data.eigenvalues)
     damping = -data.eigenvalues.real / np.where(frequency > 0.0, frequency, 1.0)
-    lines = [*_by_whirl(data.speeds, frequency, data.whirl)]
+    lines = [*_senses(data.whirl), *_by_whirl(data.speeds, frequency, data.whirl)]
     lines.append(Line((data.speeds, data.speeds), "frequency = speed", GREY, width=0.8))
     double = data.speeds, 2.0 * data.speeds
     lines.append(Line(double, "frequency = 2 x speed", GREY, "dashed", 0.8))
     unit, factor = shown_in("rad/s")
-    listed = ", ".join(f"{speed * factor:.6g} {unit}" for speed in critical)  # as the table
-    label = f"critical speeds, undamped: {listed}" if listed else ""
+    listed = "\n".join(f"{speed * factor:.6g} {unit}" for speed in critical)  # as the table
+    label = f"critical speeds, undamped:\n{listed}" if listed else ""
     lines.append(Line((critical, critical), label, CRITICAL, "marks"))
     # modes far above the speeds would press the rest together
     low = frequency[frequency <= 1.3 * found.high]
     top = 1.08 * max(found.high, float(low.max(initial=0.0)))
     upward = PlotAxis("natural frequency $|\\lambda|$", "rad/s", limits=(0.0, top))
     ratio = PlotAxis("damping ratio (negative: unstable)", "1")
-    below = [replace(line, label="") for line in _by_whirl(data.speeds, damping, data.whirl)]
-    panels = [Panel((SPEED, upward), lines), Panel((SPEED, ratio), below)]
+    below = [*_by_whirl(data.speeds, damping, data.whirl)]
+    panels = [Panel((SPEED, upward), lines, beside=True), Panel((SPEED, ratio), below)]
     return Picture(f"{found.scene.heading}\n{ALONE}", panels, height=3.8)
+
+
+def _sense(whirl: Array) -> Array:
+    return np.where(np.abs(whirl) < _STRAIGHT, 0, np.sign(whirl))
+
+
+def _senses(whirl: Array) -> Iterator[Line]:
+    """Entries of the legend alone: what the styles of the lines of all colours mean."""
+    nowhere = np.array([np.nan])
+    for value, (name, style) in _WHIRL.items():
+        if (_sense(whirl) == value).any():
+            yield Line((nowhere, nowhere), f"{name} motion", "#000000", style)
 
 
 def _by_whirl(speeds: Array, values: Array, whirl: Array) -> Iterator[Line]:
     """A line for every mode and sense of its whirl, which its style shows."""
-    sense = np.where(np.abs(whirl) < _STRAIGHT, 0, np.sign(whirl))
-    for value, (name, style) in _WHIRL.items():
-        label = f"{name} motion"
+    sense = _sense(whirl)
+    for value, (_, style) in _WHIRL.items():
         for k in np.flatnonzero((sense == value).any(axis=0)).tolist():
             inside = sense[:, k] == value
             # one more point on, so that a change of sense leaves no gap
             shown = inside | np.concatenate([[False], inside[:-1]])
-            yield Line((speeds, np.where(shown, values[:, k], np.nan)), label, colour(k), style)
-            label = ""
+            yield Line((speeds, np.where(shown, values[:, k], np.nan)), "", colour(k), style)
 
 
 def response_curves(found: RotorAnalysis) -> Picture:

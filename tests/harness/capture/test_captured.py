@@ -65,6 +65,14 @@ def test_json_holds_drag_release_and_every_motion(invoke, tmp_path):
     assert (tmp_path / "brake.png").stat().st_size > 10_000
 
 
+def test_marks_of_the_picture_look_like_no_curve_and_differ_in_shape():
+    (panel,) = scene(0.006).capture().plot().panels
+    looks = {line.label.split(":")[0]: (line.style, line.colour) for line in panel.lines}
+    stable, unstable = looks.pop("stable"), looks.pop("unstable")
+    assert stable[0] != unstable[0]
+    assert not {stable[1], unstable[1]} & {shade for _, shade in looks.values()}
+
+
 def test_below_a_natural_frequency_above_the_speed_the_sentence_cannot_tell(invoke, tmp_path):
     rotor = {"kind": "two_support", "mass": 1.0, "inertia": 0.08, "polar_inertia": 0.04,
              "span": 1.0, "stiffness": [0.5, 0.5], "damping": [0.02, 0.02],

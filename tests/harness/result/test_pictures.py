@@ -73,6 +73,12 @@ def test_waterfall_draws_frequency_speed_and_amplitude(slow_run_up):
     assert ridge == pytest.approx(field.x[column], rel=0.03)
 
 
+def test_texts_over_colours_have_an_outline(slow_run_up):
+    spectra = drawn(slow_run_up.plot_waterfall()).axes[1]
+    assert [text.get_text() for text in spectra.texts] == ["order 1", "order 2"]
+    assert all(text.get_path_effects() for text in spectra.texts)
+
+
 def on_circle(speed, curve):
     """A/w is the mobility times u: a circle of diameter u/c through the origin, turned by alpha."""
     turned = curve * np.exp(-1j * ALPHA) / speed

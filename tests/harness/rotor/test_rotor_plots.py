@@ -11,6 +11,7 @@ import pytest
 from autobalancer.harness import Scene, UserError, load_scene
 from autobalancer.harness.balancing.cycles import balance
 from autobalancer.harness.output.picture import Line, Picture, colour
+from autobalancer.harness.output.plot import drawn
 
 pytestmark = pytest.mark.slow
 
@@ -46,6 +47,15 @@ def test_campbell_curves_meet_the_speed_line_at_the_critical_speeds():
     assert shown(picture, style="dashed", label="backward motion")
     labels = [axis.label for panel in picture.panels for axis in panel.axes]
     assert all(label.endswith(("[rad/s]", "[1]")) for label in labels)
+
+
+def test_legend_of_the_campbell_diagram_covers_no_line():
+    figure = drawn(load_scene("drum").rotor().plot(kind="campbell"))
+    figure.draw_without_rendering()
+    above = figure.axes[0]
+    legend = above.get_legend().get_window_extent()
+    assert not above.get_window_extent().shrunk(0.999, 0.999).overlaps(legend)
+    assert legend.x1 <= figure.bbox.x1
 
 
 def test_campbell_says_when_a_mode_changes_its_nature():
