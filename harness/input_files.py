@@ -15,6 +15,17 @@ _UTF_16 = b"\xff\xfe", b"\xfe\xff"
 _OLD_OFFICE, _ZIP = b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1", b"PK\x03\x04"
 
 
+def named_from(folder: Path, name: str) -> Path:
+    """A file that a scene names from its own folder.
+
+    Raises:
+        UserError: the name is empty.
+    """
+    if not name.strip():
+        raise UserError('"": must not be empty: name a CSV file')
+    return folder / name
+
+
 def read_text(path: Path, refused: type[UserError] = UserError) -> str:
     """The text of a file in UTF-8, with or without a byte-order mark.
 
@@ -86,6 +97,14 @@ class CsvRow(NamedTuple):
             raise UserError(f"{self.place}: {name} = {text!r}: must be a number{comma}") from None
 
 
+def _is_number(text: str) -> bool:
+    try:
+        float(text)
+    except ValueError:
+        return False
+    return True
+
+
 def read_csv(path: Path) -> tuple[list[str], list[CsvRow]]:
     """Names of the columns, and the lines; empty lines and those that begin with # are left out.
 
@@ -116,6 +135,11 @@ def read_csv(path: Path) -> tuple[list[str], list[CsvRow]]:
     names = found[0][1]
     while not names[-1]:  # columns that a spreadsheet has left empty
         names.pop()
+    if all(_is_number(name) for name in names):
+        raise UserError(
+            f"{path}, line {found[0][0]}: {', '.join(names)}: must be names of columns, such as "
+            "time [s]: write a line with them above the numbers"
+        )
     if twice := {name for name in names if names.count(name) > 1}:
         raise UserError(f"{path}: {', '.join(sorted(twice))}: given twice")
     cells = [cell for _, row in found[1:] for cell in row]

@@ -20,7 +20,7 @@ import numpy as np
 from ..models.arrays import Array
 from .errors import UserError
 from .input_files import CsvRow, read_csv
-from .units import WIDEST, to_si
+from .units import LARGEST, SMALLEST, WIDEST, to_si
 
 NOTES = ("note", "comment")  # columns for people
 _HEAD = re.compile(r"(?P<body>.*?\S)\s+[\[(](?P<unit>[^\[\]]*?)[\])]|(?P<alone>.*)")
@@ -117,6 +117,18 @@ class Measurements:
         """
         return np.array([self._number(row, column) for row in self.rows])
 
+    def all_numbers(self, column: Column) -> Array:
+        """The same of a column without empty cells.
+
+        Raises:
+            UserError: as `numbers`, or a cell is empty.
+        """
+        values = self.numbers(column)
+        for row, value in zip(self.rows, values, strict=True):
+            if math.isnan(value):
+                raise UserError(f"{row.place}: {column.head}: must be a number; the cell is empty")
+        return values
+
     def with_unit_of_a_cell(self, column: Column) -> Column:
         """A column whose head has no unit, with that of its first cell that has one."""
         for text in filter(None, self.texts(column)):
@@ -154,6 +166,11 @@ class Measurements:
             value = factor * number.number(column.head)
         if not math.isfinite(value):
             raise UserError(f"{row.place}: {column.head} = {text}: must be a finite number")
+        if value and not SMALLEST <= abs(value) <= LARGEST:
+            raise UserError(
+                f"{row.place}: {column.head} = {text}: must be 0, or from {SMALLEST:g} to "
+                f"{LARGEST:g} in magnitude"
+            )
         if _is_in_degrees(column, value):
             raise UserError(
                 f"{row.place}: {column.head} = {text}: more than two turns; is it in degrees? "

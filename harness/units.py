@@ -43,6 +43,8 @@ ips = inch / second; pound_force = 9.80665 * pound * meter / second**2 = lbf
 
 
 RPM = math.pi / 30.0  # rad/s
+LARGEST = 1e60  # in SI units: products of five such numbers still fit into a double
+SMALLEST = 1.0 / LARGEST  # of a number above 0: quotients fit as well
 WIDEST = 4.0 * math.pi  # rad: an angle beyond two turns is in degrees
 
 

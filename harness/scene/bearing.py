@@ -11,6 +11,7 @@ from pydantic import Field, model_validator
 
 from ...models.supports import SpeedTable
 from ..errors import SceneError, UserError
+from ..input_files import named_from
 from .nested import Nested
 from .quantities import SI, Positive, Real, Table, Whole, refusal, refuse_unless_one
 
@@ -130,7 +131,7 @@ def with_tables(document: dict[str, Any], folder: Path) -> dict[str, Any]:
         name = one.get("table") if isinstance(one, dict) else None
         if isinstance(name, str):
             try:
-                one = {**one, "table": rows_of(folder / name)}
+                one = {**one, "table": rows_of(named_from(folder, name))}
             except UserError as error:
                 raise SceneError(f"rotor.bearings[{k}].table: {error}") from None
         found.append(one)
@@ -141,7 +142,7 @@ def rows_of(path: Path) -> list[list[float]]:
     """Rows of a bearing's table in SI units, as `COLUMNS`.
 
     Raises:
-        UserError: the file cannot be read, a column is missing, or a value is no finite number.
+        UserError: the file cannot be read, a column is missing, or a cell holds no finite number.
     """
     from ..measurements import Known, read_measurements  # few scenes have one
 
@@ -151,9 +152,7 @@ def rows_of(path: Path) -> list[list[float]]:
     missing = [one.name for one, column in zip(known, columns, strict=True) if column is None]
     if missing:
         raise UserError(f"{path}: has no {', '.join(missing)}; needs {heads()}")
-    rows = np.column_stack([found.numbers(column) for column in columns if column])
-    if not np.isfinite(rows).all():
-        raise UserError(f"{path}: every value must be a finite number")
+    rows = np.column_stack([found.all_numbers(column) for column in columns if column])
     return [list(map(float, row)) for row in rows]
 
 

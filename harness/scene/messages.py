@@ -176,6 +176,8 @@ def _one(error: Any, document: Any, root: type[BaseModel]) -> str:
         return f"{place.key}: must be a list of tables; write [[{place.key}]]"
     if kind == "string_pattern_mismatch":
         return statement(place, patterns.WORDS[context["pattern"]])
+    if kind == "too_short" and isinstance(place.value, str):
+        kind = "string_too_short"
     words = _WORDS[kind].format(**context) if kind in _WORDS else error["msg"]
     words = words.removesuffix("1 values") + "1 value" if words.endswith(" 1 values") else words
     if kind in {"float_type", "int_type", "int_from_float"} and unit:

@@ -20,14 +20,14 @@ from pydantic import (
 from pydantic_core import PydanticCustomError, PydanticKnownError, core_schema
 
 from ..errors import SceneError
+from ..units import LARGEST as LARGEST
+from ..units import SMALLEST as SMALLEST
 from .fields import SI as SI
 from .fields import fields_of as fields_of
 from .fields import unit_of as unit_of
 from .messages import problems
 
 LARGEST_ANGLE = 1e9  # rad: doubles that large lie 1e-7 rad apart
-LARGEST = 1e60  # in SI units: products of five such numbers still fit into a double
-SMALLEST = 1.0 / LARGEST  # of a number above 0: quotients fit as well
 # what XML cannot hold, and what a terminal obeys; lines and tabs are allowed
 _CONTROL = re.compile(r"[\x00-\x08\x0b\x0c\x0e-\x1f\x7f-\x9f\ud800-\udfff\ufffe\uffff]")
 

@@ -127,7 +127,11 @@ class Scene(Machine):
 
     def _fill(self, document: dict[str, Any], path: Path | None, label: str) -> None:
         folder = path.parent if path else Path()
-        document = bodies_inside(with_tables(with_corners(document, folder), folder))
+        try:
+            document = with_tables(with_corners(document, folder), folder)
+        except SceneError as error:
+            raise SceneError(f"{label}: {error}") from None
+        document = bodies_inside(document)
         try:
             BaseModel.__init__(self, **document)
         except ValidationError as error:

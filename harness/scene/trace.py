@@ -4,13 +4,17 @@ from __future__ import annotations
 
 import warnings
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ...models.arrays import Array
 from ..errors import SceneError, UserError
+from ..input_files import named_from
 from ..units import RPM
+
+if TYPE_CHECKING:
+    from ..measurements import Measurements
 
 NEAR = 2e-3  # of the highest speed: how far lines may pass a reading
 MOST_LINES = 200  # every corner ends a step; from there on lines may pass by more
@@ -31,7 +35,7 @@ def with_corners(document: dict[str, Any], folder: Path) -> dict[str, Any]:
     if not isinstance(operation, dict) or not isinstance(name, str):
         return document
     try:
-        corners = corners_of(folder / name)
+        corners = corners_of(named_from(folder, name))
     except UserError as error:
         raise SceneError(f"operation.profile: {error}") from None
     return {**document, "operation": {**operation, "profile": corners}}
@@ -53,22 +57,40 @@ def corners_of(path: Path) -> list[list[float]]:
     columns = [found.column(one.name) for one in known]
     if None in columns:
         raise UserError(f"{path}: needs the columns `time [s]` and `speed [rpm]`")
-    time, speed = (found.numbers(column) for column in columns if column)
-    if not np.isfinite([time, speed]).all() or (np.diff(time) <= 0.0).any() or len(time) < 2:
-        raise UserError(f"{path}: times must ascend, and every value must be a finite number")
-    if (speed < 0.0).any() or not speed.max() > 0.0:
-        raise UserError(f"{path}: speed must be 0 or more, and above 0 somewhere")
-    time, near = time - time[0], NEAR * float(speed.max())
+    time, speed = (found.all_numbers(column) for column in columns if column)
+    _refuse_wrong(found, time, speed)
+    start = float(time[0])
+    time, near = time - start, NEAR * float(speed.max())
     while len(at := _corners(time, speed, near)) > MOST_LINES + 1:
         near *= 2.0
     off = float(np.abs(np.interp(time, time[at], speed[at]) - speed).max())
+    begins = f"; times count from the first reading, at {start:.6g} s" if start else ""
     warnings.warn(
         f"{path.name}: {len(time)} readings are approximated by {len(at) - 1} lines, which "
-        f"deviate by {off / RPM:.3g} rpm at most, {off / speed.max():.2g} of the highest speed",
+        f"deviate by {off / RPM:.3g} rpm at most, {off / speed.max():.2g} of the highest speed"
+        f"{begins}",
         TraceNote,
         stacklevel=2,
     )
     return np.column_stack([time[at], speed[at]]).tolist()
+
+
+def _refuse_wrong(found: Measurements, time: Array, speed: Array) -> None:
+    """Raise UserError, with the line, for what is no speed [rad/s] against ascending time [s]."""
+    places = [row.place for row in found.rows]
+    if len(time) < 2:
+        raise UserError(f"{found.path}: one reading: must have two at least")
+    if (back := np.flatnonzero(np.diff(time) <= 0.0)).size:
+        k = int(back[0])
+        raise UserError(
+            f"{places[k + 1]}: time = {time[k + 1]:.6g} s, after {time[k]:.6g} s: times must ascend"
+        )
+    if (below := np.flatnonzero(speed < 0.0)).size:
+        raise UserError(
+            f"{places[below[0]]}: speed = {speed[below[0]] / RPM:.6g} rpm: must be 0 or more"
+        )
+    if not speed.max() > 0.0:
+        raise UserError(f"{found.path}: every speed is 0: must be above 0 somewhere")
 
 
 def _corners(time: Array, speed: Array, near: float) -> list[int]:

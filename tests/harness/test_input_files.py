@@ -65,6 +65,7 @@ def test_measurements_are_read_alike_in_every_form(tmp_path, form):
         ("a,b\n", "needs a line with names of columns, and below it lines of values"),
         ("", "needs a line with names of columns"),
         ("a,a\n1,2\n", "a: given twice"),
+        ("\n0,0\n1,2\n", "line 2: 0, 0: must be names of columns, such as time"),
         ("a,b\n1,\0002\n", "line 2: a zero byte; save the file as UTF-8 text"),
         ("a,b\n1,2\n".encode("utf-16-le"), "line 1: a zero byte; save the file as UTF-8 text"),
         ("a,b\n1,2\n".encode("utf-16"), "line 1: byte 0x.. is not UTF-8; save the file as"),
@@ -76,6 +77,14 @@ def test_what_is_no_table_of_numbers_is_refused_with_its_line(tmp_path, text, sa
     path.write_bytes(text if isinstance(text, bytes) else text.encode())
     with pytest.raises(UserError, match=said):
         _ = [row.number(name) for names, rows in [read_csv(path)] for row in rows for name in names]
+
+
+@pytest.mark.parametrize("text", ["1e308", "-1e61", "1e-300"])
+def test_a_number_that_no_equation_could_square_is_refused_with_its_line(tmp_path, text):
+    path = tmp_path / "measured.csv"
+    path.write_text(f"speed [rad/s]\n3\n{text}\n")
+    with pytest.raises(UserError, match=f"line 3: .* = {text}: must be 0, or from 1e-60 to 1e"):
+        _first_column(path, [Known("speed", ("rad/s",))])
 
 
 def test_columns_that_a_spreadsheet_leaves_empty_are_none(tmp_path):

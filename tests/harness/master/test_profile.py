@@ -8,11 +8,11 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from autobalancer.harness import Scene, SceneError, cosimulate, load_scene
+from autobalancer.harness import Scene, SceneError, UserError, cosimulate, load_scene
 from autobalancer.harness.master.one_file import composition
 from autobalancer.harness.master.schedule import end_time, milestones
 from autobalancer.harness.result.many import cosimulate_many
-from autobalancer.harness.scene.trace import TraceNote
+from autobalancer.harness.scene.trace import TraceNote, corners_of
 from autobalancer.models.monolith import reference
 from tests.energy import balance, signals
 
@@ -100,6 +100,29 @@ def test_a_measured_speed_becomes_few_lines_that_say_how_far_they_are_off(scene,
     (tmp_path / "trace.csv").write_text("time_s,rpm\n0,1\n")
     with pytest.raises(SceneError, match=r"rpm: unknown column \(did you mean speed \[rpm\]\?\)"):
         loaded.replace({"operation.profile": "trace.csv"})
+
+
+@pytest.mark.parametrize(
+    ("rows", "words"),
+    [
+        (["0,0", "2,"], "line 3: speed .rpm.: must be a number; the cell is empty"),
+        (["0,0", "2,9", "1,9"], "line 4: time = 1 s, after 2 s: times must ascend"),
+        (["0,-5", "2,9"], "line 2: speed = -5 rpm: must be 0 or more"),
+        (["0,0", "2,0"], "every speed is 0: must be above 0 somewhere"),
+        (["0,0"], "one reading: must have two at least"),
+    ],
+)
+def test_a_measured_speed_that_is_none_is_refused_with_its_line(tmp_path, rows, words):
+    (tmp_path / "trace.csv").write_text("\n".join(["time [s],speed [rpm]", *rows]))
+    with pytest.raises(UserError, match=words):
+        corners_of(tmp_path / "trace.csv")
+
+
+def test_a_measured_speed_that_begins_later_says_so(tmp_path):
+    (tmp_path / "trace.csv").write_text("time [s],speed [rpm]\n1,0\n2,300\n")
+    with pytest.warns(TraceNote, match="times count from the first reading, at 1 s"):
+        corners = corners_of(tmp_path / "trace.csv")
+    assert [time for time, _ in corners] == [0.0, 1.0]
 
 
 def test_energy_is_accounted_for_in_a_run_down_with_gravity_and_contacts():

@@ -94,6 +94,7 @@ def test_a_journal_bearing_carries_its_share_of_the_weight():
         ({}, "give one of"),
         ({"table": ROWS, "damping": [[1, 0], [0, 1]]}, "belongs to stiffness"),
         ({"table": "none.csv"}, r"rotor\.bearings\[1\]\.table"),
+        ({"table": ""}, r'rotor\.bearings\[1\]\.table: "": must not be empty: name a CSV file'),
         ({"journal": JOURNAL | {"length": 0.08}}, r"at most 0\.5 diameters"),
         ({"journal": JOURNAL | {"speeds": [9.0, 5.0]}}, "must ascend"),
     ],

@@ -133,6 +133,8 @@ VALUES = [
         "density = 1000.0\ninertia_as_force = 1",
         "balancer[2].inertia_as_force = 1: must be true or false",
     ),
+    ("count = 3", 'count = 3\nfmu = ""', 'balancer[1].fmu = "": must not be empty'),
+    ("speed = 3.0", 'profile = ""', 'operation.profile: "": must not be empty: name a CSV file'),
     ("speed = 3.0", "", "operation.speed: give one of speed, run_up, profile and motor: none is"),
     (
         "speed = 3.0",
