@@ -151,20 +151,17 @@ class StabilityMethods(OfScene):
             `sentence()`, `limits()`.
 
         Raises:
-            SceneError: there are no weights, or the supports have dry friction.
-            UserError: the speed is not positive.
+            SceneError: there are no weights, the supports have dry friction, or the speed is not
+                positive.
 
         >>> found = ab.load("two_balls").replace({"weights.drag": 1e-4}).capture()
         >>> found.found.all_pass, len(found.found.natural)
         (False, 1)
         """
         from autobalancer.harness.capture.captured import captured
-        from autobalancer.harness.errors import UserError
         from autobalancer.harness.units import si_number
 
         wanted = None if speed is None else si_number(speed, "rad/s", "speed")
-        if wanted is not None and not wanted > 0.0:
-            raise UserError(f"speed {speed}: must be positive")
         return captured(self._scene, wanted)
 
     def motions(

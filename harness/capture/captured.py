@@ -192,7 +192,7 @@ def captured(scene: Scene, speed: float | None = None) -> Captured:
             f"{remedy}"
         )
     scene.refuse_friction("the closed form of weights that are left behind is that")
-    speed = scene.profile().end if speed is None else speed
+    speed = scene.speed_or_own(speed)
     refuse_outside_tables(scene, speed)
     found = capture(scene.assembly(), speed)
     kinds = {one.kind for one in holders}

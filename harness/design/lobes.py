@@ -13,7 +13,7 @@ from ..output.outcome import Outcome
 from ..output.table import Sheet
 from ..result.verdict import vibration_alone
 from ..scene import Scene
-from ..units import si_number
+from ..units import WIDEST, si_number
 
 _BALANCED = 1e-6  # of the vibration without weights
 _TURNS = 12  # angles of given lobes against the unbalance at which the worst is looked for
@@ -120,8 +120,23 @@ def lobes_of(text: str) -> tuple[Lobes, ...]:
         if not size >= 0.0:
             raise UserError(f"lobes {order} = {amplitude}: must be 0 or more")
         turn = si_number(angle, "rad", f"lobes {order}:") if angle else 0.0
+        if abs(turn) > WIDEST and _is_number(angle):
+            raise UserError(
+                f"lobes {order} at {angle} rad: more than two turns; is it in degrees? then write "
+                f'"{order}={amplitude}@{angle} deg"'
+            )
         found.append(Lobes(int(order), size, turn))
     return tuple(found)
+
+
+def _is_number(text: str) -> bool:
+    return text[-1].isdigit() or text[-1] == "."
+
+
+def _refuse_impossible(scene: Scene, lobes: tuple[Lobes, ...]) -> None:
+    """Raise SceneError for lobes that the scene's balancer does not take as its own race."""
+    race = [{"lobes": one.order, "amplitude": one.amplitude, "angle": one.angle} for one in lobes]
+    scene.replace({f"{scene.balancer[0].label}.race": race})
 
 
 def _own_races(scene: Scene, speed: float) -> OutOfRound:
@@ -145,7 +160,7 @@ def _own_races(scene: Scene, speed: float) -> OutOfRound:
 
 def out_of_round(scene: Scene, text: str = "", speed: float | None = None) -> OutOfRound:
     """As `Scene.race`, which says what is raised."""
-    w = scene.profile().end if speed is None else speed
+    w = scene.speed_or_own(speed)
     assembly = scene.assembly()
     if not text and not has_lobes(assembly):
         raise UserError(
@@ -164,6 +179,7 @@ def out_of_round(scene: Scene, text: str = "", speed: float | None = None) -> Ou
         if assembly.rotor.isotropic:
             remedy = "; give them as the key race of each balancer, and leave --lobes out"
         raise UserError(f"{scene.label}: {error}{remedy}") from error
+    _refuse_impossible(scene, lobes)
     points = replace(assembly, balancers=tuple(
         replace(one, half_angle=0.0) for one in assembly.balancers))  # fmt: skip
     round_race = _size(_least(Race(points, w, ())))

@@ -6,10 +6,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ..errors import SceneError
+from ..units import LARGEST
 from .document import Described
 
 if TYPE_CHECKING:
-    from ...models.assembly import Assembly
+    from ...models.assembly import Assembly, SpeedProfile
     from .balancer import AnyBalancer
     from .rotor import Rotor
     from .run import Operation
@@ -29,6 +30,21 @@ class Refusals(Described):
         unit: tuple[Unit, ...]
 
         def assembly(self) -> Assembly: ...
+        def profile(self) -> SpeedProfile: ...
+
+    def speed_or_own(self, speed: float | None) -> float:
+        """The speed given, by default that at which the operation ends [rad/s].
+
+        Raises:
+            SceneError: it is none at which a rotor turns.
+        """
+        found = self.profile().end if speed is None else speed
+        if not 0.0 < found <= LARGEST:
+            raise SceneError(
+                f"{self.label}: speed = {found:g} rad/s: must be above 0 and {LARGEST:g} or less: "
+                "give another one (--speed)"
+            )
+        return found
 
     def refuse_friction(self, what: str) -> None:
         """Raise SceneError, where dry friction holds supports at rest, for what is linear."""

@@ -48,11 +48,21 @@ def test_lobes_are_stated_one_by_one_and_together(invoke, tmp_path):
         ({"rotor.stiffness": [1e4, 2e4]}, "2=20 um", "with them instead, as the key race"),
         ({"rotor.unbalance": 0.2}, "2=20 um", "do not balance the rotor on a round race"),
         ({"operation.speed": 5.0}, "2=20 um", "do not balance the rotor on a round race"),
+        ({}, "2=1", r"race = .*bends inwards: the sum of \(lobes\^2 - 1\) amplitude is 3 m"),
+        ({}, "9999999=1 um", r"race\[1\]\.lobes = 9999999: must be .* or less"),
+        ({}, "2=20 um@30", 'more than two turns; is it in degrees.*"2=20 um@30 deg"'),
     ],
 )
 def test_what_has_no_answer_is_refused_with_a_reason(changes, lobes, message):
     with pytest.raises(UserError, match=message):
         ab.Scene(**WHEEL).replace(changes).race(lobes)
+
+
+@pytest.mark.parametrize("speed", [0.0, -5.0, math.inf, math.nan])
+def test_a_speed_at_which_nothing_turns_is_refused(speed):
+    for ask in (ab.Scene(**WHEEL).capture, lambda w: ab.Scene(**WHEEL).race("2=0.2 mm", w)):
+        with pytest.raises(UserError, match=r"speed = .* rad/s: must be above 0"):
+            ask(speed)
 
 
 @pytest.fixture(scope="module")
