@@ -25,6 +25,7 @@ LARGE = 100_000_000  # bytes
 MOST_FILES = 100_000
 LARGEST_DESCRIPTION = 200_000_000  # bytes of modelDescription.xml
 _DESCRIPTION = "modelDescription.xml"
+_SEPARATORS = "/\\:"  # of a path, on any platform
 
 
 def read_description(path: Path) -> ModelDescription:
@@ -119,6 +120,11 @@ def _refuse_no_cosimulation(path: Path, description: ModelDescription, names: li
         has = "model exchange" if description.modelExchange else "scheduled execution"
         raise UnitError(
             f"{path}: is for {has} only, without a solver of its own; export it for co-simulation"
+        )
+    if not kind.modelIdentifier or set(kind.modelIdentifier) & set(_SEPARATORS):
+        raise UnitError(
+            f"{path}: {_DESCRIPTION}: modelIdentifier = {kind.modelIdentifier!r}: must be the name "
+            "of a library, without a path: export the FMU again, or correct it"
         )
     folder = _platform(description)
     library = f"binaries/{folder}/{kind.modelIdentifier}{fmpy.sharedLibraryExtension}"

@@ -7,6 +7,7 @@ units join those of the systems around them by `_`.
 
 from __future__ import annotations
 
+import os
 import re
 import zipfile
 import zlib
@@ -16,7 +17,7 @@ from typing import Any
 
 from ...errors import UnitError
 from ...scene.patterns import LONGEST_NAME, legal_characters
-from .archive import new_folder, refuse_dangerous
+from .archive import new_folder, read_description, refuse_dangerous
 from .ssp_parameters import bound, set_parameter
 from .ssp_structure import (
     Element,
@@ -49,7 +50,12 @@ def unpacked_system(path: Path) -> tuple[dict[str, Any], Path]:
             with zipfile.ZipFile(path) as archive:
                 refuse_dangerous(path, archive)
                 archive.extractall(folder)
-            return _document(path, folder), folder
+            document = _document(path, folder)
+            for unit in document["unit"]:
+                read_description(folder / unit["fmu"])
+            return document, folder
+        except UnitError as error:  # of a file that is gone when the message is read
+            raise UnitError(str(error).replace(f"{folder}{os.sep}", f"{path}: ")) from error
         except (zipfile.BadZipFile, zlib.error, EOFError, RuntimeError) as error:
             why = "is not a sound SSP, which is a zip archive"
             raise UnitError(f"{path}: {why}: {error}") from error

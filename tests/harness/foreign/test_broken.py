@@ -96,7 +96,15 @@ FILES = {
     "one name twice": (replaced('name="v0"', 'name="x0"'), 'variable name "x0"'),
     "identifier": (
         described(lambda text: re.sub('modelIdentifier="[^"]*"', 'modelIdentifier="../x"', text)),
-        "none for this machine",
+        "modelIdentifier = '../x': must be the name of a library, without a path",
+    ),
+    "identifier with a folder": (
+        lambda good, altered, _: altered(
+            good,
+            lambda text: re.sub('modelIdentifier="[^"]*"', 'modelIdentifier="a/Mass"', text),
+            added={f"binaries/{instance_platform()}/a/Mass.so": b"no library"},
+        ),
+        "modelIdentifier = 'a/Mass': must be the name of a library",
     ),
     "library": (
         lambda good, altered, _: altered(

@@ -213,6 +213,19 @@ def test_an_ssp_that_cannot_be_read_is_refused_with_what_is_wrong(chain, case, i
     assert words in " ".join(done.output.split())
 
 
+def test_an_fmu_of_an_ssp_is_named_by_the_package_and_its_place_in_it(chain, invoke):
+    path = chain()
+    with zipfile.ZipFile(path) as archive:
+        kept = {name: archive.read(name) for name in archive.namelist()}
+    with zipfile.ZipFile(path, "w") as archive:
+        for name, data in {**kept, "resources/Spring.fmu": b"no archive"}.items():
+            archive.writestr(name, data)
+    done = invoke("run", path)
+    assert done.exit_code == 2, done.output
+    assert f"{path.name}: resources/Spring.fmu: is not a sound FMU" in done.output
+    assert "/autobalancer-ssp-" not in done.output
+
+
 def test_either_end_of_a_connection_can_be_written_first(chain):
     runs = [ab.load_system(chain(edit=edit)).connection for edit in (str, put(ONE, BACK))]
     assert {(c.source, c.to) for c in runs[0]} == {(c.source, c.to) for c in runs[1]}
