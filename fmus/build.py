@@ -73,6 +73,8 @@ def build(
 def written(content: Mapping[str, bytes], destination: Path | str, name: str) -> Path:
     """Write an FMU as a file, or in a folder under its name; the file."""
     target = Path(destination)
+    if target.suffix != ".fmu" and target.is_file():
+        raise NotADirectoryError(f"{target}: is a file: give a folder, or a file that ends in .fmu")
     if target.suffix != ".fmu" or target.is_dir():
         target = target / f"{name}.fmu"
     write(target, zipped(content))

@@ -87,7 +87,7 @@ def build_files(
         return _build_one_file(scene, output, form)
     from ...fmus.build import build
 
-    _check_place(output / f"{next(iter(CATALOGUE))}.fmu")  # the values of a scene load a library
+    check_place(output / f"{next(iter(CATALOGUE))}.fmu")  # the values of a scene load a library
     form = {"backend": "python" if python else "native", "fmi": fmi, "platforms": platforms}
     wanted, left_out = _wanted(scene, python)
     files, rows = [], []
@@ -151,7 +151,7 @@ def written(path: Path, make: Callable[[Path], object]) -> Path:
     """A file made at a path; what prevents it is a UserError."""
     from ...fmus.native.build.compile import NotCompiled
 
-    _check_place(path)
+    check_place(path)
     try:
         make(path)
     except OSError as error:
@@ -165,7 +165,7 @@ def written(path: Path, make: Callable[[Path], object]) -> Path:
     return path
 
 
-def _check_place(path: Path) -> None:
+def check_place(path: Path) -> None:
     """Refuse a place that takes no file before anything is compiled, which can take minutes."""
     if path.parent.exists():
         ready_to_write(path)

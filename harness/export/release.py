@@ -12,7 +12,7 @@ from ..errors import SceneError
 from ..output.machine import VERSION
 from ..output.workers import Progress
 from ..scene import bundled_scenes, load_scene
-from .build import Built, build_files, written
+from .build import Built, build_files, check_place, written
 
 CHECKSUMS = "SHA256SUMS"  # as `sha256sum --check` reads them
 
@@ -36,6 +36,8 @@ def build_release(
     Raises:
         UserError: a file cannot be built or written.
     """
+    path = folder / f"autobalancer-{VERSION}-fmus.zip"
+    check_place(path)  # before work of minutes
     names = bundled_scenes() if scenes is None else scenes
     left_out: list[str] = []
     with TemporaryDirectory(prefix="autobalancer-") as name:
@@ -53,12 +55,12 @@ def build_release(
             if progress:
                 progress(number / len(names))
         files = {
-            path.relative_to(place).as_posix(): path.read_bytes()
-            for path in place.rglob("*")
-            if path.is_file()
+            file.relative_to(place).as_posix(): file.read_bytes()
+            for file in place.rglob("*")
+            if file.is_file()
         }
     sums = [f"{hashlib.sha256(files[path]).hexdigest()}  {path}\n" for path in sorted(files)]
     archive = zipped({**files, CHECKSUMS: "".join(sums).encode()})
-    path = written(folder / f"autobalancer-{VERSION}-fmus.zip", lambda to: write(to, archive))
+    written(path, lambda to: write(to, archive))
     row = (f"{len(files)} with {CHECKSUMS}", hashlib.sha256(archive).hexdigest())
     return Built("Release built", ("files", "SHA-256"), (path,), (row,), tuple(left_out))

@@ -10,6 +10,8 @@ from typing import Any
 from ..output.files import write_whole
 from ..output.report import Report
 from ..output.workers import Progress, Workers
+from ..scatter.study import draw_machines
+from ..scatter.vary import variations
 from ..scene import Scene
 from .answers import judged, verdicts
 from .drawing import machine_drawing
@@ -56,6 +58,9 @@ def write_report(
         UserError: a value is wrong, or the file cannot be written.
         SimulationError: the scene itself cannot be run.
     """
+    varied = variations(vary, scene) if vary else []
+    if varied:
+        draw_machines(scene, varied, machines)  # refuses what it does before long work begins
     page = Report(None, f"Report: {scene.heading}", [scene])
     done = _Steps(progress, 5)
     own = own_run(scene)
@@ -71,7 +76,7 @@ def write_report(
     page.parts += where(scene)
     done.next()
     page.parts += capacity(scene)
-    page.parts += tolerances(scene, vary, machines, workers)
+    page.parts += tolerances(scene, varied, machines, workers)
     page.parts += assumptions(scene, own, started)
     page.cited = "ISO 21940-11"
     text = page.page()

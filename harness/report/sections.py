@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Sequence
 from dataclasses import replace
-from typing import Any
 
 from ...models.linear.critical import speeds_of_interest
 from ...models.readable import readable_unbalance
@@ -20,7 +19,7 @@ from ..result.result import Result
 from ..result.verdict.words import millimetres, velocity
 from ..scatter.report import grade_table, lines
 from ..scatter.study import scatter
-from ..scatter.vary import variations
+from ..scatter.vary import Variation
 from ..scene import Scene
 from ..scene.balancer import WeightBalancer
 from ..stability.boundaries import speeds
@@ -147,16 +146,16 @@ def unbalances(scene: Scene) -> list[tuple[str, float]]:
 
 
 def tolerances(
-    scene: Scene, vary: Mapping[str, Any] | Iterable[str], machines: int, workers: Workers = 1
+    scene: Scene, varied: Sequence[Variation], machines: int, workers: Workers = 1
 ) -> Parts:
     """Machines as they leave the factory, if tolerances are given."""
     parts: Parts = [Heading("What do tolerances do?")]
-    if not vary:
+    if not varied:
         return [
             *parts,
             Note('Not judged: no tolerances were given (--vary "balls.drag=normal(0.2,10%)").'),
         ]
-    found = scatter(scene, variations(vary, scene), machines, workers=workers)
+    found = scatter(scene, varied, machines, workers=workers)
     said = found.as_json()
     parts += lines(said)
     if said["grades"]:

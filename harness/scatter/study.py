@@ -107,11 +107,7 @@ def scatter(
 
     Arguments are those of `Scene.scatter`, which says what is raised.
     """
-    scene.refuse_free("scatter")
-    typical = refuse_wrong(scene, variations)
-    composition(typical)
-    values = drawn(variations, count, seed)
-    refuse_drawn(typical, variations, values)
+    values = draw_machines(scene, variations, count, seed)
     paths = [one.path for one in variations]
     made_for = {
         "content": "scatter",
@@ -137,6 +133,22 @@ def scatter(
         left_out="" if moments(scene) is not None else "the unbalance of a liquid is not known",
         has_weights=any(isinstance(one, WeightBalancer) for one in scene.balancer),
     )
+
+
+def draw_machines(
+    scene: Scene, variations: Sequence[Variation], count: int, seed: int = 1
+) -> NDArray[np.float64]:
+    """(count, variations) values, as `scatter` runs them.
+
+    Raises:
+        UserError: a path cannot vary, or a value that is drawn is not allowed.
+    """
+    scene.refuse_free("scatter")
+    typical = refuse_wrong(scene, variations)
+    composition(typical)
+    values = drawn(variations, count, seed)
+    refuse_drawn(typical, variations, values)
+    return values
 
 
 def _machines(job: tuple[Scene, list[str], Vector]) -> Columns:

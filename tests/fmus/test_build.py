@@ -280,6 +280,13 @@ def test_destination_below_a_file_is_an_error(tmp_path):
         build("LiquidBalancer", tmp_path / "file" / "folder")
 
 
+def test_destination_that_is_a_file_of_another_kind_is_kept_and_said(tmp_path):
+    (tmp_path / "notes.txt").write_text("mine")
+    with pytest.raises(OSError, match=r"notes\.txt: is a file: give a folder, or a file that ends"):
+        build("LiquidBalancer", tmp_path / "notes.txt")
+    assert (tmp_path / "notes.txt").read_text() == "mine"
+
+
 def test_what_is_not_an_fmu_is_refused(tmp_path):
     junk = tmp_path / "junk.fmu"
     junk.write_bytes(b"junk")

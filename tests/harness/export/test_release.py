@@ -4,9 +4,12 @@ import hashlib
 import io
 import zipfile
 
+import pytest
 from fmpy import platform_tuple
 from fmpy.validation import validate_fmu
 
+from autobalancer.harness.errors import UserError
+from autobalancer.harness.export import release
 from autobalancer.harness.export.release import CHECKSUMS, build_release
 
 
@@ -29,3 +32,10 @@ def test_a_release_is_the_same_bytes_twice_and_its_checksums_are_those_of_its_fi
         assert {f"fmi{k}/scenes/{name}.fmu" for k in (2, 3)} <= set(sums)
         assert {f"{folder}/{name}.ssp" for folder in folders} <= set(sums)
         assert validate_fmu(str(tmp_path / f"all/fmi3/scenes/{name}.fmu")) == []
+
+
+def test_a_place_that_takes_no_release_is_refused_before_anything_is_built(tmp_path, monkeypatch):
+    monkeypatch.setattr(release, "build_files", pytest.fail)
+    (tmp_path / "file").write_text("")
+    with pytest.raises(UserError, match=r"file is a file, not a directory"):
+        build_release(tmp_path / "file")

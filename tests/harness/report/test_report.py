@@ -161,6 +161,20 @@ def test_wrong_values_are_refused_by_name(given, tmp_path):
     assert not list(tmp_path.iterdir())
 
 
+@pytest.mark.parametrize(
+    ("vary", "words"),
+    [
+        ("x", "must be PATH=NAME"),
+        ("weights.dragg=normal(1,1%)", "did you mean"),
+        ("weights.drag=normal(0,1)", "draws .* which is not allowed"),
+    ],
+)
+def test_wrong_tolerances_are_refused_before_anything_runs(vary, words, tmp_path, monkeypatch):
+    monkeypatch.setattr("autobalancer.harness.report.page.own_run", pytest.fail)
+    with pytest.raises(UserError, match=words):
+        ab.load("two_balls").report(tmp_path / "page.html", vary=[vary])
+
+
 @pytest.mark.parametrize("name", ["liquid_closed", "sommerfeld"])
 def test_liquid_and_motor_have_a_page(name, tmp_path):
     written = ab.load(name).report(tmp_path / "page.html")
