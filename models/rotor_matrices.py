@@ -55,7 +55,7 @@ def from_matrices(
     refuse_no_mass(m)
     rows = np.eye(n) if planes is None else numbers(planes)
     if rows.shape[1:] != (n,):
-        raise ValueError(f"planes: has rows of {rows.shape[1:]} numbers: must have {n} each")
+        raise ValueError(f"planes: must be rows of {n} numbers, one for each point")
     u = np.zeros(n, complex) if unbalance is None else np.asarray(unbalance, complex)
     if u.shape != (n,):
         raise ValueError(f"unbalance: has {u.size} values: must have {n}, one for each point")

@@ -87,7 +87,10 @@ class Resonance:
         needed = self.stall_torque(speeds)
         falling = np.flatnonzero(np.diff(needed) < 0.0)
         if not falling.size:
-            raise ValueError("has no resonance below the motor's no-load speed")
+            raise ValueError(
+                "has no resonance below the motor's no-load speed: needs unbalance, damping and a "
+                "natural frequency below it"
+            )
         around = speeds[max(0, falling[0] - 1)], speeds[falling[0] + 1]
         found = minimize_scalar(lambda w: -float(self.stall_torque(w)), bounds=around,
                                 method="bounded", options={"xatol": 1e-12})  # fmt: skip

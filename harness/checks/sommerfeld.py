@@ -61,9 +61,12 @@ def variants_of(scene: Scene) -> list[tuple[str, Scene, Resonance]]:
     if scene.balancer:
         cases.append(("with " + ", ".join(b.label for b in scene.balancer), scene))
     try:
-        return [(n, s, Resonance.of(s.assembly(), motor.top_speed)) for n, s in cases]
+        found = [(n, s, Resonance.of(s.assembly(), motor.top_speed)) for n, s in cases]
+        for *_, resonance in found:
+            resonance.limit()  # refuses one that there is none of
     except ValueError as error:
         raise SceneError(f"{scene.label}: check sommerfeld: {error}") from None
+    return found
 
 
 def run_with(scene: Scene, stall_torque: float) -> tuple[Result, float]:

@@ -81,6 +81,7 @@ class Model:
 
         Raises:
             SceneError: parameters do not fit together.
+            UserError: an amplitude is 0.
             SimulationError: a run has failed.
         """
         bases = [self.scene(values) for values in sets.tolist()]
@@ -96,9 +97,16 @@ class Model:
         sizes[AMPLITUDE] = np.mean([sizes[name] for name in self._supports], axis=0)
         sizes |= {name: np.abs(vibrations[name]) for name in self._measured.vibrations}
         shape = len(sets), -1
-        logarithms = {n: np.log(sizes[n]).reshape(shape) for n in self._measured.sizes}
+        with np.errstate(divide="ignore"):  # refused below
+            logarithms = {n: np.log(sizes[n]).reshape(shape) for n in self._measured.sizes}
         signals = {n: vibrations[n].reshape(shape) for n in self._measured.vibrations}
-        return self._measured.joined(logarithms, signals)
+        found = self._measured.joined(logarithms, signals)
+        if not np.isfinite(found).all():
+            raise UserError(
+                f"{self._scene.label}: does not vibrate where vibration was measured, and a fit "
+                "compares logarithms of amplitudes: set an unbalance"
+            )
+        return found
 
     def turning(self, values: Array) -> dict[str, Turning]:
         """By column what turns with the rotor as a run-out does, with these values.

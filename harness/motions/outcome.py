@@ -74,6 +74,10 @@ class Point:
         vibration = max((s.vibration for s in those), default=math.nan)
         return Share(Motion(kind), sum(s.count for s in those), total, math.nan, vibration)
 
+    def ratio(self, share: Share) -> float:
+        """Vibration of a motion over that without balancers; NaN where that is 0 or not known."""
+        return share.vibration / self.alone if self.alone else math.nan
+
     @property
     def balanced(self) -> Share:
         """Share that balances."""
@@ -109,7 +113,7 @@ class Motions(Outcome):
         for point in self.points:
             for s in point.shares:
                 low, high = s.interval
-                cells = (s.frequency, s.vibration, s.vibration / point.alone)
+                cells = (s.frequency, s.vibration, point.ratio(s))
                 rows.append(
                     [point.speed, point.start, s.motion.name, s.count, s.share, low, high]
                     + ["" if math.isnan(c) else c for c in cells]
@@ -128,7 +132,7 @@ class Motions(Outcome):
                     name = f"{counted} at {s.frequency:.4g} rad/s beside {beside}"
                 low, high = s.interval
                 share = f"{100 * s.share:.0f} % ({100 * low:.0f} to {100 * high:.0f})"
-                ratio = s.vibration / point.alone
+                ratio = point.ratio(s)
                 mm = "-" if math.isnan(s.vibration) else brief(1e3 * s.vibration, 3)
                 of = "-" if math.isnan(ratio) else f"{100 * ratio:.3g} %"
                 mm = "below 0.0001" if s.vibration < SMALLEST else mm
@@ -181,7 +185,7 @@ class Motions(Outcome):
                             "interval": list(s.interval),
                             "frequency": _number(s.frequency),
                             "vibration": _number(s.vibration),
-                            "ratio": _number(s.vibration / p.alone),
+                            "ratio": _number(p.ratio(s)),
                         }
                         for s in p.shares
                     ],

@@ -85,7 +85,8 @@ class Matrices(RotorTable):
             if isinstance(error, PydanticCustomError):
                 raise
             key, _, words = str(error).partition(": ")
-            raise refusal(f"{key}_matrix" if words else "mass_matrix", words or key) from None
+            named = "plane_rows" if key == "planes" else f"{key}_matrix"
+            raise refusal(named if words else "mass_matrix", words or key) from None
         return self
 
     @property

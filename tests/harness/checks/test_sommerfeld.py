@@ -28,6 +28,7 @@ def test_free_weights_lower_the_torque_that_a_resonance_takes():
         ({"operation.speed": 90.0}, "needs operation.motor"),
         ({"rotor.stiffness": [1e4, 2e4]}, "planar rotor with equal stiffness"),
         ({"pendulums.track_offset_xi": 0.001}, "centred tracks"),
+        ({"rotor.unbalance": 0.0}, "has no resonance .*: needs unbalance"),
     ],
 )
 def test_a_scene_without_a_closed_form_is_refused(changes, words):

@@ -264,6 +264,16 @@ def test_a_run_up_and_too_few_values_are_refused(rotor, tmp_path):
         fit(rising, read_measured(path, rising), free)
 
 
+@pytest.mark.parametrize("harmonic", [False, True])
+def test_a_scene_that_does_not_vibrate_is_refused(rotor, tmp_path, harmonic):
+    path = tmp_path / "few.csv"
+    path.write_text("speed,amplitude [mm]\n10,1\n20,2\n30,1\n")
+    still = rotor.replace({"rotor.unbalance": 0.0})
+    measured, parameters = read_measured(path, still), parse_free(["rotor.stiffness[1]"], still)
+    with pytest.raises(UserError, match="does not vibrate where vibration was measured"):
+        fit(still, measured, parameters, harmonic=harmonic)
+
+
 def test_the_command_says_draws_and_predicts(invoke, file, tmp_path):
     picture, document, others = (tmp_path / name for name in ("fit.png", "fit.json", "more.csv"))
     others.write_text(f"speed [rpm],amplitude [mm]\n210,{1e3 * amplitude(22.0, 800.0, 6.0)}\n")

@@ -281,3 +281,10 @@ def test_a_motion_that_decides_late_has_the_name_that_an_integration_finds(seed,
     named = witness.by_integration(one)
     assert named == (Kind.BEHIND, 4)
     assert witness.by_package(one) == named
+
+
+def test_motions_of_a_rotor_without_unbalance_have_no_ratio_to_that_without_balancers():
+    found = green(drag=0.01).replace({"rotor.unbalance": 0.0}).motions(starts=["rest"], n=2)
+    assert all(point.alone == 0.0 for point in found.points)
+    assert {row[-1] for row in found.readable().rows} == {"-"}
+    assert {row[-1] for row in found.table().rows} == {""}
