@@ -32,6 +32,9 @@ _MANY, _CREEPS = 3, 8  # weights from which on starts creep, and how many do
 _NEAR = 1e-6  # rad: the same motion
 _TURNS, _BETWEEN = 12, 10  # angles at which weights creep, and steps from each to the next
 _TURNED_CREEPS = 6  # random starts at each of them
+_NEUTRAL = (
+    1e-7  # of the speed: growth of a neutral motion, as that of a race off centre, by rounding
+)
 _SAME_SIZE = 1e-6  # of the vibration without weights: the same motion
 
 
@@ -116,8 +119,7 @@ class Race:
         return np.concatenate([state[2:4], found[:2], turning, found[2:]])
 
     def rests(self, seed: int = 0) -> list[Rest]:
-        """Motions at rest in the rotor that leave less vibration than there is without weights,
-        the least vibration first.
+        """Motions at rest in the rotor, the least vibration first.
 
         They are those to which weights creep under a heavy drag from random angles, and, of one or
         two weights, those that Newton's method finds too, among them unstable ones.  Weights of a
@@ -134,7 +136,7 @@ class Race:
                 continue
             angles = np.sort(angles % math.tau)
             zeta = complex(machine.whirl(angles)[0])
-            if abs(zeta) > self.alone or _overlap(angles, self.half_angle):
+            if _overlap(angles, self.half_angle):
                 continue
             key = tuple((angles / _NEAR / 10.0).round().astype(int).tolist())
             if key not in found:
@@ -236,14 +238,14 @@ def _add(found: list[Held], machine: OnRace, angles: Array) -> bool:
     """Add a rest unless it is known.
 
     Returns:
-        False where it is unstable, leaves more than no weights do, or where weights overlap.
+        False where it is unstable, or where weights overlap.
     """
     alone = float(np.abs(machine.alone).max())
     size = float(np.abs(machine.whirl(angles)).max())
     if any(abs(size - held.size) <= _SAME_SIZE * alone for held in found):
         return True
     rates = np.linalg.eigvals(machine.linearised(angles).at_speed(machine.speed)).real
-    if size > alone or not rates.max() < 0.0 or _any_overlap(machine.assembly, angles):
+    if not rates.max() < _NEUTRAL * machine.speed or _any_overlap(machine.assembly, angles):
         return False
     found.append(Held(size, tuple(angles.tolist())))
     return True

@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import Any
 
-from ...models.assembly import weights_of
+from ...models.assembly import Assembly, weights_of
 from ...models.linear.on_race import has_lobes
-from ...models.lobes import Lobes, Race, Rest, period, rests_over_turns, turned
+from ...models.lobes import Lobes, Race, Rest, rests_over_turns
 from ..errors import UserError
 from ..output.outcome import Outcome
 from ..output.table import Sheet
@@ -16,7 +16,6 @@ from ..scene import Scene
 from ..units import WIDEST, si_number
 
 _BALANCED = 1e-6  # of the vibration without weights
-_TURNS = 12  # angles of given lobes against the unbalance at which the worst is looked for
 _OTHERS = 1.01  # of the worst of the best rests: from there on other ones are told
 
 
@@ -139,23 +138,38 @@ def _refuse_impossible(scene: Scene, lobes: tuple[Lobes, ...]) -> None:
     scene.replace({f"{scene.balancer[0].label}.race": race})
 
 
+@dataclass(frozen=True)
+class _Left:
+    """Vibration that races leave [m]: as they are, at their worst angle, and at most."""
+
+    here: float | None
+    worst: float | None
+    most: float | None
+    angles: tuple[float, ...]
+
+    @classmethod
+    def of(cls, assembly: Assembly, speed: float) -> _Left:
+        """By all stable rests over the angle of the races."""
+        over_turns = rests_over_turns(assembly, speed)
+        here = over_turns[0][0] if over_turns[0] else None
+        worst = max((rests[0].size for rests in over_turns if rests), default=None)
+        most = max((rests[-1].size for rests in over_turns if rests), default=None)
+        return cls(here.size if here else None, worst, most, here.angles if here else ())
+
+
 def _own_races(scene: Scene, speed: float) -> OutOfRound:
     """What the races of a scene leave, several balancers and planes together."""
     assembly = scene.assembly().at_speed(speed)
     lobes = tuple(one for m in assembly.weights for one in weights_of(m).race)
     try:
-        over_turns = rests_over_turns(assembly, speed)
+        left = _Left.of(assembly, speed)
     except (ValueError, ArithmeticError) as error:
         raise UserError(f"{scene.label}: {error}") from error
-    here = over_turns[0]
-    worst = max((rests[0].size for rests in over_turns if rests), default=None)
-    most = max((rests[-1].size for rests in over_turns if rests), default=None)
     names = [getattr(balancer, "kind", "") for balancer in scene.balancer]
     called = names[0] if len(set(names)) == 1 else "weights"
     alone = vibration_alone(scene, speed, 0.0)
-    left = ((here[0].size if here else None, worst),)
-    angles = here[0].angles if here else ()
-    return OutOfRound(scene.heading, called, alone, lobes, left, angles, most)
+    pair = (left.here, left.worst)
+    return OutOfRound(scene.heading, called, alone, lobes, (pair,), left.angles, left.most)
 
 
 def out_of_round(scene: Scene, text: str = "", speed: float | None = None) -> OutOfRound:
@@ -189,18 +203,10 @@ def out_of_round(scene: Scene, text: str = "", speed: float | None = None) -> Ou
             "see `autobalancer speeds`, or take more or heavier weights"
         )
     each = [(one,) for one in lobes] + [lobes] * (len(lobes) > 1)
-    rows, rest, sizes = [], None, list[float]()
-    for some in each:
-        turns = (period(some) * k / _TURNS for k in range(_TURNS))
-        over_turns = [_held(Race(assembly, w, turned(some, by))) for by in turns]
-        sizes = [abs(held.displacement) for rests in over_turns for held in rests]
-        worst = max((abs(rests[0].displacement) for rests in over_turns if rests), default=None)
-        rest = next(iter(over_turns[0]), None)  # of the race as it is given
-        rows.append((_size(rest), worst if rest else None))
+    rows = [_Left.of(Race(assembly, w, some).assembly, w) for some in each]
     (kind,) = {balancer.kind for balancer in scene.balancer}
-    angles = rest.angles if rest else ()
-    most = max(sizes, default=None)
-    return OutOfRound(scene.heading, kind, race.alone, lobes, tuple(rows), angles, most)
+    left = tuple((one.here, one.worst if one.angles else None) for one in rows)
+    return OutOfRound(scene.heading, kind, race.alone, lobes, left, rows[-1].angles, rows[-1].most)
 
 
 def _held(race: Race) -> list[Rest]:
