@@ -154,6 +154,7 @@ class Captured(Outcome):
             "all_pass": found.all_pass,
             "unstable": found.unstable,
             "undamped": found.undamped or None,
+            "lone_lag": found.lone_lag or None,
             "drag_ratio": found.drag_ratio,
             "drag": self.drag,
             "release_speed": _number(found.release_speed),

@@ -71,11 +71,24 @@ def sentence(data: Captured) -> str:
 def _cannot_tell(data: Captured) -> str:
     """Weights that neither turn with the rotor nor are left behind."""
     found = data.found
+    if found.lone_lag:
+        at = in_both(data.speed, "rad/s")
+        return f"Closed form: cannot tell at {at}. {_lone(data)} Count it: `autobalancer motions`."
     return (
         f"Closed form: cannot tell at {in_both(data.speed, 'rad/s')}, which lies below a natural "
         f"frequency: bunched {data.called} can slip there, by up to "
         f"{brief(100.0 * found.slip / found.speed)} % of the speed. Count what happens: "
         "`autobalancer motions`."
+    )
+
+
+def _lone(data: Captured) -> str:
+    """One weight that lags beyond all natural frequencies."""
+    share = brief(100.0 * data.found.lone_lag / data.speed)
+    one = "The weight" if data.found.count == 1 else f"One of the {data.called} alone"
+    return (
+        f"{one} can turn {share} % slower than the rotor, beside no natural frequency: the damping "
+        "of the supports brakes it where the unbalance does not hold it."
     )
 
 
@@ -114,6 +127,8 @@ def limits(data: Captured) -> list[str]:
             f"The largest damping ratio is {strongest:.2g}: in trials with {STRONG_DAMPING:g} "
             "weights were let go at 0.95 to 1.03 times the release speed."
         )
+    if found.motions and found.lone_lag:
+        said.append(_lone(data))
     if found.motions and not data.scene.assembly().rotor.isotropic:
         said.append(
             "The supports are not alike along x and y: the closed form is an average there. In "

@@ -37,6 +37,7 @@ CALM = 0.02  # the same of a vibration that no longer look will find to change
 BEATS = 0.15  # relative: by so much the vibration of a steady motion differs between windows
 LARGEST_SWING = 2.0  # rad, peak to peak, of a weight that is left behind steadily
 RESTS = 0.02  # rad by which a weight at rest in the rotor moves in a window
+BESIDE = 1.25  # times a natural frequency: weights that turn faster are not beside it
 DRIFT = 0.01  # relative: by so much a value that moves one way through all windows changes
 
 
@@ -179,7 +180,7 @@ class Motion:
     Attributes:
         kind: of `Kind`.
         weights, total: left behind, of so many; 0 where none is, and where N is not known.
-        natural: natural frequency beside which they turn [rad/s]; NaN: none is known.
+        natural: natural frequency beside which they turn [rad/s]; NaN: none.
         several: whether they turn beside several natural frequencies.
     """
 
@@ -218,5 +219,6 @@ def motion_of(kind: float, weights: float, frequency: float, closed: Capture | N
         return Motion(Kind(int(kind)))
     alike, total = bool(frequency > 0.0), closed.count if closed else 0
     natural = [one.frequency for one in closed.natural] if closed and alike else []
+    natural = [one for one in natural if frequency <= BESIDE * one]  # none brakes far beyond it
     nearest = min(natural, key=lambda n: abs(n - frequency), default=float("nan"))
     return Motion(Kind.BEHIND, int(weights), total, nearest, not alike)

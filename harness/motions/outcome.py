@@ -129,7 +129,8 @@ class Motions(Outcome):
                 name = s.motion.name
                 if s.motion.kind is Kind.BEHIND and not math.isnan(s.frequency):
                     counted, _, beside = name.partition(" beside ")
-                    name = f"{counted} at {s.frequency:.4g} rad/s beside {beside}"
+                    name = f"{counted} at {s.frequency:.4g} rad/s"
+                    name += f" beside {beside}" if beside else ""
                 low, high = s.interval
                 share = f"{100 * s.share:.0f} % ({100 * low:.0f} to {100 * high:.0f})"
                 ratio = point.ratio(s)

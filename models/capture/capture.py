@@ -23,7 +23,7 @@ from ..arrays import Array
 from ..assembly import Assembly, weights_of
 from ..harmonic_balance import NoResponse, largest_displacement, unbalance_response
 from .branch import WITH, Branches, drag_ratios, find_branches
-from .crossing import follow, largest_slip
+from .crossing import follow, largest_slip, lone_lag
 from .groups import Group, Lag, groups_of
 from .limit import drag_limit
 from .receptance import Poles, Receptance
@@ -99,6 +99,9 @@ class Capture:
         slip: how far bunched weights can lag below a natural frequency above this speed [rad/s].
             There the brake rises up to the rotor's speed: the weights slip in the rotor, however
             large the drag, unless the unbalance holds them.
+        lone_lag: how far a single weight, or one of several on a rotor without unbalance, can lag
+            beyond all natural frequencies [rad/s], braked by strong damping of the supports; 0: by
+            no more than weights that turn with the rotor.
         unstable: the rotor is unstable at this speed: nothing is said.
         undamped: natural frequency below this speed that has no damping [rad/s]; 0: none has.
             Weights can be left behind there whatever their drag, in no steady motion.
@@ -112,6 +115,7 @@ class Capture:
     unbalance_share: float
     drag_ratio: float = 0.0
     slip: float = 0.0
+    lone_lag: float = 0.0
     unstable: bool = False
     undamped: float = 0.0
 
@@ -141,15 +145,15 @@ class Capture:
     def all_pass(self) -> bool | None:
         """Whether no weights can be left behind at this speed, from whatever start.
 
-        None: cannot tell.  The rotor is unstable, a natural frequency has no damping, or weights
-        can slip by more than those that turn with the rotor, and less than those that are left
-        behind.
+        None: cannot tell.  The rotor is unstable, a natural frequency has no damping, weights can
+        slip by more than those that turn with the rotor, and less than those that are left behind,
+        or one weight can lag beyond all natural frequencies.
         """
         if self.unstable or self.undamped:
             return None
         if self.motions:
             return False
-        return None if self.slip > WITH * self.speed else True
+        return None if self.lone_lag or self.slip > WITH * self.speed else True
 
 
 def capture(assembly: Assembly, speed: float) -> Capture:
@@ -181,11 +185,13 @@ def capture(assembly: Assembly, speed: float) -> Capture:
         return replace(found, undamped=undamped)
     branches = find_branches(receptance, lag, speed)
     limit = drag_limit(branches, receptance, lag)
+    alone_there = found.count == 1 or not np.any(assembly.rotor.unbalance)  # it holds others
     return replace(
         found,
         natural=tuple(_natural(branches, receptance, lag)),
         drag_ratio=limit,
         slip=largest_slip(branches),
+        lone_lag=lone_lag(branches, receptance, lag) if alone_there else 0.0,
     )
 
 

@@ -11,6 +11,7 @@ from .branch import LAGS, Branches
 from .groups import Lag
 from .receptance import Receptance
 
+_LONE_STEPS = 40  # of a fixed-point iteration, whose errors fall by the slope of the brake
 _REFINEMENTS, _PLACES = 2, np.linspace(0.0, 1.0, 65)  # each time what lies between two is kept
 
 
@@ -75,6 +76,27 @@ def largest_slip(branches: Branches) -> float:
     rows = np.flatnonzero(branches.own.frequency > at).tolist()
     lags = (_between(branches.frequency[row], branches.lags[row], at) for row in rows)
     return max((lag for lag in lags if lag > 0.0), default=0.0)
+
+
+def lone_lag(branches: Branches, receptance: Receptance, lag: Lag) -> float:
+    """Lag [rad/s] at which one weight is left behind beyond all natural frequencies; 0: at none.
+
+    There the brake of strongly damped supports rises with the speed, m^2 c w/M^2 of a planar rotor,
+    so that the motion is stable.  Two weights part until nothing brakes them.
+    """
+    at = (1.0 - LAGS) * branches.speed
+    single = branches.numbers.sum(axis=1) == 1
+    single &= branches.own.frequency <= at
+    if sum(one.count for one in lag.groups) == 2 or not single.any():
+        return 0.0
+    numbers = np.unique(branches.numbers[single], axis=0)
+    w, lowest = np.full((len(numbers), 1), at), branches.own.frequency[single].max()
+    for _ in range(_LONE_STEPS):  # the brake changes slowly with the speed there
+        found = lag.at(receptance, w, branches.speed, numbers, np.zeros(numbers.shape))[0]
+        found = np.nan_to_num(found)
+        w = np.clip(branches.speed - found, lowest, at)
+    held = (found > LAGS * branches.speed) & (w > lowest)
+    return float(np.where(held, found, 0.0).max())
 
 
 class _Crossing:

@@ -128,6 +128,20 @@ def test_nothing_is_said_where_weights_slip_below_a_natural_frequency_above_the_
     assert capture(gyroscopic(0.02), 1.9).all_pass is False
 
 
+@pytest.mark.parametrize(("damping", "lag"), [(0.2, 0.1045), (0.12, 0.0396)])
+def test_a_single_weight_on_strongly_damped_supports_lags_beyond_its_natural_frequency(
+    damping, lag
+):
+    """It ends there in an integration from half of the rotor's speed, without unbalance."""
+    drag = 0.002**2 / (2.5 * damping)
+    found = capture(planar(damping, drag, count=1, mass=0.002), 4.0)
+    assert not found.motions
+    assert found.all_pass is None
+    assert found.lone_lag / 4.0 == pytest.approx(lag, abs=1e-4)
+    three = capture(planar(damping, 3.0 * drag, count=3, mass=0.002), 4.0)
+    assert three.all_pass is True  # 48 starts of six machines of three and four have turned along
+
+
 def test_slip_below_a_strongly_damped_natural_frequency_is_seen_without_a_peak_of_its_brake():
     """Balls on a bending rotor turn at 0.979 of its speed in an integration, for ever."""
     damping = ((0.2963, 0.2963), (0.2963, 0.2963))

@@ -288,3 +288,17 @@ def test_motions_of_a_rotor_without_unbalance_have_no_ratio_to_that_without_bala
     assert all(point.alone == 0.0 for point in found.points)
     assert {row[-1] for row in found.readable().rows} == {"-"}
     assert {row[-1] for row in found.table().rows} == {""}
+
+
+def test_a_weight_that_turns_far_beyond_a_natural_frequency_is_not_beside_it(tmp_path):
+    """Supports damped by 9 % brake a single weight at 0.9 of the rotor's speed."""
+    rotor = {"kind": "planar", "mass": 1.0, "stiffness": 1.0, "damping": 0.2, "unbalance": 0.0005}
+    one = {"kind": "pendulums", "count": 1, "mass": 0.002, "track_radius": 1.0, "drag": 8e-6}
+    operation = {"speed": 4.0}
+    machine = Scene.from_document({"rotor": rotor, "balancer": [one], "operation": operation})
+    found = machine.motions(starts=["rest"], n=2)
+    (share,) = found.points[0].shares
+    assert share.frequency == pytest.approx(0.8955 * 4.0, rel=0.01)
+    assert share.motion.name == "left behind: 1 of 1"
+    assert "left behind: 1 of 1 at 3.58" in found.readable().rows[0][2]
+    assert "cannot tell at 4 rad/s" in machine.capture().sentence()
