@@ -115,7 +115,17 @@ class Measurements:
             UserError: a cell is no finite number, its unit is of another quantity, or it has none
                 where one is needed.
         """
-        return np.array([self._number(row, column) for row in self.rows])
+        found, told = [], column.symbol or column.unit
+        for row in self.rows:
+            value, symbol = self._number(row, column)
+            if symbol and told and symbol != told:
+                raise UserError(
+                    f"{row.place}: {column.head} = {row.cells[column.head]!r}: must be in {told}, "
+                    "or a unit of the same quantity, as the rest of its column"
+                )
+            told = told or symbol
+            found.append(value)
+        return np.array(found)
 
     def all_numbers(self, column: Column) -> Array:
         """The same of a column without empty cells.
@@ -138,10 +148,11 @@ class Measurements:
                 return replace(column, unit=unit, symbol=symbol, factor=factor)
         return column
 
-    def _number(self, row: CsvRow, column: Column) -> float:
-        text = row.cells[column.head]
+    def _number(self, row: CsvRow, column: Column) -> tuple[float, str]:
+        """A cell in SI units, and the SI unit that it states; empty where it states none."""
+        text, symbol = row.cells[column.head], ""
         if not text:
-            return math.nan
+            return math.nan, ""
         match = _CELL.fullmatch(text)
         if match is None or not any(map(str.isdigit, match["number"])):
             value = column.factor * row.number(column.head)
@@ -158,11 +169,6 @@ class Measurements:
                 symbol, factor = unit_in_si(match["unit"], column.known)
             except ValueError as error:
                 raise UserError(f"{row.place}: {column.head} = {text!r}: {error}") from None
-            if column.symbol and symbol != column.symbol:
-                raise UserError(
-                    f"{row.place}: {column.head} = {text!r}: must be in {column.symbol}, or a "
-                    "unit of the same quantity, as the rest of its column"
-                )
             value = factor * number.number(column.head)
         if not math.isfinite(value):
             raise UserError(f"{row.place}: {column.head} = {text}: must be a finite number")
@@ -176,7 +182,7 @@ class Measurements:
                 f"{row.place}: {column.head} = {text}: more than two turns; is it in degrees? "
                 f"then name the column `{column.known.name} [deg]`"
             )
-        return value
+        return value, symbol
 
 
 def _is_in_degrees(column: Column, value: float) -> bool:

@@ -16,7 +16,7 @@ import numpy as np
 from scipy.interpolate import Akima1DInterpolator
 
 from ...models.arrays import Array
-from ..errors import UserError
+from ..errors import SimulationError, UserError
 from ..master.closing import Closing
 from ..master.foreign.abilities import variable_of
 from ..master.unit_run import UnitRun
@@ -30,6 +30,8 @@ from .systematic import significance
 
 if TYPE_CHECKING:
     from ..output.workers import Progress
+
+END_ROUNDING = 1e-9  # of the last measured time: sums of steps end so near to it
 
 
 class SystemModel(Closing):
@@ -55,14 +57,21 @@ class SystemModel(Closing):
         """What would be measured (s, values) with parameters (s, p), over `scale`.
 
         Raises:
-            SimulationError: a run has failed.
+            SimulationError: a run has failed, or ended before the last measurement.
         """
         found = []
         for values in sets.tolist():
             pairs = zip(self.parameters, values, strict=True)
             changes = {k: v for one, x in pairs for k, v in one.changes(x).items()}
             time, signals = recorded_again(self._run, self._measured.signals, changes)
-            at = {n: Akima1DInterpolator(time, s)(self._measured.time) for n, s in signals.items()}
+            last = self._measured.time[-1]
+            if time[-1] < last * (1.0 - END_ROUNDING):
+                raise SimulationError(
+                    f"a run ends at t = {time[-1]:g} s, before the last measurement at {last:g} s: "
+                    "leave out what was measured later"
+                )
+            places = np.minimum(self._measured.time, time[-1])
+            at = {name: Akima1DInterpolator(time, s)(places) for name, s in signals.items()}
             found.append(self._measured.flat(at) / self.scale)
         return np.array(found)
 

@@ -145,6 +145,12 @@ def test_units_in_heads_and_cells_are_those_of_the_field(tmp_path, heads, value,
         ("rpm", "1", r"did you mean speed \[rpm\]"),
         ("size [um pp rms]", "1", "unit 'um pp rms': must have one of pp"),
         ("size [pp]", "1", "unknown unit 'pp': write the unit of length"),
+        (
+            "amplitude",
+            "1 um\n2 mm/s",
+            "line 3: amplitude = .2 mm/s.: must be in m, or a unit",
+        ),
+        ("amplitude [um]", "1\n2 mm/s", "line 3: amplitude .um. = '2 mm/s': must be in m"),
     ],
 )
 def test_heads_and_cells_that_are_not_clear_are_refused(tmp_path, head, cell, said):
@@ -157,6 +163,7 @@ def test_heads_and_cells_that_are_not_clear_are_refused(tmp_path, head, cell, sa
                 Known("mass", ("kg",), per_plane=True),
                 Known("speed", ("rad/s",)),
                 Known("size", ("m",), is_size=True),
+                Known("amplitude", ("m", "m/s"), is_size=True),
             ],
         )
 

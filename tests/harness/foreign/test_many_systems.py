@@ -119,6 +119,18 @@ def test_elements_of_arrays_are_measured_and_free_by_their_names(guest, altered,
         assert system.fit(path, "m.k[1,2]").values[0] == pytest.approx(3.5**2, rel=1e-3)
 
 
+def test_a_run_that_ends_before_the_last_measurement_is_refused(mass, tmp_path, monkeypatch):
+    def ended_early(_run, names, _changes):
+        time = np.linspace(0.0, 1.0, 50)
+        return time, {name: np.cos(3.5 * time) for name in names}
+
+    monkeypatch.setattr("autobalancer.harness.fit.systems.recorded_again", ended_early)
+    time = np.linspace(0.1, 1.9, 10)
+    path = write(tmp_path / "long.csv", time, ("m.x", np.cos(3.5 * time)))
+    with pytest.raises(ab.SimulationError, match=r"ends at t = 1 s, .* at 1\.9 s"):
+        mass.fit(path, "m.k")
+
+
 def test_a_value_that_is_no_distribution_is_refused_with_what_is_one(mass):
     with pytest.raises(ab.UserError, match=r"m\.x0 = 3.0: must be a text such as"):
         mass.scatter({"m.x0": 3.0}, n=3)
