@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 
 LAST = 10  # revolutions at the end of a run that are looked at
 LAST_OF_FREE = 100  # of a machine that nothing holds: it tilts slowly, undamped
+COUPLE = 1e-9  # of the sum of sizes: a static unbalance that is rounding
 ZONES = "ABCD"
 HEADS = (
     "place", "force [N]", "transmissibility [1]", "velocity rms [m/s]", "zone",
@@ -33,14 +34,15 @@ def support_sheet(scene: Scene, rotor: LinearRotor, motion: Complex, speed: floa
     """A row for every support, foot and handle.
 
     The force is the largest of its orbit, 0-peak, without the weight; the transmissibility is that
-    over U w^2.  The velocity is that of a body at its foot along the axis where it is larger:
-    housings and feet have zones, a shaft has none.  The acceleration at a handle is the sum of both
-    axes, and weighted for hands.
+    over U w^2, of the static unbalance U: a couple has none.  The velocity is that of a body at its
+    foot along the axis where it is larger: housings and feet have zones, a shaft has none.  The
+    acceleration at a handle is the sum of both axes, and weighted for hands.
 
     Args:
         motion: (2, n) complex amplitudes of x and y at this speed [rad/s], 0-peak [m].
     """
-    pull = abs(complex(rotor.unbalance.sum())) * speed**2
+    static, parts = abs(complex(rotor.unbalance.sum())), float(np.abs(rotor.unbalance).sum())
+    pull = static * speed**2 if static > COUPLE * parts else 0.0
     places = _places(scene, rotor)
     feet = {
         f"{body.name}.foot[{k}]": places.row(body.name, foot.position)
@@ -49,7 +51,7 @@ def support_sheet(scene: Scene, rotor: LinearRotor, motion: Complex, speed: floa
     }
     rows: list[tuple[object, ...]] = []
     for one in forces(rotor, motion, speed):
-        share = one.amplitude / pull if pull else math.nan
+        share: float | str = one.amplitude / pull if pull else ""
         rate: float | str = ""
         if one.name in feet:
             rate = speed * float(np.abs(motion @ feet[one.name]).max()) / math.sqrt(2.0)

@@ -156,3 +156,14 @@ def test_the_force_of_a_bearing_over_the_speed_follows_its_table(separate):
     )
     assert force_x == pytest.approx(k_xx * x + k_xy * y + c_xx * vx + c_xy * vy, abs=1e-9)
     assert force_y == pytest.approx(k_yx * x + k_yy * y + c_yx * vx + c_yy * vy, abs=1e-9)
+
+
+@pytest.mark.parametrize("amount", [0.0, 1e-3])
+def test_a_couple_and_a_rotor_without_unbalance_have_no_transmissibility(amount):
+    drum = ab.load("drum")
+    pair = [
+        {"position": place, "amount": amount, "angle": angle}
+        for place, angle in zip(drum.rotor.planes, (0.3, 0.3 + math.pi), strict=True)
+    ]
+    sheet = drum.replace({"rotor.unbalances": pair}).rotor().forces()
+    assert [row[2] for row in sheet.rows] == ["", ""]
