@@ -8,10 +8,12 @@ import struct
 from contextlib import suppress
 
 import pytest
+from fmpy import platform_tuple
 from fmpy.fmi1 import FMICallException
 
 import autobalancer as ab
 from autobalancer.harness import load_scene
+from tests.native.packaging import Host
 from tests.studies.forged import PHASE, VALUES, Found, study
 
 STATES, COMPOSITIONS = 1000, 300
@@ -159,4 +161,26 @@ def test_a_state_whose_outputs_cannot_be_computed_says_why(hosted):
     host.slave.setFMUState(host.slave.deserializeFMUState(bytes(data)))
     said = host.refused(lambda: host.outputs())
     assert "speed = 100000 rad/s" in said
+    assert "the speeds of the bearings' table" in said
+
+
+def test_a_torque_of_a_state_beyond_its_table_is_refused_with_the_reason(tmp_path):
+    """Nothing else is computed of a restored state before its torque, which is read first."""
+    rows = [[speed, 1.0, 0.0, 0.0, 1.0, 0.1, 0.0, 0.0, 0.1] for speed in (0.0, 50.0)]
+    rotor = {"kind": "planar", "mass": 1.0, "unbalance": 0.0, "bearings": [{"table": rows}]}
+    scene = ab.Scene.from_document(
+        {"rotor": rotor, "operation": {"speed": 40.0}, "run": {"duration": 1.0}}
+    )
+    found = scene.build(tmp_path, platforms=[platform_tuple]).files
+    host = Host(next(path for path in found if path.stem == "rotor")).begin()
+    host.step(1e-3)
+    host.get("torque")
+    data = bytearray(host.slave.serializeFMUState(host.slave.getFMUState()))
+    speed = int(host.variables["speed"].valueReference)
+    assert struct.unpack_from("<d", data, VALUES + 8 * speed) == (40.0,)
+    struct.pack_into("<d", data, VALUES + 8 * speed, 60.0)
+    data[-8:] = fnv(bytes(data[:-8]))
+    host.slave.setFMUState(host.slave.deserializeFMUState(bytes(data)))
+    said = host.refused(lambda: host.get("torque"))
+    assert "speed = 60" in said
     assert "the speeds of the bearings' table" in said
