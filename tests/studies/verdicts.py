@@ -101,6 +101,9 @@ def judge(family: str, number: int, seed: int, by: str = "reference") -> Judged:
             wrong, told = check(scene, verdict, float(result.time[-1]), by)
         except ArithmeticError as error:  # the reference gave up
             return found(wrong="", told=(), text=f"no reference: {error}")
+        except SimulationError as error:  # continued, it whirls beyond any bound
+            wrong = "balanced, and continued it has no end" if verdict.balanced else ""
+            return found(wrong=wrong, told=(), text=f"{verdict}; continued: {error}")
     return found(wrong=wrong, told=told)
 
 

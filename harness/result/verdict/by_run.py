@@ -7,18 +7,20 @@ reaches.  What the weights leave there is seen, not computed, and a motion is on
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 
 from ....models.arrays import Array, Complex
 from ....models.harmonic_balance import NoResponse
+from ...units import rounded
 from .ahead import MOST_PASSES, changed_until, kept
 from .balance import CREEP
-from .case import STEADY_SIZE, Case, Ruling
+from .case import BALANCED, STEADY_SIZE, Case, Ruling
 from .elsewhere import turning
 from .facts import over_capacity_at_any_speed, over_capacity_off_centre, too_heavy, unstable
 from .known import Known
-from .lasting import distance, is_steady, lasting, part_sizes
+from .lasting import distance, is_steady, lasting, part_sizes, quiet_spells
 from .outcome import Outcome
 from .passages import run_bare
 from .record import Record
@@ -29,6 +31,7 @@ from .words import millimetres, percent, show_too_little
 
 LASTS, FEWEST = 0.5, 20.0  # of the record, and revolutions at least, that a motion has to last
 GROWS = 1.05  # times the largest vibration of the third quarter of the record: it grows
+SPELLS = 3  # below the limit, after each of which it rose again: so it goes on
 REACHED = 0.02  # of a vibration: that of a steady motion changes by less over half a run
 LONGER, RUNS = 5.0, 4  # times the run before, and how many runs, until a rotor alone is steady
 SHORTEST = 50.0  # revolutions of the first of them
@@ -137,11 +140,16 @@ def rule_by_run(case: Case, vibration: Array, parts: list[float]) -> Ruling:
     grows = vibration[fourth].max() > GROWS * vibration[third].max(initial=0.0)
     if lasted >= max(FEWEST, LASTS * case.record.revolutions) and (rests or not grows):
         return Ruling(Outcome.BALANCED)
+    spells = quiet_spells(angle, vibration, case.limit)
+    motion = lasting(case) if len(spells) >= SPELLS and lasted <= max(spells) else None
+    if motion is not None:
+        return replace(motion, reason=f"{motion.reason}; {_again(spells)}")
     if lasted > 0.0:
+        before = f"; {_again(spells)} before" if spells else ""
         return Ruling(
             Outcome.CANNOT_TELL,
             "the vibration is below the limit now; whether it stays there is not known, as no "
-            f"formula covers {_uncovered(case)}",
+            f"formula covers {_uncovered(case)}{before}",
         )
     long = case.record.revolutions >= FEWEST
     if rests and long and is_steady(parts, REACHED) and min(parts) > case.limit:
@@ -149,6 +157,15 @@ def rule_by_run(case: Case, vibration: Array, parts: list[float]) -> Ruling:
     return lasting(case) or Ruling(
         Outcome.CANNOT_TELL,
         f"the motion has not settled, and no formula covers {_uncovered(case)}",
+    )
+
+
+def _again(spells: list[float]) -> str:
+    """A vibration that falls below the limit and rises again."""
+    times = "once" if len(spells) == 1 else f"{len(spells)} times"
+    return (
+        f"the vibration fell below {100.0 * BALANCED:g} % of that without {times}, for up to "
+        f"{rounded(max(spells))} revolutions, and rose again"
     )
 
 

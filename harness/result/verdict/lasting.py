@@ -41,6 +41,19 @@ def distance(time: Array, motion: Complex, shown: Mask) -> Array:
     return np.asarray(np.abs(motion - middle[:, None]).max(axis=0))
 
 
+def quiet_spells(angle: Array, vibration: Array, limit: float) -> list[float]:
+    """Revolutions for which a vibration (T,) stayed below a limit before it rose again.
+
+    Of spells of one revolution at least that end in the second half of a run.
+    """
+    above = np.flatnonzero(vibration > limit)
+    if not len(above):
+        return []
+    begins, ends = angle[above[:-1]], angle[above[1:]]
+    long = ((ends - begins) >= math.tau) & (ends >= 0.5 * (angle[0] + angle[-1]))
+    return [float(spell) for spell in (ends - begins)[long] / math.tau]
+
+
 def is_steady(parts: Sequence[float], share: float) -> bool:
     """Whether the vibration in parts of the second half of a run neither rises nor falls.
 

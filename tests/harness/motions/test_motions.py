@@ -291,7 +291,7 @@ def test_motions_of_a_rotor_without_unbalance_have_no_ratio_to_that_without_bala
 
 
 def test_a_weight_that_turns_far_beyond_a_natural_frequency_is_not_beside_it(tmp_path):
-    """Supports damped by 9 % brake a single weight at 0.9 of the rotor's speed."""
+    """Supports damped by 10 % brake a single weight at 0.9 of the rotor's speed."""
     rotor = {"kind": "planar", "mass": 1.0, "stiffness": 1.0, "damping": 0.2, "unbalance": 0.0005}
     one = {"kind": "pendulums", "count": 1, "mass": 0.002, "track_radius": 1.0, "drag": 8e-6}
     operation = {"speed": 4.0}

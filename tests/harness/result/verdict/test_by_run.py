@@ -9,7 +9,7 @@ import pytest
 
 from autobalancer.harness import Scene, cosimulate
 from autobalancer.harness.result.verdict import Outcome
-from autobalancer.harness.result.verdict.lasting import part_sizes
+from autobalancer.harness.result.verdict.lasting import part_sizes, quiet_spells
 from autobalancer.harness.result.verdict.verdict import Verdict
 from tests.harness.result.verdict.test_verdict import ROTOR, drum, verdict
 
@@ -158,3 +158,38 @@ def test_distances_in_parts_of_a_run_are_from_its_mean_however_it_is_recorded():
     crowded = np.concatenate([angle, np.arange(0.0, 200.0, math.tau) + 0.01 * np.ones(32)])
     time = np.sort(crowded)
     assert part_sizes(time, 3.0 + np.exp(1j * time)[None]) == pytest.approx([1.0] * 8, rel=0.02)
+
+
+def test_a_motion_that_is_quiet_now_and_then_on_rigid_friction_is_named_so():
+    """Balls that swing in the rotor balance it for a moment, again and again."""
+    scene = Scene(
+        rotor={"kind": "planar", "mass": 0.7268, "stiffness": 1912.0, "damping": 7.933,
+               "unbalance": 0.001051, "unbalance_angle": 1.973,
+               "friction": [{"support": 1, "limit": 1.173}]},
+        balancer=[{"kind": "balls", "count": 2, "mass": 0.005524, "track_radius": 0.1924,
+                   "drag": 0.005972, "angles": [2.054, 2.725], "speeds": [-167.2, -167.2]}],
+        operation={"speed": 167.2},
+        run={"revolutions": 1500},
+    )  # fmt: skip
+    run = cosimulate(scene)
+    found = run.summary()
+    late = run.time > 0.5 * run.time[-1]
+    x, y = run["rotor.x"][late], run["rotor.y"][late]
+    turn = (run.time[late] * 167.2 // math.tau).astype(int)
+    largest = np.zeros(turn.max() + 1)
+    np.maximum.at(largest, turn, np.hypot(x - x.mean(), y - y.mean()))
+    quiet = largest[turn.min() :] < 0.05 * found.alone
+    falls = int((np.diff(quiet.astype(int)) == 1).sum())  # whole turns of the rotor that are quiet
+    assert falls > 10
+    assert found.outcome is Outcome.ANOTHER_MOTION
+    assert "another motion, which has lasted for 750 revolutions" in found.reason
+    counted = int(found.reason.partition("without ")[2].partition(" times")[0])
+    assert falls <= counted < 3 * falls
+    assert "and rose again" in found.reason
+
+
+def test_spells_below_a_limit_are_counted_where_the_vibration_rises_again():
+    angle = np.arange(400) * math.tau / 4.0  # 100 revolutions
+    vibration = np.where(np.arange(400) % 80 < 25, 0.5, 2.0)
+    assert quiet_spells(angle, vibration, 1.0) == pytest.approx([6.5, 6.5])
+    assert quiet_spells(angle, np.full(400, 0.5), 1.0) == []
