@@ -361,3 +361,30 @@ def test_messages_of_model_exchange_name_call_time_and_what_did_not_agree(tmp_pa
     text = host.messages[before][1]
     assert "at t = 6.8 s: fmi2GetDerivatives: " in text
     assert "start values" not in text
+
+
+def test_torques_of_one_file_are_those_of_its_motion(tmp_path):
+    """Of the unbalance -u Im(z'' e^{-ia}), of balls b R^2 phi' + (kappa - 1) m R^2 phi''."""
+    keys = {"coupling.steps_per_rev": None, "coupling.tolerance": 1e-10, "weights.kind": "balls"}
+    scene = load_scene("two_balls").replace(keys)
+    host = Host(one_file(tmp_path, scene)).begin()
+    velocity = ["rotor.vx", "rotor.vy"]
+    rates = [f"weights.weight[{k}].speed" for k in (1, 2)]
+    torques = ["rotor.torque", "weights.torque"]
+    host.step(1.0)
+    before = np.array(host.get(*velocity, *rates))
+    host.step(1e-4)
+    found, angle = host.get(*torques), host.get("rotor.angle")[0]
+    here = np.array(host.get(*velocity, *rates))
+    host.step(1e-4)
+    slope = (np.array(host.get(*velocity, *rates)) - before) / 2e-4
+    turned = (slope[0] + 1j * slope[1]) * np.exp(-1j * angle)
+    ring = scene.balancer[0]
+    square = ring.track_radius**2
+    expected = [
+        -scene.rotor.unbalance * turned.imag,
+        ring.drag * square * here[2:].sum()
+        + (ring.kappa - 1.0) * ring.mass * square * slope[2:].sum(),
+    ]
+    assert found == pytest.approx(expected, rel=1e-6)
+    assert min(map(abs, found)) > 1e-4
