@@ -10,6 +10,7 @@ from contextvars import ContextVar
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from ...fmus.whole_files import draft_of
 from ..errors import UserError
 from ..units import in_words
 from .files import refuse_unwritable
@@ -140,8 +141,13 @@ def ready_to_fill(path: Path) -> None:
     try:
         missing += [each for each in (path, *path.parents) if not each.exists()]
         path.mkdir(parents=True, exist_ok=True)
-        refuse_unwritable(path / "anything")
+        with draft_of(path / "anything") as draft:
+            draft.touch(exist_ok=False)
     except (OSError, ValueError) as error:
+        if path.is_dir() and path not in missing:
+            raise UserError(
+                f"{path}: takes no files: {getattr(error, 'strerror', error)}"
+            ) from error
         reason = getattr(error, "strerror", None) or error
         raise UserError(f"{path}: cannot be made a directory: {reason}") from error
     finally:

@@ -141,6 +141,13 @@ def test_a_report_that_cannot_be_written_is_refused_before_the_work(invoke, monk
     assert "cannot be made a directory" in outcome.output
 
 
+def test_a_folder_that_takes_no_files_is_refused_by_its_own_name(invoke, monkeypatch):
+    monkeypatch.setattr("autobalancer.harness.balancing.cycles.balance", None)
+    outcome = invoke("balance", "balancing_machine", "--report", "/proc")
+    assert outcome.exit_code == 2
+    assert "/proc: takes no files" in outcome.output
+
+
 def test_pictures_are_as_dark_as_the_page_where_the_reader_wants_it_dark(tmp_path):
     browser = chromium(tmp_path / "chromium")
     if browser is None:
