@@ -148,3 +148,15 @@ def test_runs_of_many_motors_are_the_single_runs():
         amplitude = np.hypot(single["rotor.x"], single["rotor.y"])
         assert found["largest"][k] == pytest.approx(amplitude.max(), rel=1e-2)
         assert found["motor.speed"][k] == pytest.approx(single["motor.speed"][-1], rel=1e-5)
+
+
+def test_the_acceleration_of_a_motor_in_one_file_is_that_of_its_speed(instance):
+    """It follows from the torques of all parts where it is read."""
+    host = instance(Scene.from_document(DOCUMENT).replace({"coupling.tolerance": 1e-10})).begin()
+    host.step(0.1)
+    (before,) = host.get("motor.speed")
+    host.step(1e-5)
+    (found,) = host.get("motor.acceleration")
+    host.step(1e-5)
+    (after,) = host.get("motor.speed")
+    assert found == pytest.approx((after - before) / 2e-5, rel=1e-6)
