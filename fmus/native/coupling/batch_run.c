@@ -185,26 +185,33 @@ double batch_run_point(const BatchRun *run, const BatchCall *all, size_t number)
     return run->end * ((double)number / (double)all->batch->points);
 }
 
-/* The points that are read together from this one on, before the next jump; how many: more than one where nothing is to
-   be found out on the way. */
-static int find_points(BatchRun *run, const BatchCall *all, double point, double jump, double *points)
+int batch_run_points(const BatchRun *run, const BatchCall *all, double jump, double *points)
 {
     const Composite *c = run->unit->own;
-    const OnePiece *one_piece = &c->course->one_piece;
-    const size_t left = all->batch->points - run->reached;
-    int count = 1, most = left < MOST_READ ? (int)left + 1 : MOST_READ;
-    points[0] = point;
-    if (one_piece->looked < one_piece->looks || one_piece_outputs(run->unit) != OUTPUTS_ARE_PLACES) {
-        return 1;
-    }
+    const size_t left = all->batch->points + 1 - run->reached;
+    const int most = left < MOST_READ ? (int)left : MOST_READ;
+    int count = 0;
     while (count < most) {
-        point = batch_run_point(run, all, run->reached + (size_t)count);
+        const double point = batch_run_point(run, all, run->reached + (size_t)count);
         if (!(point < jump) || !composite_reaches(c, point)) {
             break;
         }
         points[count++] = point;
     }
     return count;
+}
+
+/* The points that are read together from this one on, which the step reaches before the next jump; how many: more than
+   one where nothing is to be found out on the way. */
+static int find_points(BatchRun *run, const BatchCall *all, double point, double jump, double *points)
+{
+    const Composite *c = run->unit->own;
+    const OnePiece *one_piece = &c->course->one_piece;
+    if (one_piece->looked < one_piece->looks || one_piece_outputs(run->unit) != OUTPUTS_ARE_PLACES) {
+        points[0] = point;
+        return 1;
+    }
+    return batch_run_points(run, all, jump, points);
 }
 
 /* Outputs at times in the step, of which the last is shown. */

@@ -40,6 +40,9 @@ void batch_run_fail(BatchRun *run, BatchCall *all);
 /* The time of a point, and its row. */
 double batch_run_point(const BatchRun *run, const BatchCall *all, size_t point);
 double *batch_run_row(const BatchRun *run, const BatchCall *all, size_t point);
+/* The points that the present step reaches before the next jump, up to MOST_READ, from the first on that has not been
+   read; how many. */
+int batch_run_points(const BatchRun *run, const BatchCall *all, double jump, double *points);
 
 /* -- side_by_side.c -------------------------------------------------------------------------------- */
 

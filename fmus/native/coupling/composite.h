@@ -129,6 +129,8 @@ bool composite_reaches(const Composite *c, double time);
 /* 1 with the reason where a step of this length from a time on has taken too many of the machine since so many
    passes, or will at its pace. */
 int composite_refuse_many(Unit *unit, double passes, double begin, double length);
+/* Whether the steps since so many passes are too few to be refused. */
+bool composite_are_few(const Composite *c, double passes);
 
 /* -- drive.c --------------------------------------------------------------------------------- */
 

@@ -15,12 +15,22 @@ bool composite_reaches(const Composite *c, double time)
     return !(clock->time < time - point);
 }
 
+static double most_steps(const Composite *c)
+{
+    return MOST_MOVES / c->part_count;
+}
+
+bool composite_are_few(const Composite *c, double passes)
+{
+    return !(c->course->total.passes - passes > ENOUGH_OF_MOVES * most_steps(c));
+}
+
 int composite_refuse_many(Unit *unit, double passes, double begin, double length)
 {
     const Composite *c = unit->own;
-    const double made = c->course->total.passes - passes, most = MOST_MOVES / c->part_count;
+    const double made = c->course->total.passes - passes, most = most_steps(c);
     const double reached = c->course->clock.time - begin;
-    if (made > ENOUGH_OF_MOVES * most && made * length > HOPELESS * most * reached) {
+    if (!composite_are_few(c, passes) && made * length > HOPELESS * most * reached) {
         return unit_fail(unit, "a step of %6 s cannot be completed: %6 s of it took %u steps of the machine; the motion is "
                          "too fast", length, reached, (unsigned long)made);
     }

@@ -145,10 +145,31 @@ static void expand_all(BatchRun *runs, Loaded *loaded, int count, Held *held)
     }
 }
 
-/* Whether the step that has been loaded may be followed by others in its lane. */
-static bool is_smooth(const BatchRun *run, const Loaded *loaded, const Held *held)
+/* Whether the step that has been loaded may be followed by others before the machine is looked at. */
+static bool is_smooth(const BatchRun *run, const Loaded *loaded)
 {
-    return held->by && held->by->expand_on && loaded->is_wanted && !loaded->is_alone && one_piece_is_smooth(run->unit);
+    return loaded->is_wanted && !loaded->is_alone && one_piece_is_smooth(run->unit);
+}
+
+/* Let the only run that goes on do so in smooth steps, if it can; whether it has. */
+static bool go_on_alone(BatchRun *runs, Loaded *loaded, int count, BatchCall *all)
+{
+    int only = -1, live = 0, k;
+    for (k = 0; k < count; k++) {
+        live += runs[k].is_live;
+        only = runs[k].is_live ? k : only;
+    }
+    if (live != 1 || !is_smooth(runs + only, loaded + only)) {
+        return false;
+    }
+    smooth_steps_alone(runs + only, loaded + only, all);
+    return true;
+}
+
+/* Whether parts of it follow their planes' places, which lie in no lane. */
+static bool is_followed(const BatchRun *run)
+{
+    return ((const Composite *)run->unit->own)->pieces.followers;
 }
 
 /* Let runs stay in their lanes, if all that go on can; whether they have.  Where some cannot, those that can wait. */
@@ -157,10 +178,11 @@ static bool stay_in_lanes(BatchRun *runs, Loaded *loaded, int count, Held *held,
     BatchRun *together[LANES];
     Loaded *steps[LANES];
     LaneMachine machines[LANES];
+    const bool has_lanes = held->by && held->by->expand_on;
     int live = 0, found = 0, alike = 0, k;
     for (k = 0; k < count; k++) {
         live += runs[k].is_live;
-        loaded[k].waits = runs[k].is_live && is_smooth(runs + k, loaded + k, held);
+        loaded[k].waits = has_lanes && runs[k].is_live && !is_followed(runs + k) && is_smooth(runs + k, loaded + k);
         if (loaded[k].waits) {
             together[found] = runs + k;
             steps[found++] = loaded + k;
@@ -204,7 +226,7 @@ void side_by_side_run(BatchRun *runs, int count, BatchCall *all)
     memset(&held, 0, sizeof held);
     held.by = lanes_of_processor();
     while (reach_steps(runs, loaded, count, all)) {
-        if (stay_in_lanes(runs, loaded, count, &held, all)) {
+        if (go_on_alone(runs, loaded, count, all) || stay_in_lanes(runs, loaded, count, &held, all)) {
             continue;
         }
         expand_all(runs, loaded, count, &held);

@@ -32,10 +32,12 @@ static inline Machine *machine_of(const BatchRun *run)
 /* Tell which machines go into the lanes; 1 where there are no lanes, or no memory for them. */
 int side_by_side_tell(BatchRun *const *runs, Loaded *const *loaded, int count, Held *held, LaneMachine *machines);
 
-/* -- smooth_steps.c ------------------------------------------------------------------------------- */
+/* -- smooth_steps.c, smooth_alone.c ---------------------------------------------------------------- */
 
 /* Let machines that are alike, and whose motion is smooth, stay in their lanes until a step of one of them does not. */
 void smooth_steps(BatchRun *const *runs, Loaded *const *loaded, int count, Held *held, const LaneMachine *machines,
                   BatchCall *all);
+/* The same of one machine by itself. */
+void smooth_steps_alone(BatchRun *run, Loaded *loaded, BatchCall *all);
 
 #endif

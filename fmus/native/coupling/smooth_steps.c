@@ -2,8 +2,6 @@
 #include "base/elementary.h"
 #include "coupling/side_by_side.h"
 
-enum { MOST_BEFORE_POINT = 64 }; /* of steps, as passes count, without a point: how many they may be is then looked at */
-
 /* The step that all lanes are at.  Numbers of lanes that are empty are those of the first. */
 typedef struct {
     double angles[LANES], speeds[LANES], largest[LANES], rates[LANES]; /* at its start */
@@ -39,7 +37,7 @@ static bool take_together(SmoothStep *step, BatchRun *const *runs, const Held *h
         const Terms last[2] = {terms[0][lane], terms[1][lane]};
         const double length =
             machine_length_of_terms(machine_of(run), order, last, one_piece_step_tolerance(run->unit), false);
-        step->is_taken[lane] = c->course->total.passes - run->passes < MOST_BEFORE_POINT &&
+        step->is_taken[lane] = composite_are_few(c, run->passes) &&
                                one_piece_take_smooth(run->unit, length, run->end);
         are_taken &= step->is_taken[lane];
     }

@@ -7,6 +7,7 @@
 #include "machine/rings.h"
 #endif
 
+enum { FEW_WEIGHTS = 2 };    /* of a machine with a copy of its own */
 enum { MOST_OF_COPIES = 3 }; /* stations of a plain machine that has a copy of the recurrence */
 
 /* What w' leads E'' to without that of order k, and with it where it is prescribed. */
@@ -476,6 +477,35 @@ static IN_LINE void go_through_plain(const Machine *m, int order, int stations, 
     go_through_orders(&here, order, true);
 }
 
+/* Whether it is a planar machine with two weights on a track that is not off, on bearings without cross effects. */
+static bool is_simple_machine(const Machine *m)
+{
+    return m->stations == 1 && m->track_count == 1 && m->weight_count == FEW_WEIGHTS && !m->tracks->is_off && !m->turns &&
+           !m->crossed && !m->varies;
+}
+
+/* The same for such a machine: what is known of it is not looked up, and its weights may lie in registers too. */
+static void go_through_simple(const Machine *m, int order)
+{
+    Machine here = *m;
+    MachineTrack track = *m->tracks;
+    SeriesWeight weights[FEW_WEIGHTS];
+    int k;
+    for (k = 0; k < FEW_WEIGHTS; k++) {
+        weights[k] = m->weights[k];
+    }
+    here.stations = here.track_count = 1;
+    here.unknowns = here.weight_count = here.width = 2;
+    here.turns = track.first = track.is_off = 0;
+    here.crossed = here.varies = false;
+    here.drive.motor = NULL;
+    here.beside = NULL;
+    here.tracks = &track;
+    here.weights = weights;
+    track.end = FEW_WEIGHTS;
+    go_through_orders(&here, order, true);
+}
+
 void machine_expand(Machine *m, Number angle, int order)
 {
     bool is_plain, is_beside;
@@ -488,6 +518,10 @@ void machine_expand(Machine *m, Number angle, int order)
     is_plain = is_plain_machine(m);
     is_beside = is_plain && m->beside && order >= LEAST_ORDER && m->stations <= MOST_OF_COPIES;
     start_series(m, angle, is_beside);
+    if (is_plain && is_simple_machine(m)) {
+        go_through_simple(m, order);
+        return;
+    }
 #ifdef SIDE_BY_SIDE
     if (is_plain && m->stations == 1) { /* of more the numbers themselves take the time */
         go_through_plain(m, order, 1, false);
