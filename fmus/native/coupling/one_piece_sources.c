@@ -124,8 +124,7 @@ void one_piece_read_places(const Composite *c, const double *times, int count, d
     const Pieces *pieces = &c->pieces;
     const Machine *m = &pieces->step;
     const int order = one_piece_order(c);
-    double within[MOST_READ];
-    Pair places[MOST_READ];
+    double within[MOST_READ] = {0.0}, x[MOST_READ], y[MOST_READ];
     int column = -1, j;
     size_t k;
     for (j = 0; j < count; j++) {
@@ -133,12 +132,14 @@ void one_piece_read_places(const Composite *c, const double *times, int count, d
     }
     for (k = 0; k < pieces->planned; k++) {
         const Output *output = pieces->plan + k;
+        const double *found = output->number ? y : x;
+        double *value = values + k;
         if (output->column != column) {
             column = output->column;
-            machine_places(m, column, order, within, count, places);
+            machine_places(m, column, order, within, count, x, y);
         }
-        for (j = 0; j < count; j++) {
-            values[(size_t)j * pieces->planned + k] = pair_at(places[j], output->number);
+        for (j = 0; j < count; j++, value += pieces->planned) {
+            *value = found[j];
         }
     }
 }

@@ -2,6 +2,7 @@
 #include "lanes/lane_names.h"
 
 #include "lanes/lanes.h"
+#include "lanes/places_beside.c"
 #include "lanes/steps_beside.c"
 #include "lanes/weights_beside.c"
 #include "machine/allocate.c"
@@ -146,4 +147,4 @@ static void lanes_expand(Lanes *lanes, const LaneMachine *machines, int count, i
 }
 
 const LaneFunctions LANE_NAME(functions) = {
-    lanes_allocate, lanes_expand, STEPS_BESIDE allocate_beside, start_beside, push_beside, take_beside};
+    lanes_allocate, lanes_expand, STEPS_BESIDE sum_beside, allocate_beside, start_beside, push_beside, take_beside};

@@ -43,6 +43,9 @@ int machine_allocate(Unit *unit, Machine *machine, int stations, int weights, in
         per[k] = 1.0 / k;
     }
     machine->per = per;
+#ifndef SIDE_BY_SIDE
+    machine->lanes = lanes_of_processor();
+#endif
     machine->stations = stations;
     machine->width = (int)width;
     machine->mass = counted_numbers(unit, square, &missing);
@@ -92,7 +95,7 @@ int machine_allocate(Unit *unit, Machine *machine, int stations, int weights, in
 #ifndef SIDE_BY_SIDE
 int machine_allocate_beside(Unit *unit, Machine *machine, int weights, int tracks)
 {
-    const LaneFunctions *by = weights >= FEWEST_BESIDE ? lanes_of_processor() : NULL;
+    const LaneFunctions *by = weights >= FEWEST_BESIDE ? machine->lanes : NULL;
     if (!by) {
         return 0;
     }

@@ -88,6 +88,7 @@ typedef struct {
     Pair gravity;
     MachineTrack *tracks;
     SeriesWeight *weights;
+    const LaneFunctions *lanes; /* of this processor; NULL: there are none */
     WeightsBeside *beside; /* of a plain machine with many weights, whose `unit` and `rate` are then here; NULL: of none */
     struct SeriesRace **races; /* (N,) their memory where a race may have lobes */
     MachineDrive drive;
@@ -224,8 +225,8 @@ double machine_root(double term, double tolerance, int k);
 /* Of a column of the motion at a time of the step: the place and the velocity. */
 Pair machine_place(const Machine *machine, int column, int order, double time);
 Pair machine_velocity(const Machine *machine, int column, int order, double time);
-/* Places at some times. */
-void machine_places(const Machine *machine, int column, int order, const double *times, int count, Pair *places);
+/* Places at some times, as x and y; all are (count,), rounded up to a multiple of LANES. */
+void machine_places(const Machine *machine, int column, int order, const double *times, int count, double *x, double *y);
 /* A bound on the sum of both numbers of a place, in a step of this length. */
 double machine_most(const Machine *machine, int column, int order, double length);
 /* Speed of the rotor, and the angle turned. */

@@ -91,38 +91,18 @@ double machine_length(const Machine *m, int order, double tolerance, double larg
     return machine_length_of_terms(m, order, terms, tolerance, is_stiff);
 }
 
-enum { TIMES_TOGETHER = 4, FEWEST_TOGETHER = 2 }; /* as many sums as there are registers for */
-
-/* The sums of a series, whose coefficients stand `stride` pairs apart, up to an order at some times: each as if it were
-   alone. */
-static IN_LINE void sum_at_times(const Pair *series, int stride, int order, const double *times, int count, Pair *sums)
-{
-    Pair square[TIMES_TOGETHER], high[TIMES_TOGETHER], low[TIMES_TOGETHER];
-    const Pair *at = series + order * stride;
-    int k, j;
-    for (j = 0; j < count; j++) {
-        square[j] = pair_both(times[j] * times[j]);
-        high[j] = at[0]; /* two sums in turn: neither waits for the other */
-        low[j] = at[-stride];
-    }
-    for (k = order; k > 2; k -= 2, at -= 2 * stride) {
-        for (j = 0; j < count; j++) {
-            high[j] = pair_sum(pair_times(high[j], square[j]), at[-2 * stride]);
-            low[j] = pair_sum(pair_times(low[j], square[j]), at[-3 * stride]);
-        }
-    }
-    for (j = 0; j < count; j++) {
-        const Pair time = pair_both(times[j]);
-        sums[j] = k == 2 ? pair_add_times(pair_sum(pair_times(high[j], square[j]), series[0]), low[j], time)
-                         : pair_add_times(low[j], high[j], time);
-    }
-}
-
+/* The sum of a series, whose coefficients stand `stride` pairs apart, up to an order at a time. */
 static Pair series_at(const Pair *series, int stride, int order, double time)
 {
-    Pair sum;
-    sum_at_times(series, stride, order, &time, 1, &sum);
-    return sum;
+    const Pair square = pair_both(time * time), *at = series + order * stride;
+    Pair high = at[0], low = at[-stride]; /* two sums in turn: neither waits for the other */
+    int k;
+    for (k = order; k > 2; k -= 2, at -= 2 * stride) {
+        high = pair_sum(pair_times(high, square), at[-2 * stride]);
+        low = pair_sum(pair_times(low, square), at[-3 * stride]);
+    }
+    return k == 2 ? pair_add_times(pair_sum(pair_times(high, square), series[0]), low, pair_both(time))
+                  : pair_add_times(low, high, pair_both(time));
 }
 
 /* The sum of Chebyshev's polynomials with these coefficients in a step by collocation: Clenshaw's recurrence. */
@@ -146,25 +126,17 @@ Pair machine_place(const Machine *m, int column, int order, double time)
     return m->collocated_order ? collocated_at(m, series, m->width, time) : series_at(series, m->width, order, time);
 }
 
-void machine_places(const Machine *m, int column, int order, const double *times, int count, Pair *places)
+void machine_places(const Machine *m, int column, int order, const double *times, int count, double *x, double *y)
 {
-    while (!m->collocated_order && count >= FEWEST_TOGETHER) {
-        const int own = count < TIMES_TOGETHER ? count : TIMES_TOGETHER;
-        double together[TIMES_TOGETHER];
-        Pair sums[TIMES_TOGETHER];
-        int j;
-        for (j = 0; j < TIMES_TOGETHER; j++) {
-            together[j] = times[j < own ? j : 0];
-        }
-        sum_at_times(m->motion + column, m->width, order, together, TIMES_TOGETHER, sums);
-        for (j = 0; j < own; j++) {
-            *places++ = sums[j];
-        }
-        times += own;
-        count -= own;
+    const double *series = (const double *)(m->motion + column);
+    int k;
+    for (k = 0; k < count && m->lanes && !m->collocated_order; k += LANES) {
+        m->lanes->sum_beside(series, 2 * m->width, order, times + k, x + k, y + k);
     }
-    for (; count > 0; count--) {
-        *places++ = machine_place(m, column, order, *times++);
+    for (; k < count; k++) {
+        const Pair place = machine_place(m, column, order, times[k]);
+        x[k] = pair_x(place);
+        y[k] = pair_y(place);
     }
 }
 
