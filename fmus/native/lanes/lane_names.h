@@ -15,6 +15,8 @@
 #define machine_carried_along LANE_NAME(machine_carried_along)
 #define machine_constants LANE_NAME(machine_constants)
 #define machine_coupled LANE_NAME(machine_coupled)
+#define machine_coupled_shaft LANE_NAME(machine_coupled_shaft)
+#define machine_coupled_station LANE_NAME(machine_coupled_station)
 #define machine_expand LANE_NAME(machine_expand)
 #define machine_factorise LANE_NAME(machine_factorise)
 #define machine_reshape LANE_NAME(machine_reshape)

@@ -4,26 +4,45 @@
 #include "machine/phase.h"
 #endif
 
-/* Take off M and I what the weights take with them. */
-void machine_take_off_weights(Machine *m)
+/* Take off M and I, of so many stations and unknowns, what the weights take with them. */
+static IN_LINE void take_off(Machine *m, int stations, int size)
 {
-    const int size = m->unknowns;
     Number *a = m->matrix, *coupled = m->right; /* which is free until there is a right-hand side */
     int i, j, t, w;
     for (t = 0; t < m->track_count; t++) {
         const MachineTrack *track = m->tracks + t;
         for (w = track->first; w < track->end; w++) {
             const SeriesWeight *weight = m->weights + w;
-            for (i = 0; i < size; i++) {
-                coupled[i] = machine_coupled(m, track, weight, i);
+            for (i = 0; i < stations; i++) {
+                const Pair pushed = machine_coupled_station(track, weight, i);
+                coupled[2 * i] = pair_x(pushed);
+                coupled[2 * i + 1] = pair_y(pushed);
+            }
+            if (size > 2 * stations) {
+                coupled[size - 1] = machine_coupled_shaft(m, track, weight);
             }
             for (i = 0; i < size; i++) {
                 const Number scaled = weight->share * coupled[i];
-                for (j = 0; j <= i && !number_is_zero(scaled); j++) {
+                for (j = 0; j <= i; j++) {
                     a[i * size + j] -= scaled * coupled[j];
                 }
             }
         }
+    }
+}
+
+void machine_take_off_weights(Machine *m)
+{
+    const int n = m->stations;
+    switch (m->unknowns) { /* copies of small ones, whose loops are then unrolled */
+    case 2:
+        take_off(m, 1, 2);
+        return;
+    case 4:
+        take_off(m, 2, 4);
+        return;
+    default:
+        take_off(m, n, m->unknowns);
     }
 }
 
@@ -34,7 +53,7 @@ static bool is_inverted(int size)
 }
 
 /* Cholesky's factor, with one over its diagonal. */
-static void decompose(int size, Number *a)
+static IN_LINE void decompose(int size, Number *a)
 {
     int i, j, k;
     for (j = 0; j < size; j++) {
@@ -49,7 +68,7 @@ static void decompose(int size, Number *a)
 }
 
 /* The inverse in place of that factor: first the factor's own. */
-static void invert(int size, Number *a)
+static IN_LINE void invert(int size, Number *a)
 {
     int i, j, k;
     for (j = 0; j < size; j++) {
@@ -83,9 +102,20 @@ void machine_factorise(Machine *m)
         a[1] = a[2] = -a[2] * over;
         return;
     }
-    decompose(size, a);
-    if (is_inverted(size)) {
-        invert(size, a);
+    switch (size) { /* copies, as above */
+    case 4:
+        decompose(4, a);
+        invert(4, a);
+        return;
+    case 6:
+        decompose(6, a);
+        invert(6, a);
+        return;
+    default:
+        decompose(size, a);
+        if (is_inverted(size)) {
+            invert(size, a);
+        }
     }
 }
 

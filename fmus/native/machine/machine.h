@@ -177,6 +177,9 @@ void machine_solve_factors(const Machine *machine, Number *right);
 /* The number that multiplies each unknown in a weight's equation, by 1/(kappa R); unknowns: A as x and y of
    every station, then w'. */
 Number machine_coupled(const Machine *machine, const MachineTrack *track, const SeriesWeight *weight, int unknown);
+/* Those of x and y of a station, and of the shaft. */
+Pair machine_coupled_station(const MachineTrack *track, const SeriesWeight *weight, int station);
+Number machine_coupled_shaft(const Machine *machine, const MachineTrack *track, const SeriesWeight *weight);
 /* The matrix without what the weights take with them: its lower half. */
 void machine_set_carrier(Machine *machine);
 /* w' of order k where it is prescribed. */

@@ -176,10 +176,16 @@ static IN_LINE void tell_track(Pair vector, double *of_tracks, int track)
     of_tracks[2 * track + 1] = pair_y(vector);
 }
 
+/* What was found of a weight. */
+static IN_LINE Pair found_beside(const WeightsBeside *beside, unsigned weight)
+{
+    const double *found = beside->found + weight + weight / LANES * LANES;
+    return pair_of(found[0], found[LANES]);
+}
+
 static void start_beside(Machine *m, double angle)
 {
     WeightsBeside *beside = m->beside;
-    const double *found;
     int t, w;
     for (t = 0; t < m->track_count; t++) {
         for (w = m->tracks[t].first; w < m->tracks[t].end; w++) {
@@ -190,8 +196,7 @@ static void start_beside(Machine *m, double angle)
     beside->by->start_beside(beside, &m->weights->moment, sizeof *m->weights / sizeof(double), angle, m->speed[0],
                              (const double *)(m->motion + m->stations), (const double *)(m->velocity + m->stations));
     for (w = 0; w < m->weight_count; w++) { /* for the matrix */
-        found = beside->found + 2 * LANES * (w / LANES) + w % LANES;
-        m->weights[w].along = pair_of(found[0], found[LANES]);
+        m->weights[w].along = found_beside(beside, (unsigned)w);
     }
 }
 
@@ -210,8 +215,7 @@ static IN_LINE void push_beside(Machine *m, int k, Pair spun_twice)
         const MachineTrack *track = m->tracks + t;
         Pair force = pair_zero();
         for (w = track->first; w < track->end; w++) {
-            const double *found = beside->found + 2 * LANES * (w / LANES) + w % LANES;
-            force = pair_sum(force, pair_of(found[0], found[LANES]));
+            force = pair_sum(force, found_beside(beside, (unsigned)w));
         }
         push_track(m, track, force);
     }

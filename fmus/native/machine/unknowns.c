@@ -1,14 +1,21 @@
 /* The unknowns of a machine's series: what they are multiplied by, and what follows from them. */
 #include "machine/machine.h"
 
+IN_LINE Pair machine_coupled_station(const MachineTrack *track, const SeriesWeight *weight, int station)
+{
+    return pair_scaled(pair_turned(weight->along), track->row[station]);
+}
+
+Number machine_coupled_shaft(const Machine *m, const MachineTrack *track, const SeriesWeight *weight)
+{
+    /* Re((e E)* p) */
+    return pair_crossed(weight->along, pair_turned(pair_product(track->offset, m->spin[0]))) - weight->roll;
+}
+
 Number machine_coupled(const Machine *m, const MachineTrack *track, const SeriesWeight *weight, int unknown)
 {
-    const Pair p = weight->along;
-    if (unknown < 2 * m->stations) {
-        return track->row[unknown / 2] * (unknown % 2 ? pair_x(p) : -pair_y(p));
-    }
-    /* Re((e E)* p) */
-    return pair_crossed(p, pair_turned(pair_product(track->offset, m->spin[0]))) - weight->roll;
+    return unknown < 2 * m->stations ? pair_at(machine_coupled_station(track, weight, unknown / 2), unknown % 2)
+                                     : machine_coupled_shaft(m, track, weight);
 }
 
 /* Add what weights on races that are not round have on the row of the shaft. */
