@@ -162,6 +162,7 @@ static bool go_on_alone(BatchRun *runs, Loaded *loaded, int count, BatchCall *al
     if (live != 1 || !is_smooth(runs + only, loaded + only)) {
         return false;
     }
+    loaded[only].waits = false;
     smooth_steps_alone(runs + only, loaded + only, all);
     return true;
 }

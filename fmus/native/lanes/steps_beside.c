@@ -5,12 +5,7 @@
 #include "base/pair.h"
 #include "lanes/lane_machine.h"
 
-/* Where x86-64 has wider vectors, without them each step comes out of the lanes: that keeps the library small. */
-#if defined(WIDE_VECTORS) || !defined(HAS_WIDE_VECTORS)
-#define HAS_STEPS_BESIDE
-#endif
-
-#ifdef HAS_STEPS_BESIDE
+#ifdef HAS_COPIES /* else each step comes out of the lanes */
 
 static inline Number size_of(Number a)
 {

@@ -33,17 +33,17 @@ static IN_LINE void take_off(Machine *m, int stations, int size)
 
 void machine_take_off_weights(Machine *m)
 {
-    const int n = m->stations;
-    switch (m->unknowns) { /* copies of small ones, whose loops are then unrolled */
+#ifdef HAS_COPIES /* whose loops are unrolled */
+    switch (m->unknowns) {
     case 2:
         take_off(m, 1, 2);
         return;
     case 4:
         take_off(m, 2, 4);
         return;
-    default:
-        take_off(m, n, m->unknowns);
     }
+#endif
+    take_off(m, m->stations, m->unknowns);
 }
 
 /* Whether the matrix is inverted: numbers of a product do not wait for each other, as those of a solution by factors. */
@@ -102,7 +102,8 @@ void machine_factorise(Machine *m)
         a[1] = a[2] = -a[2] * over;
         return;
     }
-    switch (size) { /* copies, as above */
+#ifdef HAS_COPIES
+    switch (size) {
     case 4:
         decompose(4, a);
         invert(4, a);
@@ -111,11 +112,11 @@ void machine_factorise(Machine *m)
         decompose(6, a);
         invert(6, a);
         return;
-    default:
-        decompose(size, a);
-        if (is_inverted(size)) {
-            invert(size, a);
-        }
+    }
+#endif
+    decompose(size, a);
+    if (is_inverted(size)) {
+        invert(size, a);
     }
 }
 

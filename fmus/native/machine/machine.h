@@ -33,6 +33,12 @@
 #include "units/rotor_unit.h"
 #include "weights/centre.h"
 
+/* Whether small machines have copies of loops, and stay in their lanes: where x86-64 has wider vectors, without them they
+   do not, which keeps the library small. */
+#if !defined(SIDE_BY_SIDE) || defined(WIDE_VECTORS) || !defined(HAS_WIDE_VECTORS)
+#define HAS_COPIES
+#endif
+
 enum { FEW_UNKNOWNS = 8 };    /* up to here their matrix is inverted */
 #define LONGEST_STEP 12.0     /* rad of the rotor at about its fastest speed: of a step */
 #define MOST_TURN 800.0       /* rad of the rotor in a step, at any speed */

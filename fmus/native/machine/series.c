@@ -481,6 +481,8 @@ static IN_LINE void go_through_plain(const Machine *m, int order, int stations, 
     go_through_orders(&here, order, true);
 }
 
+#ifdef HAS_COPIES
+
 /* Whether it is a planar machine with two weights on a track that is not off, on bearings without cross effects. */
 static bool is_simple_machine(const Machine *m)
 {
@@ -510,6 +512,8 @@ static void go_through_simple(const Machine *m, int order)
     go_through_orders(&here, order, true);
 }
 
+#endif
+
 void machine_expand(Machine *m, Number angle, int order)
 {
     bool is_plain, is_beside;
@@ -522,10 +526,12 @@ void machine_expand(Machine *m, Number angle, int order)
     is_plain = is_plain_machine(m);
     is_beside = is_plain && m->beside && order >= LEAST_ORDER && m->stations <= MOST_OF_COPIES;
     start_series(m, angle, is_beside);
+#ifdef HAS_COPIES
     if (is_plain && is_simple_machine(m)) {
         go_through_simple(m, order);
         return;
     }
+#endif
 #ifdef SIDE_BY_SIDE
     if (is_plain && m->stations == 1) { /* of more the numbers themselves take the time */
         go_through_plain(m, order, 1, false);
