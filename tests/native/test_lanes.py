@@ -92,6 +92,25 @@ def test_machines_that_stay_in_their_lanes_have_the_bits_of_one_alone(name):
         assert beside[1].tobytes() == alone[1].tobytes()
 
 
+@pytest.mark.parametrize(
+    ("name", "table", "changes"),
+    [
+        ("two_balls", TABLES["two_balls"], {"points": 3, "run.revolutions": 30}),
+        ("run_up", TABLES["run_up"], {"run.revolutions": 20}),
+        ("three_mass_shaft", TABLES["three_mass_shaft"], {}),
+        ("balls_and_liquid", TABLES["balls_and_liquid"], {"run.revolutions": 30}),
+        # the float touches: steps are then looked at again
+        ("liquid_touch", {"rotor.unbalance": (1e-3, 1e-2)}, {"run.revolutions": 30}),
+    ],
+)
+def test_smooth_steps_have_the_bits_of_steps_that_are_looked_at(name, table, changes):
+    looked_at = batch(name, table, 1, **changes)
+    smooth = batch(name, table, 1, last=NOT_LOOKED_AT, **changes)
+    assert looked_at[0].tobytes() == smooth[0].tobytes()
+    assert looked_at[1][:, :2].tobytes() == smooth[1][:, :2].tobytes()
+    assert looked_at[2] == smooth[2]
+
+
 def test_a_change_of_the_unbalance_ends_a_stay_in_the_lanes():
     """The times of the change and the ends of the runs differ; angles of weights are read, too."""
     changes = [{"time": 2.0, "amount": 0.01, "angle": 0.5}]
