@@ -280,7 +280,7 @@ static int composite_observe(Unit *unit)
             show_outputs(unit, c->parts + k);
         }
     }
-    if (kind == OUTPUTS_OF_SIGNALS) {
+    if (kind == OUTPUTS_OF_SIGNALS || (kind == OUTPUTS_OF_STATE && one_piece_asks_results(unit))) {
         observe_results(unit);
     }
     return 0;

@@ -230,6 +230,8 @@ int one_piece_rates(Unit *unit, double *rates);
 
 /* What the outputs that are asked for follow from; without any it is all. */
 OutputKind one_piece_outputs(Unit *unit);
+/* Whether they are asked for what the composite finds of the run. */
+bool one_piece_asks_results(const Unit *unit);
 /* Write places, where nothing else is asked for; 1 with the reason. */
 int one_piece_observe_places(Unit *unit);
 /* The same at up to MOST_READ times in the step, (count, asked) in the order in which they are asked for. */

@@ -57,11 +57,15 @@ static bool is_of_place(const Part *part, size_t output)
     return part->place >= 0 && output >= layout->computed.first + 2 * signals;
 }
 
-/* Whether an output follows from the state in its part's memory, or from its plane's place, alone. */
+/* Whether an output follows from the state in its part's memory, or from its plane's place, alone: also what the composite
+   finds of the run. */
 static bool is_of_state(const Composite *c, size_t reference)
 {
     const Part *part = part_of(c, reference);
     const Unit *inner = part ? part->unit : NULL;
+    if (reference >= c->results) {
+        return true;
+    }
     const size_t output = part ? reference - part->observed + inner->layout.computed.first : 0;
     if (part && part == c->motor) {
         return reference - part->observed >= SPEED_OF_MOTOR;
@@ -85,6 +89,18 @@ static OutputKind kind_of(const Unit *unit, Output *plan)
         }
     }
     return kind;
+}
+
+bool one_piece_asks_results(const Unit *unit)
+{
+    const Composite *c = unit->own;
+    size_t k;
+    for (k = 0; k < unit->asked_count; k++) {
+        if (unit->asked[k] >= c->results) {
+            return true;
+        }
+    }
+    return false;
 }
 
 OutputKind one_piece_outputs(Unit *unit)

@@ -7,17 +7,7 @@
 /* Whether nobody reads what looks at the motion find. */
 static bool is_unread(const Unit *unit)
 {
-    const Composite *c = unit->own;
-    size_t k;
-    if (!unit->asked || c->pieces.is_watched) {
-        return false;
-    }
-    for (k = 0; k < unit->asked_count; k++) {
-        if (unit->asked[k] >= c->results) {
-            return false;
-        }
-    }
-    return true;
+    return unit->asked && !((const Composite *)unit->own)->pieces.is_watched && !one_piece_asks_results(unit);
 }
 
 /* Whether no part that follows its plane's place can have something to say in a step of this length. */
