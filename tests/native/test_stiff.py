@@ -259,8 +259,8 @@ def test_weights_that_part_stick_and_meet_in_a_large_whirl_do_so_as_by_series():
 
 def test_a_large_whirl_with_stops_or_dry_friction_takes_series_alone():
     """A collocation knows nothing of their forces."""
-    scene = whirling(1e3)
-    stop = {"rotor.stops": [{"gap": 100.0, "stiffness": 1e3}]}
+    scene = whirling(3e3, weight_radius=0.0145)
+    stop = {"rotor.stops": [{"gap": 1e3, "stiffness": 1e3}]}
     slider = {"rotor.friction": [{"support": 1, "limit": [1.0, 1.0]}]}
     assert cosimulate(scene).collocated_steps > 0
     assert cosimulate(scene.replace(stop)).collocated_steps == 0
