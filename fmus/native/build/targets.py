@@ -23,7 +23,7 @@ COMPILE = (
 FAST = (
     "base/elementary.c",
     *(f"coupling/one_piece_{n}.c" for n in ("series", "show", "smooth", "sources", "stand")),
-    *("coupling/one_piece_step.c", "coupling/one_piece_stiff.c", "machine/"),
+    *("coupling/one_piece_step.c", "coupling/one_piece_stiff.c", "coupling/smooth_alone.c", "machine/"),
 )
 _IN_LINE = ("-mllvm", "-inline-threshold=225")
 _ALWAYS = ("-DIN_LINE=__attribute__((always_inline))",)
