@@ -23,7 +23,8 @@ COMPILE = (
 FAST = (
     "base/elementary.c",
     *(f"coupling/one_piece_{n}.c" for n in ("series", "show", "smooth", "sources", "stand")),
-    *("coupling/one_piece_step.c", "coupling/one_piece_stiff.c", "coupling/smooth_alone.c", "machine/"),
+    *(f"coupling/{n}.c" for n in ("one_piece_step", "one_piece_stiff", "smooth_alone")),
+    "machine/",
 )
 _IN_LINE = ("-mllvm", "-inline-threshold=225")
 _ALWAYS = ("-DIN_LINE=__attribute__((always_inline))",)

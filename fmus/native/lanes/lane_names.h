@@ -45,6 +45,7 @@
 #define series_race_torque LANE_NAME(series_race_torque)
 #define series_race_turning LANE_NAME(series_race_turning)
 #define series_weight_advance LANE_NAME(series_weight_advance)
+#define series_weights_advance LANE_NAME(series_weights_advance)
 #define series_weight_finish LANE_NAME(series_weight_finish)
 #define series_weight_force LANE_NAME(series_weight_force)
 #define series_weight_pulled LANE_NAME(series_weight_pulled)

@@ -38,9 +38,11 @@ void machine_take_off_weights(Machine *m)
     case 2:
         take_off(m, 1, 2);
         return;
+#ifndef SIDE_BY_SIDE
     case 4:
         take_off(m, 2, 4);
         return;
+#endif
     }
 #endif
     take_off(m, m->stations, m->unknowns);
@@ -102,7 +104,7 @@ void machine_factorise(Machine *m)
         a[1] = a[2] = -a[2] * over;
         return;
     }
-#ifdef HAS_COPIES
+#ifndef SIDE_BY_SIDE
     switch (size) {
     case 4:
         decompose(4, a);

@@ -7,7 +7,6 @@
 #include "machine/rings.h"
 #endif
 
-enum { FEW_WEIGHTS = 2 };    /* of a machine with a copy of its own */
 enum { MOST_OF_COPIES = 3 }; /* stations of a plain machine that has a copy of the recurrence */
 
 /* What w' leads E'' to without that of order k, and with it where it is prescribed. */
@@ -122,6 +121,22 @@ static IN_LINE void push_weights(Machine *m, int k, Pair spun_twice, bool is_pla
         }
         push_track(m, track, force);
     }
+}
+
+/* The same of a simple machine. */
+static IN_LINE void push_simple_weights(Machine *m, int k)
+{
+    const Pair *speed = m->velocity + k * m->width + 1;
+    const Number speeds[MOST_TOGETHER] = {pair_x(*speed), pair_y(*speed)};
+    MachineTrack *track = m->tracks;
+    Pair force = pair_zero();
+    int w;
+    track->known = force;
+    series_weights_advance(m->weights, MOST_TOGETHER, k, track->pull, force, speeds, machine_carried_along(m, k));
+    for (w = 0; w < MOST_TOGETHER; w++) {
+        force = pair_sum(force, series_weight_force(m->weights + w));
+    }
+    push_track(m, track, force);
 }
 
 /* Coefficients of order k from the solution; the motion's of k + 2 but for the weights of k + 1. */
@@ -364,8 +379,12 @@ static bool sees_from_rotor(const Machine *m)
     return is_carried(m) && m->from_rotor;
 }
 
-static IN_LINE void push_plain_weights(Machine *m, int k, Pair spun_twice)
+static IN_LINE void push_plain_weights(Machine *m, int k, Pair spun_twice, bool is_simple)
 {
+    if (is_simple) {
+        push_simple_weights(m, k);
+        return;
+    }
 #ifndef SIDE_BY_SIDE
     if (m->beside) {
         push_beside(m, k, spun_twice);
@@ -376,10 +395,10 @@ static IN_LINE void push_plain_weights(Machine *m, int k, Pair spun_twice)
 }
 
 /* Push all but the stations, and solve for the unknowns of order k. */
-static IN_LINE void push_and_solve(Machine *m, int k, Pair spun_twice, bool is_plain)
+static IN_LINE void push_and_solve(Machine *m, int k, Pair spun_twice, bool is_plain, bool is_simple)
 {
     if (is_plain) {
-        push_plain_weights(m, k, spun_twice);
+        push_plain_weights(m, k, spun_twice, is_simple);
         machine_solve_factors(m, m->right);
         return;
     }
@@ -426,7 +445,7 @@ static IN_LINE Pair turn_twice(const Machine *m, int k)
 
 /* The recurrence from order to order.  Of a plain machine (is_plain_machine) no function that is not in line gets to
    see m, so that it may lie in registers. */
-static IN_LINE void go_through_orders(Machine *m, int order, bool is_plain)
+static IN_LINE void go_through_orders(Machine *m, int order, bool is_plain, bool is_simple)
 {
     int k;
     for (k = 0; k <= order - 2; k++) {
@@ -435,7 +454,7 @@ static IN_LINE void go_through_orders(Machine *m, int order, bool is_plain)
         if (is_plain || !is_carried(m)) {
             push_stations(m, k, spun_twice, is_plain);
         }
-        push_and_solve(m, k, spun_twice, is_plain);
+        push_and_solve(m, k, spun_twice, is_plain, is_simple);
         take_stations(m, k);
         if (!is_plain && m->drive.motor) {
             gained = shaft_take(m, k);
@@ -478,7 +497,7 @@ static IN_LINE void go_through_plain(const Machine *m, int order, int stations, 
     here.unknowns = 2 * stations;
     here.drive.motor = NULL;
     here.beside = is_beside ? m->beside : NULL;
-    go_through_orders(&here, order, true);
+    go_through_orders(&here, order, true, false);
 }
 
 #ifdef HAS_COPIES
@@ -486,7 +505,7 @@ static IN_LINE void go_through_plain(const Machine *m, int order, int stations, 
 /* Whether it is a planar machine with two weights on a track that is not off, on bearings without cross effects. */
 static bool is_simple_machine(const Machine *m)
 {
-    return m->stations == 1 && m->track_count == 1 && m->weight_count == FEW_WEIGHTS && !m->tracks->is_off && !m->turns &&
+    return m->stations == 1 && m->track_count == 1 && m->weight_count == MOST_TOGETHER && !m->tracks->is_off && !m->turns &&
            !m->crossed && !m->varies;
 }
 
@@ -495,9 +514,9 @@ static void go_through_simple(const Machine *m, int order)
 {
     Machine here = *m;
     MachineTrack track = *m->tracks;
-    SeriesWeight weights[FEW_WEIGHTS];
+    SeriesWeight weights[MOST_TOGETHER];
     int k;
-    for (k = 0; k < FEW_WEIGHTS; k++) {
+    for (k = 0; k < MOST_TOGETHER; k++) {
         weights[k] = m->weights[k];
     }
     here.stations = here.track_count = 1;
@@ -508,8 +527,8 @@ static void go_through_simple(const Machine *m, int order)
     here.beside = NULL;
     here.tracks = &track;
     here.weights = weights;
-    track.end = FEW_WEIGHTS;
-    go_through_orders(&here, order, true);
+    track.end = MOST_TOGETHER;
+    go_through_orders(&here, order, true, true);
 }
 
 #endif
@@ -553,5 +572,5 @@ void machine_expand(Machine *m, Number angle, int order)
         return;
     }
 #endif
-    go_through_orders(m, order, false);
+    go_through_orders(m, order, false, false);
 }
