@@ -37,6 +37,11 @@ class Refusals(Described):
 
         Raises:
             SceneError: it is none at which a rotor turns.
+
+        Example:
+            >>> import autobalancer as ab
+            >>> ab.load("two_balls").speed_or_own(None)
+            3.0
         """
         found = self.profile().end if speed is None else speed
         if not 0.0 < found <= LARGEST:

@@ -126,7 +126,8 @@ GENERATED = ("constants.h", "layout.h", "stamp.h", "weights_parameters.h")
 def test_the_one_source_holds_each_file_once_behind_what_it_includes():
     files = re.findall(r'^#line 1 "(.+)"$', one_source(), re.M)
     special = {name for name in texts() if name.split("/")[0] in ("wasm", "windows")}
-    beside = ("lanes.c", "steps_beside.c", "weights_beside.c")  # for each number of lanes
+    parts = ("lanes", "places_beside", "steps_beside", "weights_beside")
+    beside = [f"{part}.c" for part in parts]  # for each number of lanes
     headers = ("lane_machine.h", "lane_names.h", "lane_number.h")
     special |= {f"lanes/{name}" for name in (*beside, *headers)}
     assert sorted(files) == sorted({*texts(), *GENERATED} - special)

@@ -104,7 +104,7 @@ void machine_factorise(Machine *m)
         a[1] = a[2] = -a[2] * over;
         return;
     }
-#ifndef SIDE_BY_SIDE
+#if defined(HAS_COPIES) && !defined(SIDE_BY_SIDE)
     switch (size) {
     case 4:
         decompose(4, a);

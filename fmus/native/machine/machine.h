@@ -33,9 +33,9 @@
 #include "units/rotor_unit.h"
 #include "weights/centre.h"
 
-/* Whether small machines have copies of loops, and stay in their lanes: where x86-64 has wider vectors, without them they
-   do not, which keeps the library small. */
-#if !defined(SIDE_BY_SIDE) || defined(WIDE_VECTORS) || !defined(HAS_WIDE_VECTORS)
+/* Whether small machines have copies of loops, and stay in their lanes: not in the page of a scene, nor where x86-64 has
+   wider vectors without them.  That keeps page and library small. */
+#if (!defined(SIDE_BY_SIDE) || defined(WIDE_VECTORS) || !defined(HAS_WIDE_VECTORS)) && !defined(__wasm__)
 #define HAS_COPIES
 #endif
 

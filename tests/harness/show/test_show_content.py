@@ -40,7 +40,7 @@ def test_an_empty_window_is_nowhere_good():
 def test_without_an_answer_the_strip_says_why():
     found = window(load_scene("contact_order"))
     assert found.ends == ()
-    assert "at most 98.76 g m" in found.words
+    assert "at most 98.8 g m" in found.words
 
 
 @pytest.mark.parametrize(
