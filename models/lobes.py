@@ -32,9 +32,8 @@ _MANY, _CREEPS = 3, 8  # weights from which on starts creep, and how many do
 _NEAR = 1e-6  # rad: the same motion
 _TURNS, _BETWEEN = 12, 10  # angles at which weights creep, and steps from each to the next
 _TURNED_CREEPS = 6  # random starts at each of them
-_NEUTRAL = (
-    1e-7  # of the speed: growth of a neutral motion, as that of a race off centre, by rounding
-)
+# of the speed: growth that rounding gives a neutral motion, such as that of a race off centre
+_NEUTRAL = 1e-7
 _SAME_SIZE = 1e-6  # of the vibration without weights: the same motion
 
 

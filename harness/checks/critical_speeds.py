@@ -106,7 +106,10 @@ def speed_rows(rows: Rows, result: Speeds, prefix: str, scale: float = 1.0) -> I
 
 
 def rest_row(rows: Rows, scene: Scene, speed: float, prefix: str) -> Row:
-    """Whether a run from rest comes to balance where Floquet says so; as `run_from_rest`."""
+    """Whether a run from rest ends balanced or not, as Floquet's growth rate predicts.
+
+    Raises what `run_from_rest` raises.
+    """
     growth = float(growth_rates(scene.assembly(), speed)[0])
     revolutions = needed_revolutions(growth, speed)
     residual, share = run_from_rest(scene, speed, revolutions)

@@ -37,7 +37,8 @@ class Times(NamedTuple):
     """When runs are read.
 
     Attributes:
-        turns: number of equal parts of a run; at a constant speed each is about a revolution.
+        turns: number of equal parts into which a run is divided; at a constant speed, each part is
+            about one revolution.
         points: besides the start, spread evenly over a run.
         revolutions: of a run.
     """

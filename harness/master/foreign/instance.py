@@ -14,7 +14,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
 from ctypes import byref, c_void_p
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from fmpy.fmi1 import FMICallException
@@ -27,9 +27,6 @@ from .abilities import abilities, kind_of, variable_of
 from .archive import read_description, unpacked
 from .group import Group
 from .measures import measured_in
-
-if TYPE_CHECKING:
-    pass
 
 PATIENCE = 5.0  # s in which a unit must come back when it is freed
 _MOST_MESSAGES = 100  # that are kept

@@ -4,13 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 from ...scene.unit import split_port
 from .order import loops_of
-
-if TYPE_CHECKING:
-    pass
 
 
 class Wire(NamedTuple):
