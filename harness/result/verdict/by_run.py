@@ -14,16 +14,15 @@ import numpy as np
 from ....models.arrays import Array, Complex
 from ....models.harmonic_balance import NoResponse
 from ...units import rounded
-from .ahead import MOST_PASSES, changed_until, kept
 from .balance import CREEP
-from .case import BALANCED, STEADY_SIZE, Case, Ruling
+from .case import BALANCED, Case, Ruling
 from .elsewhere import turning
 from .facts import over_capacity_at_any_speed, over_capacity_off_centre, too_heavy, unstable
 from .known import Known
-from .lasting import distance, is_steady, lasting, part_sizes, quiet_spells
+from .lasting import distance, is_steady, lasting, quiet_spells
 from .outcome import Outcome
-from .passages import run_bare
 from .record import Record
+from .rotor_alone import REACHED, RotorAlone
 from .seen import window_of
 from .steady import size_of
 from .stretches import Stretch
@@ -32,67 +31,27 @@ from .words import millimetres, percent, show_too_little
 LASTS, FEWEST = 0.5, 20.0  # of the record, and revolutions at least, that a motion has to last
 GROWS = 1.05  # times the largest vibration of the third quarter of the record: it grows
 SPELLS = 3  # below the limit, after each of which it rose again: so it goes on
-REACHED = 0.02  # of a vibration: that of a steady motion changes by less over half a run
-LONGER, RUNS = 5.0, 4  # times the run before, and how many runs, until a rotor alone is steady
-SHORTEST = 50.0  # revolutions of the first of them
 APART = 0.3  # of an offset: by which the vibration may differ that it leaves
 
 
 def vibration_without(
-    known: Known, stretch: Stretch, wanted: bool, end: float
+    known: Known, stretch: Stretch, rotor_alone: RotorAlone | None
 ) -> tuple[float | None, str]:
     """Vibration of the rotor without balancers [m], and why no formula gives it.
 
-    Then by a run, if that is wanted; None: that does not give it either.
-
-    Args:
-        end: of the run [s].
+    Then by runs of the rotor alone, where these are given; None: they do not give it either.
     """
     try:
         return known.alone, ""
     except NoResponse as error:
-        return alone_by_run(known, stretch, end) if wanted else None, str(error)
+        found = None if rotor_alone is None else rotor_alone.vibration(stretch)
+        return found, str(error)
 
 
 def about_mean(motion: Complex, record: Record) -> Array:
     """Largest distance of a station (n, T) from its mean in the last window, (T,) [m]: supports
     with friction hold a rotor off centre, which is no vibration."""
     return distance(record.time, motion, record.since(window_of(record)))
-
-
-def alone_by_run(known: Known, stretch: Stretch, end: float) -> float | None:
-    """Steady vibration of the rotor without balancers on a plateau [m], by runs that keep its
-    speed for ever longer.
-
-    None: it has settled in none of them, or they cannot be completed.
-
-    Args:
-        end: of the run [s].
-    """
-    scene = known.scene.without_balancers()
-    if scene.operation.motor:  # it would take another speed without balancers
-        steady = {"operation.motor": None, "operation.speed": known.speed}
-        scene, begin, turned = scene.replace(steady), 0.0, 0.0
-    else:
-        scene, begin = kept(scene, stretch, end), stretch.begin
-        turned = scene.profile().angle(begin) / math.tau
-    scene = changed_until(scene, stretch.end)
-    changes = [c.time for c in scene.operation.unbalance_changes]
-    turned = max([turned, *(scene.profile().angle(time) / math.tau for time in changes)])
-    further = max(SHORTEST, stretch.revolutions)
-    for _ in range(RUNS):
-        found = run_bare(scene.replace({"run.revolutions": turned + further}))
-        if found is None:
-            return None
-        time, motion, passes = found
-        shown = time >= max([begin, *changes])
-        parts = part_sizes(time[shown], motion[:, shown])
-        if is_steady(parts, REACHED):
-            return float(np.median(parts[len(parts) // 2 :]))
-        if passes * LONGER > MOST_PASSES:
-            break
-        further *= LONGER
-    return float(np.median(parts)) if is_steady(parts, STEADY_SIZE) else None
 
 
 def on_one_side(known: Known) -> float | None:

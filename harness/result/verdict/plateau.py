@@ -23,6 +23,7 @@ from .lasting import part_sizes
 from .outcome import Outcome
 from .ran import Ran
 from .record import Mask, Record
+from .rotor_alone import RotorAlone
 from .ruling import rule
 from .seen import Vibration, seen
 from .stretches import Stretch, driven, motor_angle, prescribed
@@ -50,6 +51,7 @@ class Run:
             self.angle = start + scene.profile().angles_at(self.time)
             self.stretches = prescribed(scene, float(self.time[-1]))
         self.motion = complex_motion(self.signals, len(scene.rotor.points))
+        self._rotor_alone = RotorAlone(scene, float(self.time[-1]))
 
     @property
     def size(self) -> Array:
@@ -101,7 +103,7 @@ class Run:
             bare = self._with_parts(bare, record, now)
         no_unbalance = not np.any(known.assembly.rotor.unbalance)
         wanted = bool(self.called) and stretch.steady and not no_unbalance
-        alone, unknown = vibration_without(known, stretch, wanted, float(self.time[-1]))
+        alone, unknown = vibration_without(known, stretch, self._rotor_alone if wanted else None)
         bare = replace(bare, alone=alone)
         scale = on_one_side(known) if no_unbalance and stretch.steady else alone
         left_open = self._unjudged(bare, stretch, unknown, no_unbalance=no_unbalance and not scale)

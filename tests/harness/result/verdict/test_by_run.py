@@ -40,6 +40,23 @@ def test_a_run_in_which_the_rotor_alone_has_not_settled_is_judged_by_longer_ones
     assert vibration_at_the_end(longer) < 0.05 * expected
 
 
+def test_the_rotor_alone_is_run_no_more_often_and_no_longer_than_it_needs(monkeypatch):
+    """The search for the length after which it is balanced asks at the ends of ever longer runs."""
+    from autobalancer.harness.result.verdict import passages
+
+    lengths, run_bare = [], passages.run_bare
+
+    def counted(bare: Scene):
+        lengths.append(bare.revolutions)
+        return run_bare(bare)
+
+    monkeypatch.setattr("autobalancer.harness.result.verdict.rotor_alone.run_bare", counted)
+    found = verdict(drum(turns=12, rotor__damping=20.0, **WEAK))
+    assert found.revolutions > 12
+    assert len(lengths) <= 6
+    assert max(lengths) < 2000
+
+
 @pytest.mark.parametrize("turns", [0.5, 30.0])
 @pytest.mark.parametrize(("unbalance", "offset"), [(0.05, 0.0), (0.02, -5e-3)])
 def test_capacity_is_judged_where_rigid_friction_holds_less_than_what_is_missing(
@@ -52,7 +69,7 @@ def test_capacity_is_judged_where_rigid_friction_holds_less_than_what_is_missing
 
 def test_a_run_up_over_the_capacity_on_rigid_friction_says_so_before_it_ends(monkeypatch):
     """It needs no run of the rotor alone."""
-    path = "autobalancer.harness.result.verdict.by_run.run_bare"
+    path = "autobalancer.harness.result.verdict.rotor_alone.run_bare"
     monkeypatch.setattr(path, None)
     found = verdict(drum(0.05, **FRICTION).replace(RISING))
     assert found.outcome is Outcome.OVER_CAPACITY
