@@ -8,10 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .assembly import Assembly
-from .linear.balanced import WeightTable
 from .linear.linearised import linearise
 from .linear.on_race import NoRest, has_lobes
 from .linear.regions import Crossing, Measure, Regions, Samples, Side, find_regions
+from .linear.weight_table import WeightTable
 from .ring import Ring
 from .stability import growth_and_errors, growth_at_rest
 

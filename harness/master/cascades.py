@@ -35,8 +35,8 @@ def has_cascade(scene: Scene, signals: Mapping[str, Signal]) -> bool:
     Args:
         signals: with the angles of all weights, (T,) each.
     """
-    from ...models.linear.balanced import WeightTable  # few scenes have such weights
-    from ...models.linear.room import Gaps
+    from ...models.linear.room import Gaps  # few scenes have such weights
+    from ...models.linear.weight_table import WeightTable
 
     table = WeightTable.of(scene.assembly())
     angles = []

@@ -174,7 +174,8 @@ def _short_of_capacity(scene: Scene) -> Iterator[str]:
         if scene.rotor.kind == "planar":
             most = sum(one.capacity for one in scene.balancer if isinstance(one, WeightBalancer))
         elif assembly.weights:
-            from ...models.linear.balanced import CannotBalance, WeightTable, check_reach
+            from ...models.linear.balanced import CannotBalance, check_reach
+            from ...models.linear.weight_table import WeightTable
 
             try:
                 check_reach(assembly, WeightTable.of(assembly))

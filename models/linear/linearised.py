@@ -15,8 +15,9 @@ from numpy.typing import NDArray
 
 from ..assembly import Assembly
 from ..rotor import LinearRotor
-from .balanced import WeightTable, balanced_angles
+from .balanced import balanced_angles
 from .small_motions import TURN, Blocks, Couplings, Matrix, RotorParts, small_motions, spread
+from .weight_table import WeightTable
 
 POWERS = np.array([0.0, 1.0, 2.0, 0.5, 1.5])  # of the speed, by which `steady` is multiplied
 _RANK = 1e-12  # such a direction couples to the rotor with the square of this

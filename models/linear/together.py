@@ -15,7 +15,7 @@ import numpy as np
 from ..arrays import Array
 from ..assembly import Assembly
 from ..harmonic_balance import unbalance_response
-from .balanced import WeightTable
+from .weight_table import WeightTable
 
 
 def difference_growth(assembly: Assembly, speed: float, angles: Array) -> Array:

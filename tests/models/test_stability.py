@@ -12,14 +12,10 @@ from scipy.linalg import block_diag
 from autobalancer.models.assembly import Assembly, Mounted, SpeedProfile
 from autobalancer.models.boundaries import balancing_boundaries, growth_regions
 from autobalancer.models.linear import floquet
-from autobalancer.models.linear.balanced import (
-    CannotBalance,
-    WeightTable,
-    balanced_angles,
-    residual_unbalance,
-)
+from autobalancer.models.linear.balanced import CannotBalance, balanced_angles
 from autobalancer.models.linear.linearised import linearise
 from autobalancer.models.linear.regions import Regions
+from autobalancer.models.linear.weight_table import WeightTable, residual_unbalance
 from autobalancer.models.liquid import Liquid
 from autobalancer.models.papers.dimensionless import Dimensionless
 from autobalancer.models.papers.tables import TABLE_1, TABLE_2

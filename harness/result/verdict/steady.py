@@ -11,7 +11,7 @@ import numpy as np
 from ....models.arrays import Array, Complex
 from ....models.assembly import Assembly, weights_of
 from ....models.harmonic_balance import largest_displacement, unbalance_response
-from ....models.linear.balanced import WeightTable
+from ....models.linear.weight_table import WeightTable
 from ....models.race import arms
 from ....models.rotor import LinearRotor
 from ...scene import Scene
