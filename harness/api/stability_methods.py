@@ -133,7 +133,7 @@ class StabilityMethods(OfScene):
         if store is not None:
             raise UserError(f"{store}: the method proved keeps no store; name a picture, or --csv")
         from autobalancer.harness.stability.proved_map import proved_map
-        from autobalancer.models.proof.rotors import Unproved
+        from autobalancer.models.proof.arrays import Unproved
 
         try:
             return proved_map(self._scene, *axes, workers=workers, progress=progress)

@@ -12,9 +12,10 @@ import numpy as np
 from flint import arb
 
 from ...models.linear.balanced import CannotBalance, balanced_angles
+from ...models.proof.arrays import Unproved
 from ...models.proof.balanced import Seen, WeightBalls, seen
 from ...models.proof.equations import matrices
-from ...models.proof.rotors import RingBalls, Unproved, rotor_balls
+from ...models.proof.rotors import RingBalls, rotor_balls
 from ...models.proof.slopes import Exact, Number, Sloped
 from ...models.weights import KAPPA
 from ..errors import UserError

@@ -15,10 +15,10 @@ from typing import Any
 
 import numpy as np
 
+from ...models.proof.arrays import Unproved
 from ...models.proof.certificate import Certificate, State
 from ...models.proof.equations import Equations
 from ...models.proof.lines import row_speeds
-from ...models.proof.rotors import Unproved
 from ..output.workers import Progress
 from ..scene import Scene
 from .ball_tables import Change

@@ -7,9 +7,9 @@ from dataclasses import replace
 from itertools import combinations, product
 
 from ...models.papers.window import LiquidWindow
+from ...models.proof.arrays import Unproved
 from ...models.proof.equations import Equations
 from ...models.proof.lines import piece_around
-from ...models.proof.rotors import Unproved
 from ...models.proof.slopes import ball
 from ...models.proof.window import WindowBalls
 from ..errors import SceneError, UserError

@@ -12,9 +12,9 @@ import flint
 import numpy as np
 from numpy.typing import NDArray
 
+from ...models.proof.arrays import Unproved
 from ...models.proof.certificate import Certificate, State
 from ...models.proof.lines import row_speeds
-from ...models.proof.rotors import Unproved
 from ..output.table import Sheet
 from ..output.workers import Progress, Workers, in_order
 from ..scene import Scene

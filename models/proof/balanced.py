@@ -16,7 +16,8 @@ from dataclasses import dataclass
 import numpy as np
 from flint import arb
 
-from .rotors import RotorBalls, Unproved, balls
+from .arrays import Unproved, balls
+from .rotors import RotorBalls
 from .slopes import Exact, Number, ball
 
 

@@ -21,9 +21,9 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from .arrays import Unproved
 from .equations import Equations
 from .modes import DEGREE, DEGREES, Modes, derived, modes
-from .rotors import Unproved
 from .series import UP, Array, Series, degree_of, monomials
 
 _NEAR = 1.0 + 2.0**-40  # of a product of powers: covers its rounding

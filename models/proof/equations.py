@@ -18,8 +18,9 @@ from numpy.typing import NDArray
 from scipy.linalg import matrix_balance
 
 from ..linear.small_motions import Couplings, small_motions
+from .arrays import balls, solve
 from .balanced import Seen
-from .rotors import RotorBalls, balls, solve
+from .rotors import RotorBalls
 from .series import UP, Series, monomials
 from .slopes import Exact, Sloped, ball, slopes_of
 

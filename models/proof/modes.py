@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from .rotors import Unproved
+from .arrays import Unproved
 from .series import Complex, convolved, count, products, widened
 
 DEGREES = (4, 4, 3, 3)  # of F by number of parameters: 4 for a tenth of the speed: some 8 digits

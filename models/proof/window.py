@@ -13,7 +13,7 @@ from typing import Any, Literal
 
 from flint import arb
 
-from .rotors import Unproved
+from .arrays import Unproved
 
 _DIGITS = 35
 

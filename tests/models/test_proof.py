@@ -14,8 +14,8 @@ from autobalancer.harness import load_scene  # noqa: E402
 from autobalancer.harness.stability.ball_tables import Change  # noqa: E402
 from autobalancer.harness.stability.exact import system  # noqa: E402
 from autobalancer.models.boundaries import balancing_boundaries  # noqa: E402
+from autobalancer.models.proof.arrays import Unproved  # noqa: E402
 from autobalancer.models.proof.certificate import Certificate  # noqa: E402
-from autobalancer.models.proof.rotors import Unproved  # noqa: E402
 from autobalancer.models.proof.series import Series  # noqa: E402
 from autobalancer.models.stability import growth_rates  # noqa: E402
 
