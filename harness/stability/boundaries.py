@@ -40,6 +40,7 @@ from ..scene.plausible import natural_frequencies
 from ..scene.quantities import LARGEST
 from ..units import si_number
 from .crossings import FINE, measured_regions, nodes_around, side
+from .growth_search import GrowthSearch
 from .main_motion import MainMotion, NoMainMotion
 from .methods import DEFAULT_METHODS, METHODS
 from .speeds import Speeds, add_regions
@@ -181,7 +182,7 @@ def _by_proof(
     scene: Scene, result: Speeds, narrowest: float | None, within: str, progress: Progress | None
 ) -> Speeds:
     refuse_missing()
-    from ...models.proof.rotors import Unproved
+    from ...models.proof.arrays import Unproved
     from .proved import prove
 
     try:
@@ -251,7 +252,8 @@ def _by_units(
             nodes = _nodes(result, narrowest).tolist()
             word = unknown_word(scene.assembly())
             fine = NARROW if motion.units.is_separate else FINE
-            found = measured_regions(motion.find_growth, motion.rate, nodes, progress, word, fine)
+            search = GrowthSearch(motion)
+            found = measured_regions(search.find, search.rate, nodes, progress, word, fine)
     except SimulationError as error:
         if not (result.methods or isinstance(error, NoMainMotion)):
             raise

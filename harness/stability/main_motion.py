@@ -19,58 +19,25 @@ from __future__ import annotations
 
 import math
 import sys
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable
 from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ...models.linear.balanced import (
-    CannotBalance,
-    WeightTable,
-    balanced_angles,
-    moment_slopes,
-)
-from ...models.linear.growth import Growth, eigenvalues_with_errors, largest
+from ...models.linear.balanced import CannotBalance, balanced_angles
 from ...models.linear.on_race import has_lobes, main_motion
+from ...models.linear.weight_table import WeightTable, moment_slopes
 from ..errors import SimulationError
 from ..master.closing import Closing
 from ..scene import Scene
-from .crossings import Measured
-from .revolution import PERTURBATION, RANK, TIGHT, Matrix, Revolution, Vector, derivative
+from .revolution import PERTURBATION, RANK, Matrix, Revolution, Vector, derivative
 
 Outcome = TypeVar("Outcome")
 
 AT_REST = 1e-6  # of each state's scale: what a revolution may move a main motion
 NEUTRAL_RETURN = 1e-5  # what a revolution may change a neutral turn; differences and steps err less
 MOST_REFINED = 32  # times the given steps per revolution
-# times its error, that decide by three numbers of steps or by two, which can agree by chance
-DECIDED, CLEARLY_DECIDED = 2.0, 30.0
-MAP_ROUNDING = 3e-14  # of a state's scale, after a revolution in the given steps; more in more
-LEAST_SHRINKING = 8.0  # of a change, by half the steps: signals are of order 4
-MOVED_BESIDE_OTHERS = 1e-4  # of a state's scale: weights must not touch
-OTHER_DISTANCE = 0.7  # times that, with every other number of steps
-OTHER_TOLERANCE = 10.0  # times that of a machine in one piece, there: its steps are its own
-
-
-@dataclass(frozen=True)
-class Accuracy:
-    """How well a growth rate is looked for.
-
-    Attributes:
-        least, most: times the given steps per revolution.
-        moved, order: as of `derivative`.
-    """
-
-    least: float
-    most: float
-    moved: float
-    order: int
-
-
-IN_ONE_FILE = Accuracy(1.0, MOST_REFINED, 1e-3, 4)
-SEPARATE = Accuracy(0.5, 4.0, PERTURBATION, 2)  # they take 100 times as long
 
 
 class NoMainMotion(SimulationError):
@@ -99,9 +66,6 @@ class MainMotion(Closing):
             scene.refuse_lobes("main motions beside a ring of liquid are those")
         self.units = Revolution(scene, separate=separate)
         try:
-            self._accuracy = SEPARATE if self.units.is_separate else IN_ONE_FILE
-            if any(balancer.can_meet for balancer in scene.balancer):
-                self._accuracy = replace(self._accuracy, moved=MOVED_BESIDE_OTHERS)
             self._speed = abs(scene.profile().end)  # any will do for what follows
             states = enumerate(self.units.states)
             self._angles = [i for i, s in states if s.start.startswith("weight[") and not s.is_rate]
@@ -186,13 +150,17 @@ class MainMotion(Closing):
         neutral[self._angles] = (seen[rank:] / size).T
         return rows, columns, neutral / np.abs(neutral).max(axis=0)
 
-    def _map(
-        self, columns: Matrix, speed: float, moved: float = PERTURBATION, order: int = 2
-    ) -> Matrix:
-        """Derivative of the one-revolution map along given directions, in the states' scales.
+    def reduced_map(self, speed: float, moved: float = PERTURBATION, order: int = 2) -> Matrix:
+        """Derivative of the one-revolution map modulo the neutral turns, in the states' scales.
 
         `moved` and `order` are those of `derivative`.
         """
+        return self._rows @ self._map(self._columns, speed, moved, order)
+
+    def _map(
+        self, columns: Matrix, speed: float, moved: float = PERTURBATION, order: int = 2
+    ) -> Matrix:
+        """Derivative of the one-revolution map along given directions, in the states' scales."""
         if self._on_lobes:
             self.state = self._on_race(speed)
         scale = self.units.scale(speed)[:, None]
@@ -235,7 +203,7 @@ class MainMotion(Closing):
 
     def multipliers(self, speed: float) -> NDArray[np.complex128]:
         """Multipliers of one revolution but the neutral ones, largest modulus first."""
-        reduced = self._rows @ self._resolved(lambda: self._map(self._columns, speed))
+        reduced = self._resolved(lambda: self.reduced_map(speed))
         values = np.linalg.eigvals(reduced).astype(complex)
         return values[np.argsort(-np.abs(values), kind="stable")]
 
@@ -245,73 +213,6 @@ class MainMotion(Closing):
         # what dies within a revolution underflows to 0: as fast as a double can tell
         return math.log(max(largest, sys.float_info.min)) * speed / (2.0 * math.pi)
 
-    def find_growth(self, speed: float) -> Measured:
-        """Largest growth rate with its error, in steps fine enough to decide its sign.
-
-        The error is what the last halving of the steps changed, or an eighth of what the one before
-        did, for two numbers of steps can agree by chance; and rounding.  Steps are halved until the
-        rate exceeds it, or until the rest is rounding.  A machine in one piece has steps of its
-        own: every other time it has another tolerance instead.
-
-        Raises:
-            SimulationError: the units refuse the finest steps too.
-        """
-        given, best = self.units.steps, None
-        rates: list[float] = []
-        parts, most = self._accuracy.least, self._accuracy.most
-        while parts <= (most if best else MOST_REFINED):
-            steps = math.ceil(parts * given)
-            parts *= 2.0
-            try:
-                rate, rounding = self._rate(speed, steps)
-            except SimulationError:  # too long for the coupling
-                if parts > MOST_REFINED:
-                    raise
-                rates.clear()
-                continue
-            rates.append(rate)
-            change = _change(rates)
-            found = Measured(Growth(rate, change + rounding), steps)
-            if best is None or found.growth.error <= best.growth.error:
-                best = found
-            clear = DECIDED if len(rates) > 2 else CLEARLY_DECIDED
-            if abs(rate) > clear * found.growth.error or change < rounding:
-                break
-        assert best is not None
-        return best
-
-    def rate(self, speed: float, steps: int) -> float:
-        """Largest growth rate [1/s] by a number of steps per revolution."""
-        return self._rate(speed, steps)[0]
-
-    def _rate(self, speed: float, steps: int) -> tuple[float, float]:
-        """Largest growth rate and its rounding [1/s], by a number of steps per revolution."""
-        given, self.units.steps = self.units.steps, steps
-        # another distance and tolerance for every other number of steps: what they change belongs
-        # to the error
-        is_other = round(math.log2(steps / given)) % 2 == 0
-        moved = self._accuracy.moved * (OTHER_DISTANCE if is_other else 1.0)
-        self.units.tolerance = TIGHT * (OTHER_TOLERANCE if is_other else 1.0)
-        try:
-            reduced = self._rows @ self._map(self._columns, speed, moved, self._accuracy.order)
-        finally:
-            self.units.steps, self.units.tolerance = given, TIGHT
-        noise = MAP_ROUNDING * max(1.0, steps / given) / moved / sys.float_info.epsilon
-        values, errors = eigenvalues_with_errors(reduced[None], roundings=noise)
-        sizes = np.maximum(np.abs(values), sys.float_info.min)
-        found = largest(np.log(sizes), np.minimum(errors / sizes, 1.0))
-        rate, rounding = (float(each[0]) * speed / math.tau for each in found)
-        return rate, rounding
-
     def close(self) -> None:
         """Free the units."""
         self.units.close()
-
-
-def _change(rates: Sequence[float]) -> float:
-    """Error of the last of rates, of which each is by twice as many steps as the one before."""
-    if len(rates) < 2:
-        return math.inf
-    change = abs(rates[-1] - rates[-2])
-    before = abs(rates[-2] - rates[-3]) / LEAST_SHRINKING if len(rates) > 2 else 0.0
-    return max(change, before)

@@ -8,6 +8,7 @@ import pytest
 
 import autobalancer as ab
 from autobalancer.harness.stability import boundaries
+from autobalancer.harness.stability.growth_search import GrowthSearch
 from autobalancer.harness.stability.main_motion import MainMotion
 from autobalancer.models.linear.on_race import NoRest
 from autobalancer.models.stability import find_growth
@@ -40,8 +41,9 @@ def test_speeds_say_what_is_left_and_runs_leave_it():
 def test_growth_of_the_units_is_that_of_the_equations_on_several_races():
     scene = ab.load("oval_fan")
     with MainMotion(scene) as motion:
+        search = GrowthSearch(motion)
         for speed in (50.0, 157.0):
-            found, expected = motion.find_growth(speed).growth, find_growth(scene.assembly(), speed)
+            found, expected = search.find(speed).growth, find_growth(scene.assembly(), speed)
             assert found.state == expected.state
             assert found.rate == pytest.approx(expected.rate, rel=1e-3)
 

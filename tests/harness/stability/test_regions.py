@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import autobalancer as ab
+from autobalancer.harness.stability.growth_search import GrowthSearch
 from autobalancer.harness.stability.main_motion import MainMotion
 from tests.studies.regions import compare, contradictions, states_alternate, stretches
 
@@ -138,7 +139,7 @@ def test_growth_at_a_limit_is_within_its_error_under_drag_that_outweighs_the_wei
     limits = [c.speed for c in scene.speeds(17.0, 342.0, "floquet").methods["floquet"]]
     assert len(limits) == 3
     with MainMotion(scene) as motion:
-        found = [motion.find_growth(speed).growth for speed in limits]
+        found = [GrowthSearch(motion).find(speed).growth for speed in limits]
     assert all(abs(one.rate) <= one.error for one in found), found
 
 

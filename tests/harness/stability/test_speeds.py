@@ -10,6 +10,7 @@ import pytest
 from autobalancer.harness import SimulationError, UserError, check, load_scene, speeds
 from autobalancer.harness.checks.critical_speeds import needed_revolutions
 from autobalancer.harness.stability.crossings import Measured, measured_regions, nodes_around
+from autobalancer.harness.stability.growth_search import GrowthSearch
 from autobalancer.harness.stability.main_motion import MainMotion, NoMainMotion
 from autobalancer.harness.stability.revolution import Revolution
 from autobalancer.harness.stability.speeds import Speeds
@@ -185,10 +186,10 @@ def test_a_method_that_does_not_apply_says_why():
 
 
 def test_methods_that_fail_leave_the_answers_of_the_others(monkeypatch, invoke):
-    def fails(motion, speed):
+    def fails(search, speed):
         raise SimulationError("weights overlap by 0.0345 rad")
 
-    monkeypatch.setattr(MainMotion, "find_growth", fails)
+    monkeypatch.setattr(GrowthSearch, "find", fails)
     found = speeds(load_scene("filimonikhina"), (4.5, 5.5))
     assert found.refused == {"cosim": "weights overlap by 0.0345 rad"}
     assert list(found.methods) == ["criterion", "floquet"]
