@@ -18,7 +18,7 @@ from scipy.interpolate import Akima1DInterpolator
 from ...models.arrays import Array
 from ..errors import SimulationError, UserError
 from ..master.closing import Closing
-from ..master.foreign.abilities import variable_of
+from ..master.foreign.abilities import check_start, variable_of
 from ..master.unit_run import UnitRun
 from ..result.system import recorded_again, run_system
 from ..scene.system import System
@@ -196,7 +196,7 @@ def _parameter(paths: tuple[str, ...], system: System) -> Parameter:
             declared = variable_of(run.units[unit], variable, f"--free {path}")
             given = next(one.start for one in system.unit if one.name == unit)
             found.append((given.get(variable, declared.start), declared))
-            run.units[unit].check_start({variable: 1.0})
+            check_start(run.units[unit], {variable: 1.0})
     value, declared = found[0]
     try:
         start = float(value)

@@ -21,6 +21,7 @@ from .compared import Compared, compared_motion
 from .cosimulation import CoSimulation
 from .facts import Facts
 from .fmu import Fmu
+from .foreign.abilities import check_start
 from .foreign.instance import ForeignUnit
 from .foreign.versions import foreign_unit
 from .names import components, plane
@@ -87,7 +88,7 @@ class MixedRun(NetworkRun, CoSimulation):
             for own in scene.unit:
                 path = fmu_path(own.fmu, scene.path)
                 self.units[own.name] = guest = stack.enter_context(foreign_unit(path, own.name))
-                guest.check_start(own.start)
+                check_start(guest, own.start)
                 self.paths.append(path)
             wires, pushed = _wires(scene, self.plan, self.units)
             self._fixed = FixedForces(pushed, self._angle, self.profile.speed) if pushed else None

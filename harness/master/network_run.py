@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from ..errors import UnitError
 from .coupled import Coupled
 from .foreign.abilities import CUBIC, abilities
-from .foreign.instance import EndAsked, UnitFailure
+from .foreign.failures import EndAsked, UnitFailure
 from .loop import QuasiNewton, consistent_start, rescaled, value_eigenvalues
 from .network.member import Member
 from .network.network import BRIEF

@@ -20,6 +20,7 @@ from .compared import NEVER_HELD, Compared
 from .coupled import FINER_FIRST
 from .expectation import Expectation
 from .facts import RunFacts
+from .foreign.abilities import check_start
 from .foreign.instance import ForeignUnit
 from .foreign.versions import foreign_unit
 from .network.network import Network, is_number
@@ -54,7 +55,7 @@ class UnitRun(NetworkRun):
             for unit in system.unit:
                 loaded = foreign_unit(fmu_path(unit.fmu, system.path), unit.name)
                 self.units[unit.name] = stack.enter_context(loaded)
-                loaded.check_start(unit.start)
+                check_start(loaded, unit.start)
             wires = [
                 Wire(c.source, c.to, c.factor, f"{system.label}: connection[{number}]")
                 for number, c in enumerate(system.connection, start=1)

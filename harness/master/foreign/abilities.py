@@ -86,6 +86,32 @@ def variable_of(unit: Any, name: str, where: str) -> ModelVariable:
     )
 
 
+def check_start(unit: Any, start: Mapping[str, Any]) -> None:
+    """Refuse start values that the unit does not have, or of another type.
+
+    Raises:
+        UnitError: so it is.
+    """
+    for name, value in start.items():
+        variable = variable_of(unit, name, f"{unit.name}.{name}: start")
+        allowed = {
+            "real": not isinstance(value, (bool, str)),
+            "integer": isinstance(value, int) and not isinstance(value, bool),
+            "boolean": isinstance(value, bool),
+            "text": isinstance(value, str),
+        }
+        if not allowed.get(kind_of(variable.type), False) or variable.dimensions:
+            raise UnitError(
+                f"{unit.name}.start: {name} = {value!r}: is of type {variable.type}"
+                f"{' (array)' if variable.dimensions else ''} in {unit.path.name}"
+            )
+        if variable.causality in ("output", "independent") and variable.initial != "exact":
+            raise UnitError(
+                f"{unit.name}.start: {name}: is an {variable.causality} of {unit.path.name}, "
+                "and cannot be set; parameters and inputs can"
+            )
+
+
 def kind_of(variable_type: str) -> str:
     """Real, integer, boolean, text or other: what is converted into what."""
     if variable_type in REALS:

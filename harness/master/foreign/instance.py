@@ -8,10 +8,8 @@ from __future__ import annotations
 
 import os
 import shutil
-import threading
 from abc import abstractmethod
 from collections.abc import Iterable, Mapping, Sequence
-from contextlib import suppress
 from ctypes import byref, c_void_p
 from pathlib import Path
 from typing import Any
@@ -19,26 +17,18 @@ from typing import Any
 import numpy as np
 from fmpy.fmi1 import FMICallException
 
-from ...errors import SimulationError, UnitError
+from ...errors import UnitError
 from ..closing import Closing
 from ..library import STATUS, runs_python
 from . import crashes, python_guest
-from .abilities import abilities, kind_of, variable_of
+from .abilities import abilities, kind_of
 from .archive import read_description, unpacked
+from .failures import EndAsked, UnitFailure, free_in_time
 from .group import Group
 from .measures import measured_in
 
-PATIENCE = 5.0  # s in which a unit must come back when it is freed
 _MOST_MESSAGES = 100  # that are kept
 _only_once: set[Path] = set()  # files whose one instance lives
-
-
-class UnitFailure(UnitError, SimulationError):
-    """A unit of foreign origin failed while it ran: the file is to blame, and the run has ended."""
-
-
-class EndAsked(SimulationError):
-    """A unit asks to end the simulation: nothing has failed, and the run ends there."""
 
 
 class ForeignUnit(Closing):
@@ -81,31 +71,6 @@ class ForeignUnit(Closing):
             _only_once.add(self._once)
         self.is_python = runs_python(self.folder)
         crashes.watch(self)
-
-    def check_start(self, start: Mapping[str, Any]) -> None:
-        """Refuse start values that the unit does not have, or of another type.
-
-        Raises:
-            UnitError: so it is.
-        """
-        for name, value in start.items():
-            variable = variable_of(self, name, f"{self.name}.{name}: start")
-            allowed = {
-                "real": not isinstance(value, (bool, str)),
-                "integer": isinstance(value, int) and not isinstance(value, bool),
-                "boolean": isinstance(value, bool),
-                "text": isinstance(value, str),
-            }
-            if not allowed.get(kind_of(variable.type), False) or variable.dimensions:
-                raise UnitError(
-                    f"{self.name}.start: {name} = {value!r}: is of type {variable.type}"
-                    f"{' (array)' if variable.dimensions else ''} in {self.path.name}"
-                )
-            if variable.causality in ("output", "independent") and variable.initial != "exact":
-                raise UnitError(
-                    f"{self.name}.start: {name}: is an {variable.causality} of {self.path.name}, "
-                    "and cannot be set; parameters and inputs can"
-                )
 
     def group(self, names: Iterable[str], memory: np.ndarray | None = None) -> Group:
         """Variables to be read or written together; `memory` holds their values as reals."""
@@ -262,14 +227,7 @@ class ForeignUnit(Closing):
             return  # pythonfmu's loader would release what it has released after the exception
         acts = [*([fmu.terminate] if self._running else []), fmu.freeInstance]
         self._running = False
-        freeing = threading.Thread(target=_quietly, args=(self, *acts), daemon=True)
-        freeing.start()
-        freeing.join(PATIENCE)
-        if freeing.is_alive():
-            raise UnitFailure(
-                f"{self.name} ({self.path.name}): hangs when it is freed: not back after "
-                f"{PATIENCE:g} s"
-            )
+        free_in_time(self, acts)
 
     def close(self) -> None:
         """Free the instance and remove its files."""
@@ -306,11 +264,3 @@ class ForeignUnit(Closing):
     def _call_of(kind: str) -> str:
         """What calls for variables of a type are named by."""
         return kind
-
-
-def _quietly(unit: ForeignUnit, *acts: Any) -> None:
-    crashes.asked.append((unit, "freeing"))
-    for act in acts:
-        with suppress(Exception):  # nothing can be done about a unit that fails when it is freed
-            act()
-    crashes.asked.pop()

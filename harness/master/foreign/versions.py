@@ -14,7 +14,8 @@ from fmpy.fmi1 import FMICallException
 from ...errors import SimulationError, UnitError
 from ..library import callbacks_to, resources_of
 from .archive import read_description
-from .instance import EndAsked, ForeignUnit
+from .failures import EndAsked
+from .instance import ForeignUnit
 
 
 class Fmi2Unit(ForeignUnit):

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from ...scene.unit import split_port
 from ..foreign.abilities import CUBIC, HELD, LINEAR, abilities, kind_of
-from ..foreign.instance import UnitFailure
+from ..foreign.failures import UnitFailure
 from ..names import derivatives
 from .rows import Reals
 from .wiring import Inlet, Wiring

@@ -15,7 +15,7 @@ import pytest
 import tomli_w
 
 import autobalancer as ab
-from autobalancer.harness.master.foreign import archive, instance, versions
+from autobalancer.harness.master.foreign import archive, failures, versions
 
 
 @pytest.fixture(scope="module")
@@ -172,7 +172,7 @@ def test_a_unit_that_fails_while_it_runs_is_named_with_time_and_reason(mood, gue
 
 
 def test_a_unit_that_hangs_when_it_is_freed_is_left_and_named(guest, ran, monkeypatch):
-    monkeypatch.setattr(instance, "PATIENCE", 0.3)
+    monkeypatch.setattr(failures, "PATIENCE", 0.3)
     unit = [{"name": "moody", "fmu": str(guest("moody")), "start": {"mood": "hangs"}}]
     assert "hangs when it is freed: not back after 0.3 s" in ran(unit=unit)
 
