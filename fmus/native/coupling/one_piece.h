@@ -203,8 +203,8 @@ void one_piece_pass_event(Unit *unit);
 
 /* -- one_piece_watch.c --------------------------------------------------------------------------- */
 
-/* Whether nobody needs what looks at a step of this length in the machine's time would find. */
-bool one_piece_is_unwatched(const Unit *unit, double length);
+/* Whether nobody reads what looks at the motion find: in a batch warnings are not heard. */
+bool one_piece_is_unwatched(const Unit *unit);
 /* Tell the units that follow their plane's place where it is, from (n, 2) displacements; 1 with the reason. */
 int one_piece_place_followers(Unit *unit, const double *place, double time);
 /* Look at the motion up to a time in the step; 1 with the reason. */

@@ -17,7 +17,7 @@ bool one_piece_is_smooth(Unit *unit)
             return false;
         }
     }
-    return !c->motor && !pieces->is_stiff && one_piece_is_unwatched(unit, 0.0) &&
+    return !c->motor && !pieces->is_stiff && one_piece_is_unwatched(unit) &&
            one_piece_outputs(unit) == OUTPUTS_ARE_PLACES;
 }
 

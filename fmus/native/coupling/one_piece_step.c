@@ -342,7 +342,7 @@ int one_piece_step(Unit *unit)
     if (!(one_piece->looks <= MOST_LOOKS)) {
         return fail_as_too_fast(unit);
     }
-    if (one_piece_is_unwatched(unit, length)) {
+    if (one_piece_is_unwatched(unit)) {
         one_piece->looked = one_piece->looks;
     }
     one_piece->collocated_steps += one_piece->collocated > 0.0;

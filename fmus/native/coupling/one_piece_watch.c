@@ -4,39 +4,9 @@
 #include "constants.h"
 #include "coupling/composite.h"
 
-/* Whether nobody reads what looks at the motion find. */
-static bool is_unread(const Unit *unit)
+bool one_piece_is_unwatched(const Unit *unit)
 {
     return unit->asked && !((const Composite *)unit->own)->pieces.is_watched && !one_piece_asks_results(unit);
-}
-
-/* Whether no part that follows its plane's place can have something to say in a step of this length. */
-static bool are_followers_silent(const Composite *c, double length)
-{
-    const Machine *m = &c->pieces.step;
-    const Rotor *rotor = composite_rotor(c);
-    const int n = rotor->stations, order = one_piece_order(c);
-    int k, i;
-    for (k = 1; k < c->parts_without_motor && c->pieces.followers; k++) {
-        const Unit *part = c->parts[k].unit;
-        const double *row = rotor->rotor.planes + c->parts[k].plane * n;
-        double most = 0.0;
-        if (c->parts[k].place < 0) {
-            continue;
-        }
-        for (i = 0; i < n; i++) {
-            most += absolute(row[i]) * machine_most(m, i, order, length);
-        }
-        if (!part->equations->room || !(most < part->equations->room(part))) {
-            return false;
-        }
-    }
-    return true;
-}
-
-bool one_piece_is_unwatched(const Unit *unit, double length)
-{
-    return is_unread(unit) && are_followers_silent(unit->own, length);
 }
 
 int one_piece_place_followers(Unit *unit, const double *place, double time)

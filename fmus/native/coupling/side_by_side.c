@@ -167,12 +167,6 @@ static bool go_on_alone(BatchRun *runs, Loaded *loaded, int count, BatchCall *al
     return true;
 }
 
-/* Whether parts of it follow their planes' places, which lie in no lane. */
-static bool is_followed(const BatchRun *run)
-{
-    return ((const Composite *)run->unit->own)->pieces.followers;
-}
-
 /* Let runs stay in their lanes, if all that go on can; whether they have.  Where some cannot, those that can wait. */
 static bool stay_in_lanes(BatchRun *runs, Loaded *loaded, int count, Held *held, BatchCall *all)
 {
@@ -183,7 +177,7 @@ static bool stay_in_lanes(BatchRun *runs, Loaded *loaded, int count, Held *held,
     int live = 0, found = 0, alike = 0, k;
     for (k = 0; k < count; k++) {
         live += runs[k].is_live;
-        loaded[k].waits = has_lanes && runs[k].is_live && !is_followed(runs + k) && is_smooth(runs + k, loaded + k);
+        loaded[k].waits = has_lanes && runs[k].is_live && is_smooth(runs + k, loaded + k);
         if (loaded[k].waits) {
             together[found] = runs + k;
             steps[found++] = loaded + k;

@@ -9,8 +9,7 @@ static bool take_alone(const BatchRun *run)
     const Composite *c = unit->own;
     const double length = machine_length(&c->pieces.step, one_piece_order(c), one_piece_step_tolerance(unit),
                                          c->course->one_piece.largest, false);
-    return composite_are_few(c, run->passes) && one_piece_is_unwatched(unit, length) &&
-           one_piece_take_smooth(unit, length, run->end);
+    return composite_are_few(c, run->passes) && one_piece_take_smooth(unit, length, run->end);
 }
 
 static void read_reached(BatchRun *run, const BatchCall *all)

@@ -63,8 +63,6 @@ typedef struct {
     size_t (*signals)(const Layout *layout, size_t *first);
     /* How far beside an input outputs are smooth; NULL: see derivatives.c. */
     double (*reach)(const Unit *unit, size_t input);
-    /* Displacement of its plane up to which a unit that follows it has nothing to say [m]; NULL: it always may. */
-    double (*room)(const Unit *unit);
     /* Time derivative of an output that is no signal; `value`, 0, is left where it is not known;
        NULL: there are none. */
     int (*slope)(Unit *unit, size_t reference, double *value);

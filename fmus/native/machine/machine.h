@@ -236,8 +236,6 @@ Pair machine_place(const Machine *machine, int column, int order, double time);
 Pair machine_velocity(const Machine *machine, int column, int order, double time);
 /* Places at some times, as x and y; all are (count,), rounded up to a multiple of LANES. */
 void machine_places(const Machine *machine, int column, int order, const double *times, int count, double *x, double *y);
-/* A bound on the sum of both numbers of a place, in a step of this length. */
-double machine_most(const Machine *machine, int column, int order, double length);
 /* Speed of the rotor, and the angle turned. */
 double machine_speed_at(const Machine *machine, int order, double time);
 double machine_turned(const Machine *machine, int order, double time);

@@ -140,18 +140,6 @@ void machine_places(const Machine *m, int column, int order, const double *times
     }
 }
 
-double machine_most(const Machine *m, int column, int order, double length)
-{
-    const Pair *series = m->motion + column;
-    Pair sum = pair_zero();
-    int k;
-    for (k = m->collocated_order ? m->collocated_order : order; k >= 0; k--) {
-        const Pair term = series[k * m->width], size = pair_of(absolute(pair_x(term)), absolute(pair_y(term)));
-        sum = pair_sum(m->collocated_order ? sum : pair_scaled(sum, length), size);
-    }
-    return pair_x(sum) + pair_y(sum);
-}
-
 Pair machine_velocity(const Machine *m, int column, int order, double time)
 {
     const Pair *series = m->velocity + column;

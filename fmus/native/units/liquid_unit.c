@@ -105,13 +105,6 @@ static double liquid_reach(const Unit *unit, size_t input)
                           : 1e-3 * magnitude(complex_of(place[X], place[Y]));
 }
 
-/* A float that does not touch has nothing to warn of. */
-static double liquid_room(const Unit *unit)
-{
-    const Own *own = unit->own;
-    return liquid_gap(&own->liquid);
-}
-
 static int liquid_slope(Unit *unit, size_t reference, double *value)
 {
     (void)unit, (void)reference, (void)value; /* the masses' is 0, that of the clearance not known */
@@ -121,5 +114,5 @@ static int liquid_slope(Unit *unit, size_t reference, double *value)
 const Equations LIQUID_EQUATIONS = {
     .name = "LiquidBalancer", .own_size = sizeof(Own), .parameters = liquid_parameters,
     .begin = liquid_begin, .step = liquid_step_unit, .outputs = liquid_outputs,
-    .observe = liquid_observe, .signals = liquid_signals, .reach = liquid_reach, .room = liquid_room,
+    .observe = liquid_observe, .signals = liquid_signals, .reach = liquid_reach,
     .slope = liquid_slope};
