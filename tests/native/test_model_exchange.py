@@ -92,9 +92,9 @@ def test_a_solver_of_the_tool_finds_the_motion_of_co_simulation(tmp_path, name, 
 class Exchange(Host):
     """An instance of FMI 2.0 for model exchange in continuous-time mode."""
 
-    def __init__(self, path, values=None):
+    def __init__(self, path, values=None, start=0.0):
         super().__init__(path, kind=fmpy.fmi2.FMU2Model)
-        self.slave.setupExperiment()
+        self.slave.setupExperiment(startTime=start)
         self.slave.enterInitializationMode()
         self.set(values or {})
         self.count = len(self.description.derivatives)

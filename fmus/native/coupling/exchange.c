@@ -122,6 +122,19 @@ Status exchange_indicator(Unit *unit, size_t indicator, double *value)
     return STATUS_OK;
 }
 
+/* An integrator's step begins here, with the drive and the forces from outside as the host says them now: at its end
+   it says them anew. */
+static void begin_host_step(const Unit *unit)
+{
+    const Composite *c = unit->own;
+    const DriveSignal *drive = &c->course->drive;
+    OnePiece *one_piece = &c->course->one_piece;
+    memcpy(c->pieces.begun_forces, c->outer_forces, outside_count(c) * sizeof(double));
+    one_piece->pushed = unit->time - drive->pushed_at;
+    one_piece->speed = composite_speed_now(unit);
+    one_piece->acceleration = c->motor ? 0.0 : drive->acceleration;
+}
+
 /* Pass the events that are due; when the next is that a time is known of, and whether states have changed. */
 static int pass_events(Unit *unit, double *next)
 {
@@ -143,7 +156,7 @@ static int pass_events(Unit *unit, double *next)
         if (meet_host(unit) || exchange_events_pass(unit, &changed)) {
             return 1;
         }
-        memcpy(c->pieces.begun_forces, c->outer_forces, outside_count(c) * sizeof(double));
+        begin_host_step(unit);
         next[1] = changed;
         unit->stale = COMPUTED;
     }
@@ -163,7 +176,7 @@ static int complete_step(Unit *unit)
         return 1;
     }
     memcpy(c->at_begin, c->states, c->state_count * sizeof(double));
-    memcpy(c->pieces.begun_forces, c->outer_forces, outside_count(c) * sizeof(double));
+    begin_host_step(unit);
     clock->begin = unit->time;
     unit->stale = OBSERVED; /* what was read before is that of the step before */
     return 0;

@@ -9,19 +9,16 @@ enum { ACCELERATION_ORDER = 2, SLOPE_ORDER = 3 }; /* of the motion, that show A,
 
 /* -- the present state's machine ------------------------------------------------------------------- */
 
-/* Load a state of the parts at a time with these forces from outside; the rotor's angle. */
-static double load_instant(Composite *c, const double *states, double time, const double *forces)
+/* Load a state of the parts at this speed, so long after these forces from outside were told; the rotor's angle. */
+static double load_instant(Composite *c, const double *states, double speed, double acceleration, const double *forces,
+                           double since)
 {
     Machine *m = &c->pieces.instant;
-    double speed, acceleration = 0.0, angle;
+    double angle;
     if (c->motor) {
-        speed = states[c->motor->unit->memory - c->states + ANGLE_SIZE];
         one_piece_set_line(m, motor_line(m->drive.motor, speed));
-    } else {
-        speed = composite_speed(c, time);
-        acceleration = c->course->drive.acceleration;
     }
-    one_piece_push(c, m, forces, time - c->course->drive.pushed_at);
+    one_piece_push(c, m, forces, since);
     angle = one_piece_load(c, m, states, speed, acceleration);
     if (c->pieces.is_eventful) {
         one_piece_load_phase(c, m, states);
@@ -37,7 +34,8 @@ int one_piece_expand_instant(Unit *unit, int order)
     if (one_piece_make(unit)) { /* the state may be one that was restored, with another unbalance */
         return 1;
     }
-    angle = load_instant(c, c->states, unit->time, c->outer_forces);
+    angle = load_instant(c, c->states, composite_speed_now(unit), c->motor ? 0.0 : c->course->drive.acceleration,
+                         c->outer_forces, unit->time - c->course->drive.pushed_at);
     if (c->pieces.is_eventful) {
         if (c->course->one_piece.undecided > 0.0 && phase_decide(m, angle, INSTANT_ORDER)) {
             return unit_fail(unit, "no solution was found for which weights touch and which weights and supports stick at t = %6 s",
@@ -51,11 +49,13 @@ int one_piece_expand_instant(Unit *unit, int order)
 int one_piece_expand_begin(Unit *unit, int order)
 {
     Composite *c = unit->own;
+    const OnePiece *begin = &c->course->one_piece;
+    double angle;
     if (one_piece_make(unit)) {
         return 1;
     }
-    machine_expand(&c->pieces.instant,
-                   load_instant(c, c->at_begin, c->course->clock.begin, c->pieces.begun_forces), order);
+    angle = load_instant(c, c->at_begin, begin->speed, begin->acceleration, c->pieces.begun_forces, begin->pushed);
+    machine_expand(&c->pieces.instant, angle, order);
     return 0;
 }
 
