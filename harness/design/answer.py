@@ -123,8 +123,18 @@ def _take(data: Fitting, best: Trial) -> str:
         f"Take {_named(best, data)}: it balances in {best.worst.balanced} of {best.worst.of} "
         f"starts of the worst corner (at least {100.0 * low:.0f} %, with 95 % confidence)"
         f"{settled}; "
-        f"{_capacity(data, best)}; {margin}; vibration at speed "
-        f"{brief(100.0 * best.left)} % of that without."
+        f"{_capacity(data, best)}; {margin}; {_left(best)}."
+    )
+
+
+def _left(one: Trial) -> str:
+    """The vibration that the runs end with, which need not be steady."""
+    longest = one.loudest.seconds
+    after = f", up to {rounded(longest, 3)} s at speed," if longest else ""
+    falls = " and still falls" if one.still_falls else ""
+    return (
+        f"the vibration at the end of the runs{after} is {brief(100.0 * one.left)} % of that "
+        f"without{falls} (median)"
     )
 
 

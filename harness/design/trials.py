@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -42,6 +42,7 @@ class Corner:
             NaN: the closed form cannot tell.
         failure: why a run failed; else empty.
         seconds: at speed, in which the starts had to balance [s]; 0: it is not known.
+        falls: (n,) vibration at the end over that halfway at speed; empty: it is not known.
     """
 
     drag: float
@@ -53,6 +54,7 @@ class Corner:
     margin: float
     failure: str = ""
     seconds: float = 0.0
+    falls: Array = field(default_factory=lambda: np.empty(0))
 
     @property
     def of(self) -> int:
@@ -78,6 +80,7 @@ class Corner:
             peak=np.concatenate([self.peak, other.peak]),
             failure=self.failure or other.failure,
             seconds=max(self.seconds, other.seconds),
+            falls=np.concatenate([self.falls, other.falls]),
         )
 
 
@@ -121,7 +124,18 @@ class Trial:
     @property
     def left(self) -> float:
         """Median of the vibration at the end over that without balancers, in the worst corner."""
-        return max(float(np.median(c.left)) for c in self.corners)
+        return float(np.median(self.loudest.left))
+
+    @property
+    def loudest(self) -> Corner:
+        """The corner that vibrates most at the end of its runs."""
+        return max(self.corners, key=lambda c: float(np.median(c.left)))
+
+    @property
+    def still_falls(self) -> bool:
+        """Whether the vibration there falls at the end of half of its runs or more."""
+        falls = self.loudest.falls
+        return len(falls) > 0 and float(np.median(falls)) < FALLS
 
     @property
     def settling(self) -> float:
@@ -179,12 +193,12 @@ def run_corner(work: tuple[Scene, float, str, int, int]) -> Corner:
                 mine[open_] = again
             seconds, failure = factor * made.settled, failure or why
             open_ = open_[~np.isfinite(late[0]) & (late[3] < FALLS)]
-        settled, left, peak, _ = seen
+        settled, left, peak, falls = seen
     except (UserError, SimulationError) as error:
         nothing = np.full(count, math.nan)
         never = np.full(count, math.inf)
         return Corner(drag, unbalance, never, nothing, nothing, math.nan, margin, str(error))
-    return Corner(drag, unbalance, settled, left, peak, peak_alone, margin, failure, seconds)
+    return Corner(drag, unbalance, settled, left, peak, peak_alone, margin, failure, seconds, falls)
 
 
 def _margin(found: Capture) -> float:

@@ -316,3 +316,29 @@ def test_where_the_closed_form_cannot_tell_the_margin_is_no_number(fan):
 def test_a_rotor_without_a_design_is_refused_before_sizes_are_asked_for(name):
     with pytest.raises(ab.UserError, match=r'rotor\.kind = .* must be "planar"$'):
         ab.load(name).design()
+
+
+@pytest.mark.parametrize(("mass", "falls"), [(0.0018, True), (0.0002, False)])
+def test_a_vibration_is_said_to_fall_where_a_longer_run_ends_with_less(fan, mass, falls):
+    """Seven balls of 0.2 g hold too little and soon rest; heavier ones still settle."""
+    from autobalancer.harness.design.answer import _left
+    from autobalancer.harness.motions.batch import squared_distances
+    from autobalancer.harness.motions.settle import alone
+    from autobalancer.harness.motions.starts import job
+
+    drive = {"operation.speed": None, "operation.profile": [[0.0, 0.0], [4.0, 309.0]]}
+    size = Candidate(7, 0.0038, mass, 2e-4, 0.0762)
+    ((scene, unbalance),) = corner_scenes(_with_balls(fan.replace(drive)), size, [0.0035], [1.2e-4])
+    corner = run_corner((scene, unbalance, "run-up", 0, 6))
+    one = Trial(size, (corner,))
+    said = _left(one)
+    assert "vibration at the end of the runs" in said
+    assert f"{corner.seconds:.3g} s at speed" in said
+    made, _ = job(scene, 309.0, "run-up", 1, 0, 6)
+    factor = 4.0 * corner.seconds / made.settled
+    squares, _ = squared_distances(made.longer(factor, np.arange(6)))
+    late = np.sqrt(squares[:, -squares.shape[1] // 20 :].max(axis=1)) / alone(scene, 309.0)
+    assert ("still falls" in said) is one.still_falls is falls
+    assert bool(np.median(late) < 0.5 * one.left) is falls
+    if not falls:
+        assert np.median(late) == pytest.approx(one.left, rel=0.3)
