@@ -5,9 +5,11 @@ has the largest distance of a station from the middle and, of every weight, how 
 the rotor on average.
 
 balanced: all weights turn with the rotor, which vibrates less than `BALANCED` of what it does
-    without balancers, and no more than before.
+    without balancers, and no more than before.  A rotor without unbalance is compared with what its
+    weights alone make it vibrate by, all on one side.
 left behind: some weights turn at a steady speed below the rotor's, the same for all of them or
-    beside several natural frequencies.  Where the vibration beats, through all windows, and of a
+    beside several natural frequencies.  The others turn with the rotor or slip by less than 2 % of
+    its speed, as where no unbalance holds them.  Where the vibration beats, through all windows, and of a
     run five times as long: weights that slip now and then do not do so in each window.
 synchronous, not balanced: all weights rest in the rotor, and it vibrates on.
 two frequencies: the weights turn with the rotor and swing steadily, or slip by less than 2 % of
@@ -104,7 +106,7 @@ def classify(seen: Seen, alone: float, speed: float) -> Found:
     """The steady motion of every run.
 
     Args:
-        alone: vibration without balancers [m].
+        alone: vibration without balancers, or what stands for it [m].
         speed: that the rotor is to have [rad/s].
     """
     count = len(seen.vibration)
@@ -132,7 +134,8 @@ def _one(seen: Seen, r: int, alone: float, speed: float) -> tuple[Kind, int, flo
     beats_little = np.ptp(v[-LATE:]) <= BEATS * v[-LATE:].mean()
     if not (behind.any() or along.all() or moves) and (np.abs(mean) <= LAGS * om).all():
         return Kind.TWO_FREQUENCIES if beats_little else Kind.IRREGULAR, 0, np.nan
-    if not (behind | along).all():
+    others = np.abs(mean) <= LAGS * om if behind.any() else along
+    if not (behind | others).all():
         return Kind.UNDECIDED if moves else Kind.IRREGULAR, 0, np.nan
     if not behind.any():
         return _turning_with_the_rotor(v, seen.swing[r], alone, moves), 0, np.nan

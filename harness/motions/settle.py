@@ -9,6 +9,8 @@ import numpy as np
 
 from ...models.harmonic_balance import NoResponse, largest_displacement, unbalance_response
 from ...models.stability import growth_rates
+from ..result.verdict.by_run import on_one_side
+from ..result.verdict.known import Known
 from ..scene import Scene
 from .batch import run
 from .kinds import Found, Kind, classify
@@ -39,6 +41,16 @@ def alone_at(scene: Scene, speeds: Array) -> Array:
     return largest_displacement(found).max(axis=1)
 
 
+def scale(scene: Scene, speed: float) -> float:
+    """Vibration that a balanced one is small against [m]; NaN where it is not known.
+
+    That without balancers; of a rotor without unbalance the one by its weights alone, those of each
+    plane on one side.
+    """
+    bare = alone(scene, speed)
+    return bare if bare != 0.0 else on_one_side(Known(scene, 0.0, speed)) or math.nan
+
+
 def settle(scene: Scene, made: Job) -> tuple[Found, NDArray[np.object_], Array]:
     """Motions of some starts; what has not decided is run again, longer, and twice at most.
 
@@ -49,7 +61,7 @@ def settle(scene: Scene, made: Job) -> tuple[Found, NDArray[np.object_], Array]:
     Returns:
         Motions; why a run has failed, else empty; largest distance of each run [m].
     """
-    bare = alone(scene, made.speed)
+    bare = scale(scene, made.speed)
     seen, failure, largest = run(made)
     found = classify(seen, bare, made.speed)
     open_ = np.flatnonzero(~found.decided)

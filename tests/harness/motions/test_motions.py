@@ -46,6 +46,7 @@ NOISE = 1.0 + 0.4 * np.array([1, -1, 1, 1, -1, 1, -1, -1])
         (NOISE, (0.0, 0.0), 0.5, Kind.IRREGULAR, 0),
         (5.0, (2.1, 2.1), 0.2, Kind.BEHIND, 2),
         (5.0, (2.1, 0.0), 0.2, Kind.BEHIND, 1),
+        (5.0, (2.1, 0.04), 0.2, Kind.BEHIND, 1),
         (5.0, (2.1, 1.0), 0.2, Kind.BEHIND, 2),
         (5.0, (0.02, 0.02), 0.2, Kind.TWO_FREQUENCIES, 0),
         (NOISE, (2.1, 1.0), 0.2, Kind.IRREGULAR, 0),
@@ -302,3 +303,18 @@ def test_a_weight_that_turns_far_beyond_a_natural_frequency_is_not_beside_it(tmp
     assert share.motion.name == "left behind: 1 of 1"
     assert "left behind: 1 of 1 at 3.58" in found.readable().rows[0][2]
     assert "cannot tell at 4 rad/s" in machine.capture().sentence()
+
+
+def test_weights_that_cancel_each_other_balance_a_rotor_without_unbalance():
+    """An integration of the equations, five times as long, ends at rest or with a weight behind."""
+    scene = Scene(
+        rotor={"kind": "planar", "mass": 4.0, "stiffness": 20e3, "damping": 20.0},
+        balancer=[{"kind": "balls", "count": 2, "mass": 0.005, "track_radius": 0.05,
+                   "drag": 0.005}],
+        operation={"speed": 150.0},
+    )  # fmt: skip
+    found = scene.motions(starts=["turning", "rest"], n=25)
+    turning, rest = found.points
+    assert turning.balanced.count == 25
+    assert rest.balanced.count > 0
+    assert {s.motion.kind for s in rest.shares} == {Kind.BALANCED, Kind.BEHIND}
