@@ -13,6 +13,10 @@ from pathlib import Path
 from types import ModuleType
 from typing import TYPE_CHECKING
 
+# for itself, the workers and all that they begin: matrices of tests are small, and threads that
+# wait for each other take a third of the processor time; a number that is given stays
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
 import numpy as np
 import pytest
 from hypothesis import settings

@@ -134,7 +134,9 @@ class Monolith:
         (angle, w, w1), lateral, rotor = turning, 2 * self.stations, self.lagrange.rotor
         inertia, own = self.lagrange(angle, w, y)
         own = own[..., :-1] - inertia[..., :-1, -1] * w1
-        trials = np.broadcast_shapes(*(np.shape(part)[:-1] for part in (own, push, force)))
+        trials = own.shape[:-1]
+        if np.ndim(push) or np.ndim(force):
+            trials = np.broadcast_shapes(trials, np.shape(push)[:-1], np.shape(force)[:-1])
         right = np.broadcast_to(own, (*trials, own.shape[-1])).copy()
         right[..., :lateral] += force
         right[..., lateral:] += push * self.lagrange.turned_inertia

@@ -138,13 +138,12 @@ def settled(lobes, angles):
     """Vibration [m] where an integration in the turning frame, written anew, ends."""
     rotor, (one,) = WHEEL_WITH_TWO_PLACES["rotor"], WHEEL_WITH_TWO_PLACES["balancer"]
     w, n, m = 160.0, 2, one["mass"]
+    rows = [(each.order, each.amplitude, each.angle) for each in lobes]
+    order, size, at = np.array(rows).T[:, :, None]
 
     def rates(_time, y):
         zeta, rate = complex(*y[:2]), complex(*y[2:4])
         theta, turning = y[4:6], y[6:]
-        order, size, at = np.array([(each.order, each.amplitude, each.angle) for each in lobes]).T[
-            :, :, None
-        ]
         wave = order * (theta - at)
         rho = one["track_radius"] + (size * np.cos(wave)).sum(axis=0)
         slope, bend = (
@@ -166,6 +165,6 @@ def settled(lobes, angles):
         return [*y[2:4], *found[:2], *turning, *found[2:]]
 
     start = [0.0] * 4 + list(angles) + [0.0, 0.0]
-    end = solve_ivp(rates, (0.0, 6.0), start, rtol=1e-8, atol=1e-12).y[:, -1]
+    end = solve_ivp(rates, (0.0, 6.0), start, "DOP853", rtol=1e-8, atol=1e-12).y[:, -1]
     assert np.abs(end[6:]).max() < 1e-4
     return float(np.hypot(*end[:2]))
