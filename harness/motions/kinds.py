@@ -9,8 +9,8 @@ balanced: all weights turn with the rotor, which vibrates less than `BALANCED` o
     weights alone make it vibrate by, all on one side.
 left behind: some weights turn at a steady speed below the rotor's, the same for all of them or
     beside several natural frequencies.  The others turn with the rotor or slip by less than 2 % of
-    its speed, as where no unbalance holds them.  Where the vibration beats, through all windows, and of a
-    run five times as long: weights that slip now and then do not do so in each window.
+    its speed, as where no unbalance holds them.  Where the vibration beats, through all windows,
+    and of a run five times as long: weights that slip now and then do not do so in each window.
 synchronous, not balanced: all weights rest in the rotor, and it vibrates on.
 two frequencies: the weights turn with the rotor and swing steadily, or slip by less than 2 % of
     its speed.

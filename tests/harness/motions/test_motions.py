@@ -306,7 +306,7 @@ def test_a_weight_that_turns_far_beyond_a_natural_frequency_is_not_beside_it(tmp
 
 
 def test_weights_that_cancel_each_other_balance_a_rotor_without_unbalance():
-    """An integration of the equations, five times as long, ends at rest or with a weight behind."""
+    """Nothing holds the weights: each start ends at rest or with a weight behind."""
     scene = Scene(
         rotor={"kind": "planar", "mass": 4.0, "stiffness": 20e3, "damping": 20.0},
         balancer=[{"kind": "balls", "count": 2, "mass": 0.005, "track_radius": 0.05,
