@@ -26,7 +26,7 @@ function unbalance({ units, changed }) {
 
 /* The balance of a rotor with one plane: words, or none where nothing is known. */
 function balanceWords(machine) {
-  const { data, units, now } = machine;
+  const { data, units, now: { speed } } = machine;
   const labels = data.tracks.flat();
   if (!units.index.has("rotor.unbalance") || !labels.length) return "";
   const [xi, eta] = unbalance(machine);
@@ -37,16 +37,11 @@ function balanceWords(machine) {
   machine.left = Math.max(left, FADED * (machine.left ?? 0)); // weights swing through the right place
   const holds = capacity(machine);
   if (whole > holds) {
-    return `The weights are used up: they can hold ${moment(holds)} of ${moment(whole)}.`;
+    return `The weights are used up: they can hold ${shown(holds, "kg m")} of ${shown(whole, "kg m")}.`;
   }
-  const reached = data.grades.find((g) => g >= (1000 * machine.left * now.speed) / data.mass);
+  const reached = data.grades.find((g) => g >= (1000 * machine.left * speed) / data.mass);
   const grade = reached ? `G${reached}` : `worse than G${data.grades.at(-1)}`;
   const used = `the weights use ${shown((100 * whole) / holds)} % of what they can hold`;
-  return machine.left <= SETTLED * whole
-    ? `Balanced: ${moment(machine.left)} left of ${moment(whole)}, ${grade}; ${used}.`
-    : `Not balanced now: ${moment(machine.left)} left of ${moment(whole)}, ${grade}; ${used}.`;
-}
-
-function moment(value) {
-  return value < 1e-2 ? `${shown(1e6 * value)} g mm` : `${shown(1e3 * value)} g m`;
+  const now = machine.left <= SETTLED * whole ? "Balanced" : "Not balanced now";
+  return `${now}: ${shown(machine.left, "kg m")} left of ${shown(whole, "kg m")}, ${grade}; ${used}.`;
 }

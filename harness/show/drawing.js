@@ -5,6 +5,7 @@ const TRAIL = 3; // revolutions
 const GAP = 0.2; // of a chamber's radius: a narrower gap is drawn wider, up to this
 const LOBES = 0.08; // of a race's radius: smaller lobes are drawn larger, up to this
 const TUB = 0.81; // of half of the picture: radius of a body around a planar rotor
+const FRAME_AT = 0.97; // of half of the picture
 const FARTHEST = 0.98; // of half of the picture: stops farther out are not drawn
 const WITHIN = 0.9; // of a gap: what a displacement that is less is drawn within
 
@@ -37,7 +38,7 @@ class Drawing {
     const words = [`Displacement × ${shown(this.magnification)}`,
       ...wider.map((times) => `gap × ${shown(times)}`),
       ...lobed.map((b) => `lobes of ${b.label} × ${shown(lobeTimes(b))}`)];
-    context.fillText(words.join(", "), 8, height - 8);
+    context.fillText(words.join(", "), 8, height - 8, width - 106); // beside the key
     if (this.machine.data.heavy !== null) this.key(width - 90, height - 8);
   }
 
@@ -101,32 +102,27 @@ class Drawing {
   /* Springs along x and y from the frame to the shaft. */
   springs(cx, cy, [x, y], size) {
     const { context: c, colours } = this;
-    const reach = 0.97 * size;
+    const reach = FRAME_AT * size;
     c.strokeStyle = colours.faint;
     c.lineWidth = 1.5;
     spring(c, cx - reach, cy, x, y, 9);
     spring(c, cx, cy + reach, x, y, 9);
-    c.lineWidth = 3;
-    line(c, cx - reach, cy - 14, cx - reach, cy + 14);
-    line(c, cx - 14, cy + reach, cx + 14, cy + reach);
-    c.lineWidth = 1;
+    feet(c, cx, cy, reach);
   }
 
   /* The body around a planar rotor: springs from the frame to it, and from it to the shaft. */
   tub(cx, cy, [bx, by], [x, y], size) {
-    const { context: c, colours, machine } = this, { name, feet } = machine.data.tub;
-    const [reach, edge] = [size, TUB * size];
+    const { context: c, colours, machine } = this, { tub } = machine.data;
+    const [reach, edge] = [FRAME_AT * size, TUB * size];
     c.strokeStyle = colours.faint;
     if (!this.turning) {
       c.lineWidth = 1.5;
       spring(c, bx - edge, by, x, y, 9);
       spring(c, bx, by + edge, x, y, 9);
-      if (feet) {
+      if (tub.feet) {
         spring(c, cx - reach, cy, bx - edge, by, 4);
         spring(c, cx, cy + reach, bx, by + edge, 4);
-        c.lineWidth = 3;
-        line(c, cx - reach, cy - 14, cx - reach, cy + 14);
-        line(c, cx - 14, cy + reach, cx + 14, cy + reach);
+        feet(c, cx, cy, reach);
       }
     }
     c.lineWidth = 4;
@@ -134,7 +130,7 @@ class Drawing {
     c.lineWidth = 1;
     c.fillStyle = colours.faint;
     c.textAlign = "center";
-    c.fillText(name, bx, by - edge - 5);
+    c.fillText(tub.name, bx, by - edge - 5);
   }
 
   /* Stops around the axis at their gap, and how far the rotor has come across each; one that is
@@ -243,7 +239,7 @@ class Drawing {
       c.fillStyle = weightColour(colours, k);
       dot(c, wx, wy, size);
       circle(c, wx, wy, size);
-      c.fillStyle = colours.paper;
+      c.fillStyle = "#000";
       c.textAlign = "center";
       if (size >= 6) c.fillText(number, wx, wy + 4);
     });
@@ -443,6 +439,14 @@ function triangle(c, x, y, ux, uy) {
   c.lineTo(x - long * ux - half * uy, y - long * uy + half * ux);
   c.lineTo(x - long * ux + half * uy, y - long * uy - half * ux);
   c.fill();
+}
+
+/* The frame, where springs along x and y stand on it. */
+function feet(c, cx, cy, reach) {
+  c.lineWidth = 3;
+  line(c, cx - reach, cy - 14, cx - reach, cy + 14);
+  line(c, cx - 14, cy + reach, cx + 14, cy + reach);
+  c.lineWidth = 1;
 }
 
 function cross(c, x, y, size) {

@@ -90,8 +90,8 @@ class Page {
     if (event.ctrlKey || event.metaKey || event.altKey) return;
     const { target } = event;
     const id = KEYS[event.key.toLowerCase()];
-    if (id && !(event.key === " " && target.tagName === "BUTTON") && target.tagName !== "SELECT") {
-      element(id).click();
+    if (id && !target.closest(event.key === " " ? "button, summary, select" : "select")) {
+      if (!event.repeat) element(id).click();
       event.preventDefault();
     } else if (["ArrowLeft", "ArrowRight"].includes(event.key) && target === document.body) {
       const { input } = Object.values(this.sliders)[0];

@@ -4,6 +4,7 @@ const WINDOW = 30; // revolutions shown, at the scene's speed
 const LISTENED = 1024; // last samples that a spectrum is of
 const FREQUENCIES = 400; // of a spectrum
 const MARGIN = { left: 62, right: 30, top: 24, bottom: 20 };
+const TITLE = 8; // where it begins: a phone has no more room
 
 /* Axes over a cleared canvas; what maps values to pixels.  `scale` says how values are written: of
    a unit of length by its prefix, else as they are. */
@@ -27,14 +28,14 @@ function axes(canvas, colours, title, [x1, x2], [y1, y2], unit, scale = "") {
   const rise = scale ? niceStep(y2 - y1 || 1, 4) : 90; // degrees
   for (let y = Math.ceil(y1 / rise) * rise; y <= y2; y += rise) {
     line(c, left - 4, py(y), left, py(y));
-    const words = Math.abs(y) < rise / 2 ? "0" : scale ? shown(y, scale, true) : `${y}`;
+    const words = Math.abs(y) < rise / 2 ? "0" : shown(y, scale, true);
     c.fillText(words, left - 6, py(y) + 4);
   }
   c.textAlign = "left";
   c.fillText(`[${unit}]`, right - 6, height - 4);
   c.fillStyle = colours.ink;
-  c.fillText(title, left, 15);
-  return { c, px, py, left, right, top, bottom, titled: left + c.measureText(title).width };
+  c.fillText(title, TITLE, 15);
+  return { c, px, py, left, right, top, bottom, titled: TITLE + c.measureText(title).width };
 }
 
 function curve({ c, px, py }, xs, ys, colour, wrap = Infinity) {
@@ -121,8 +122,8 @@ function named({ c, titled }, colours, names) {
 function plotAngles(canvas, colours, machine) {
   const { history, data } = machine;
   const heavy = machine.heavy ?? 0;
-  const title = data.heavy === null ? "Angles of the weights in the rotor, degrees"
-    : "Angles of the weights from the heavy side, degrees";
+  const title = data.heavy === null ? "Angles in the rotor, degrees"
+    : "Angles from the heavy side, degrees";
   const [times, ...rows] = machine.last(samplesShown(machine), history.time, ...history.angles);
   const area = axes(canvas, colours, title, timesShown(machine, times), [-190, 250], "s");
   level(area, colours, 180, data.heavy === null ? "180" : "180: light side");

@@ -311,6 +311,47 @@ def test_the_page_says_whether_the_rotor_is_balanced_and_when_the_weights_are_us
     assert "for the scene's own values" in words(shown, "strip_words")
 
 
+def test_unbalances_stand_in_the_unit_of_their_slider(opened):
+    shown = opened("sommerfeld")  # 4 g m at most, of 10 g m
+    shown("page.facts()")
+    assert words(shown, "balance") == "The weights are used up: they can hold 4 g m of 10 g m."
+
+
+def test_space_opens_a_summary_and_a_held_key_acts_once(opened):
+    shown = opened("two_balls")
+    press = (
+        "return document.querySelector(arguments[0]).dispatchEvent(new KeyboardEvent('keydown',"
+        "{ key: arguments[1], repeat: arguments[2], bubbles: true, cancelable: true }))"
+    )
+    assert shown(press, "summary", " ", False) is True  # left to the browser
+    assert shown(press, "body", "s", False) is False
+    assert shown(press, "body", "s", True) is False
+    assert shown("return page.view.slow") is True
+
+
+@pytest.mark.parametrize("name", ["two_balls", "oval_fan"])
+def test_words_in_the_pictures_fit_a_narrow_phone(opened, browser, name):
+    """What is written within each canvas, by its own measure, 320 pixels wide."""
+    phone = {"width": 320, "height": 640, "deviceScaleFactor": 2, "mobile": True}
+    browser.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", phone)
+    try:
+        shown = opened(name)
+        shown(
+            "machine.advance(1, 1e9); window.beyond = [];"
+            "const of = CanvasRenderingContext2D.prototype;"
+            "const fill = of.fillText; of.fillText = function (text, x, y, most = Infinity) {"
+            "const wide = Math.min(most, this.measureText(text).width);"
+            "const end = x + wide * { left: 1, center: 0.5, right: 0 }[this.textAlign];"
+            "if (end > this.canvas.clientWidth) window.beyond.push(text);"
+            "fill.call(this, text, x, y, most); };"
+        )
+        frames = shown("return page.frames")
+        shown.wait(f"return page.frames > {frames} + 8")
+        assert shown("return window.beyond") == []
+    finally:
+        browser.execute_cdp_cmd("Emulation.clearDeviceMetricsOverride", {})
+
+
 def test_a_link_brings_the_values_of_the_sliders_to_another_page(opened):
     shown = opened("two_balls")
     shown.slide("value_3", 0.9)
