@@ -17,7 +17,9 @@ from .revolution import PERTURBATION, TIGHT
 
 # times its error, that decide by three numbers of steps or by two, which can agree by chance
 DECIDED, CLEARLY_DECIDED = 2.0, 30.0
-MAP_ROUNDING = 3e-14  # of a state's scale, after a revolution in the given steps; more in more
+# rounding of the map of one revolution in the given number of steps, relative to the scale of a
+# state; it grows with the number of steps
+MAP_ROUNDING = 3e-14
 LEAST_SHRINKING = 8.0  # of a change, by half the steps: signals are of order 4
 MOVED_BESIDE_OTHERS = 1e-4  # of a state's scale: weights must not touch
 OTHER_DISTANCE = 0.7  # times that, with every other number of steps
