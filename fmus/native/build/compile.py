@@ -25,6 +25,7 @@ from ...unit import alternatives
 from ...xml.archive import source, write
 from .targets import (
     COMPILE,
+    COPIES_COMPILE,
     FAST,
     FAST_COMPILE,
     LANES_COMPILE,
@@ -42,6 +43,7 @@ SOURCES = Path(__file__).resolve().parents[1]
 BINARIES = SOURCES / "bin"
 _KEPT = SOURCES / "__pycache__" / "stamp"
 LANES = "lanes"  # folder of what is compiled once more, for machines side by side
+TEMPLATE = "_template.h"  # end of the name of a text that is put in place where it is included
 SOURCE = "autobalancer.c"  # what is compiled: all of them
 
 _INCLUDE = re.compile(r'^#include "(.+)"$', re.M)
@@ -115,6 +117,7 @@ def _present_files() -> str:
     known = (
         COMPILER,
         COMPILE,
+        COPIES_COMPILE,
         LANES_COMPILE,
         WIDE_COMPILE,
         LINK,
@@ -166,7 +169,8 @@ def parts_of_library(platform: Platform) -> dict[str, tuple[str, tuple[str, ...]
     """Text and options of each object of a library, by name; together they are `one_source`.
 
     `lanes`, which an FMU's sources do not have, is the series once more, of several machines or
-    weights; `wide` is the same for processors with wider vectors.
+    weights; `copies` is the recurrence once more for plain machines; `wide` and `wide_copies` are
+    the same for processors with wider vectors.
     """
     written, _ = _complete()
     sources = _sources(written, platform.folder)
@@ -183,6 +187,10 @@ def parts_of_library(platform: Platform) -> dict[str, tuple[str, tuple[str, ...]
         parts[LANES] = (text, (*common, *LANES_COMPILE))
         if platform.wide:
             parts["wide"] = (text, (*common, *LANES_COMPILE, *WIDE_COMPILE))
+        copies = _joined(written, [f"{LANES}/copies.c"])
+        parts["copies"] = (copies, (*common, *COPIES_COMPILE))
+        if platform.wide:
+            parts["wide_copies"] = (copies, (*common, *COPIES_COMPILE, *WIDE_COMPILE))
     return parts
 
 
@@ -190,16 +198,30 @@ def _joined(written: dict[str, str], sources: Iterable[str]) -> str:
     """Texts one behind the other, each once and behind what it includes."""
     parts: dict[str, str] = {}
 
+    def in_place(name: str) -> str:
+        """Text of a file whose templates stand where they are included."""
+        lines = written[name].splitlines()
+        for k, line in enumerate(lines):
+            if (found := _INCLUDE.match(line)) and found[1].endswith(TEMPLATE):
+                lines[k] = f"{_line(1, found[1])}{written[found[1]]}{_line(k + 2, name)}"
+            elif found:
+                lines[k] = ""
+        # messages of the compiler then name the file and the line
+        return _line(1, name) + "\n".join(lines) + "\n"
+
     def add(name: str) -> None:
-        if name not in parts:
+        if name not in parts and not name.endswith(TEMPLATE):
             for included in _INCLUDE.findall(written[name]):
                 add(included)
-            # messages of the compiler then name the file and the line
-            parts[name] = f'#line 1 "{name}"\n' + _INCLUDE.sub("", written[name])
+            parts[name] = in_place(name)
 
     for name in sources:
         add(name)
     return "".join(parts.values())
+
+
+def _line(number: int, name: str) -> str:
+    return f'#line {number} "{name}"\n'
 
 
 def texts() -> dict[str, str]:
@@ -220,6 +242,7 @@ def _complete() -> tuple[dict[str, str], str]:
         *COMPILE,
         *FAST,
         *FAST_COMPILE,
+        *COPIES_COMPILE,
         *LANES_COMPILE,
         *WIDE_COMPILE,
         *LINK,

@@ -39,8 +39,10 @@ _UNROLL = (
     "-unroll-full-max-count=6",
 )
 FAST_COMPILE = (*_IN_LINE, *_ALWAYS, *_UNROLL)
-# machines side by side, and for x86-64 once more with vectors that only newer processors have
-LANES_COMPILE = (*_IN_LINE, *_ALWAYS, *_UNROLL, "-Wno-psabi")
+# copies of the recurrence and machines side by side, in lanes; for x86-64 once more with vectors
+# that only newer processors have
+COPIES_COMPILE = (*_IN_LINE, *_ALWAYS, *_UNROLL, "-Wno-psabi")
+LANES_COMPILE = (*COPIES_COMPILE, "-DSIDE_BY_SIDE")
 WIDE_COMPILE = ("-mavx2", "-DWIDE_VECTORS")
 # nothing unwinds the stack of C; Windows wants its tables, and with them needs no frame pointers
 _NO_TABLES = ("-fno-asynchronous-unwind-tables", "-fno-unwind-tables")

@@ -10,7 +10,7 @@ size_t autobalancer_runs(const char *token, const Batch *batch, size_t runs, con
 {
     BatchCall all = {batch, runs, 0, 0, values, ends, signals, last, reasons};
     BatchRun lanes[LANES];
-    const int most = batch->side_by_side, wanted = most < 1 || most > LANES ? LANES : most;
+    const int most = side_by_side_most(), asked = batch->side_by_side, wanted = asked < 1 || asked > most ? most : asked;
     int count = 0, k;
     memset(reasons, 0, runs * BATCH_REASON);
     memset(lanes, 0, sizeof lanes);

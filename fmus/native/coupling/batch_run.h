@@ -46,6 +46,8 @@ int batch_run_points(const BatchRun *run, const BatchCall *all, double jump, dou
 
 /* -- side_by_side.c -------------------------------------------------------------------------------- */
 
+/* How many units go on side by side on this processor. */
+int side_by_side_most(void);
 /* Run all, with as many units. */
 void side_by_side_run(BatchRun *runs, int count, BatchCall *all);
 

@@ -173,11 +173,10 @@ static bool stay_in_lanes(BatchRun *runs, Loaded *loaded, int count, Held *held,
     BatchRun *together[LANES];
     Loaded *steps[LANES];
     LaneMachine machines[LANES];
-    const bool has_lanes = held->by && held->by->expand_on;
     int live = 0, found = 0, alike = 0, k;
     for (k = 0; k < count; k++) {
         live += runs[k].is_live;
-        loaded[k].waits = has_lanes && runs[k].is_live && is_smooth(runs + k, loaded + k);
+        loaded[k].waits = held->by && runs[k].is_live && is_smooth(runs + k, loaded + k);
         if (loaded[k].waits) {
             together[found] = runs + k;
             steps[found++] = loaded + k;
@@ -210,6 +209,12 @@ static bool reach_steps(BatchRun *runs, Loaded *loaded, int count, BatchCall *al
         goes_on |= runs[k].is_live;
     }
     return goes_on;
+}
+
+int side_by_side_most(void)
+{
+    const LaneFunctions *by = lanes_of_processor();
+    return by && by->expand ? LANES : 1;
 }
 
 void side_by_side_run(BatchRun *runs, int count, BatchCall *all)

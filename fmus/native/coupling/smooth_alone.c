@@ -34,15 +34,12 @@ static bool reach_end_alone(BatchRun *run)
     const double time = c->course->clock.length * m->rate;
     double place = 0.0, speed = 0.0;
     int i;
-    for (i = 0; i < m->width; i++) {
-        const Pair q = machine_place(m, i, order, time), v = machine_velocity(m, i, order, time);
-        m->motion[i] = q;
-        m->velocity[i] = v;
-        if (i < m->stations) {
-            const double x = pair_x(v) * m->rate, y = pair_y(v) * m->rate;
-            place = larger(place, larger(absolute(pair_x(q)), absolute(pair_y(q))));
-            speed = larger(speed, larger(absolute(x), absolute(y))) + (0.0 * x + 0.0 * y); /* NaN where one is */
-        }
+    machine_reach_end(m, order, time);
+    for (i = 0; i < m->stations; i++) {
+        const Pair q = m->motion[i];
+        const double x = pair_x(m->velocity[i]) * m->rate, y = pair_y(m->velocity[i]) * m->rate;
+        place = larger(place, larger(absolute(pair_x(q)), absolute(pair_y(q))));
+        speed = larger(speed, larger(absolute(x), absolute(y))) + (0.0 * x + 0.0 * y); /* NaN where one is */
     }
     return one_piece_next_smooth(run->unit, place, speed);
 }

@@ -1,13 +1,20 @@
-/* Names of what is compiled once more for lanes, or twice; a function that is missing here is defined twice for the linker. */
+/* Names of what is compiled once more; a function that is missing here is defined twice for the linker. */
 #ifndef AUTOBALANCER_LANE_NAMES_H
 #define AUTOBALANCER_LANE_NAMES_H
 
-#define SIDE_BY_SIDE
+#if defined(SIDE_BY_SIDE) && defined(WIDE_VECTORS)
+#define LANE_NAME(name) wide_##name
+#elif defined(SIDE_BY_SIDE)
+#define LANE_NAME(name) lane_##name
+#elif defined(WIDE_VECTORS)
+#define LANE_NAME(name) wide_copy_##name
+#else
+#define LANE_NAME(name) copy_##name
+#endif
 
 #ifdef WIDE_VECTORS
-#define LANE_NAME(name) wide_##name
-#else
-#define LANE_NAME(name) lane_##name
+#define copies_go_through wide_copies_go_through
+#define copies_reach_end wide_copies_reach_end
 #endif
 
 #define machine_advance_weight LANE_NAME(machine_advance_weight)
@@ -19,6 +26,7 @@
 #define machine_coupled_station LANE_NAME(machine_coupled_station)
 #define machine_expand LANE_NAME(machine_expand)
 #define machine_factorise LANE_NAME(machine_factorise)
+#define machine_push_track LANE_NAME(machine_push_track)
 #define machine_reshape LANE_NAME(machine_reshape)
 #define machine_results LANE_NAME(machine_results)
 #define machine_set_carrier LANE_NAME(machine_set_carrier)
@@ -45,7 +53,6 @@
 #define series_race_torque LANE_NAME(series_race_torque)
 #define series_race_turning LANE_NAME(series_race_turning)
 #define series_weight_advance LANE_NAME(series_weight_advance)
-#define series_weights_advance LANE_NAME(series_weights_advance)
 #define series_weight_finish LANE_NAME(series_weight_finish)
 #define series_weight_force LANE_NAME(series_weight_force)
 #define series_weight_pulled LANE_NAME(series_weight_pulled)

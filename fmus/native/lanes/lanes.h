@@ -6,12 +6,15 @@
 #ifndef AUTOBALANCER_LANES_H
 #define AUTOBALANCER_LANES_H
 
+#include <stdbool.h>
+
 #include "fmi/unit.h"
 #include "machine/blocks.h"
 
 enum { LANES = 4 };
 
 typedef struct Lanes Lanes;
+struct Machine;
 
 /* A machine that goes on beside others. */
 typedef struct {
@@ -28,17 +31,18 @@ typedef struct {
     int weights;
     int *track_of;               /* (weights,) number of the track; 0 behind, up to a multiple of LANES */
     double *known, *pull, *moved; /* (tracks, 2) of the order to come: MachineTrack, and its acceleration less `known` */
-    double *found;               /* x of LANES weights, then y; and so on: directions at the start, or forces */
+    double *found;               /* (weights, 2): directions at the start, or forces */
     void *fours;
 } WeightsBeside;
 
 /* What vectors of some kind compute. */
 typedef struct LaneFunctions {
-    /* Memory for machines of such sizes, as machine_allocate has it; NULL where there is none. */
+    /* Several machines; NULL here and up to take_out: those take longer so than one after the other.  Memory for machines of
+       such sizes, as machine_allocate has it; NULL where there is none. */
     Lanes *(*allocate)(Unit *unit, int stations, int weights, int tracks, int lobes);
     /* Expand as machine_expand does, one to LANES machines of one shape. */
     void (*expand)(Lanes *lanes, const LaneMachine *machines, int count, int order);
-    /* Machines that stay in their lanes for many steps, without motors; NULL: they do not.  All numbers are (LANES,), times
+    /* Machines that stay in their lanes for many steps, without motors.  All numbers are (LANES,), times
        in the machines'.  Load their state; */
     int (*load)(Lanes *lanes, const LaneMachine *machines, int count, int order);
     /* expand it at these angles and speeds of the rotors; */
@@ -65,6 +69,9 @@ typedef struct LaneFunctions {
     void (*push_beside)(WeightsBeside *beside, int k, const double *speeds, double carried);
     /* series_weight_finish, from `pull` and `moved`: speeds on the track of order k + 1; w' of order k is `gained`. */
     void (*take_beside)(WeightsBeside *beside, int k, double gained, const double *per, double *speeds);
+    /* Those of lanes/copies.h. */
+    bool (*go_through)(const struct Machine *machine, int order, bool is_beside);
+    void (*reach_end)(struct Machine *machine, int order, double time);
 } LaneFunctions;
 
 extern const LaneFunctions lane_functions, wide_functions; /* where HAS_LANES, HAS_WIDE_VECTORS */

@@ -2,29 +2,23 @@
    lanes.c. */
 #include <string.h>
 
-#include "base/number.h"
+#include "base/pair.h"
+
+#define SUM sum_at_times
+#define Sum Pair
+#define Time Number
+#define Coefficient double
+#define AT(at) pair_of(number_of((at)[0]), number_of((at)[1]))
+#define PLUS(a, b) pair_sum(a, b)
+#define TIMES(a, time) pair_scaled(a, time)
+#include "base/series_sum_template.h"
 
 static void sum_beside(const double *series, int stride, int order, const double *times, double *x, double *y)
 {
-    const double *at = series + order * stride;
-    Number time, square, high_x = number_of(at[0]), high_y = number_of(at[1]);
-    Number low_x = number_of(at[-stride]), low_y = number_of(at[1 - stride]);
-    int k;
+    Number time;
+    Pair sum;
     memcpy(&time, times, sizeof time);
-    square = time * time;
-    for (k = order; k > 2; k -= 2, at -= 2 * stride) {
-        high_x = high_x * square + number_of(at[-2 * stride]);
-        high_y = high_y * square + number_of(at[1 - 2 * stride]);
-        low_x = low_x * square + number_of(at[-3 * stride]);
-        low_y = low_y * square + number_of(at[1 - 3 * stride]);
-    }
-    if (k == 2) {
-        high_x = (high_x * square + number_of(series[0])) + low_x * time;
-        high_y = (high_y * square + number_of(series[1])) + low_y * time;
-    } else {
-        high_x = low_x + high_x * time;
-        high_y = low_y + high_y * time;
-    }
-    memcpy(x, &high_x, sizeof high_x);
-    memcpy(y, &high_y, sizeof high_y);
+    sum = sum_at_times(series, stride, order, time);
+    memcpy(x, &sum.x, sizeof sum.x);
+    memcpy(y, &sum.y, sizeof sum.y);
 }

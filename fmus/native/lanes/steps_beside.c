@@ -5,8 +5,6 @@
 #include "base/pair.h"
 #include "lanes/lane_machine.h"
 
-#ifdef HAS_COPIES /* else each step comes out of the lanes */
-
 static inline Number size_of(Number a)
 {
     return __builtin_elementwise_abs(a);
@@ -61,32 +59,24 @@ static void find_terms(const Lanes *lanes, int k, const double *largest, Terms *
     }
 }
 
-/* The sum of a series as machine/pace.c forms it. */
-static inline Number sum_of_series(const Number *series, int stride, int order, Number time)
-{
-    const Number *at = series + order * stride, square = time * time;
-    Number high = at[0], low = at[-stride];
-    int k;
-    for (k = order; k > 2; k -= 2, at -= 2 * stride) {
-        high = high * square + at[-2 * stride];
-        low = low * square + at[-3 * stride];
-    }
-    return k == 2 ? (high * square + series[0]) + low * time : low + high * time;
-}
+/* The sum of a series, whose coefficients stand `stride` apart, up to an order at a time: of numbers, and of pairs. */
+#define SUM sum_of_series
+#define Sum Number
+#define Time Number
+#define Coefficient Number
+#define AT(at) (*(at))
+#define PLUS(a, b) ((a) + (b))
+#define TIMES(a, time) ((a) * (time))
+#include "base/series_sum_template.h"
 
-static inline Pair sum_of_pairs(const Pair *series, int stride, int order, Number time)
-{
-    const Pair *at = series + order * stride;
-    const Number square = time * time;
-    Pair high = at[0], low = at[-stride];
-    int k;
-    for (k = order; k > 2; k -= 2, at -= 2 * stride) {
-        high = pair_sum(pair_scaled(high, square), at[-2 * stride]);
-        low = pair_sum(pair_scaled(low, square), at[-3 * stride]);
-    }
-    return k == 2 ? pair_add_scaled(pair_sum(pair_scaled(high, square), series[0]), low, time)
-                  : pair_add_scaled(low, high, time);
-}
+#define SUM sum_of_pairs
+#define Sum Pair
+#define Time Number
+#define Coefficient Pair
+#define AT(at) (*(at))
+#define PLUS(a, b) pair_sum(a, b)
+#define TIMES(a, time) pair_scaled(a, time)
+#include "base/series_sum_template.h"
 
 static void read_place(const Lanes *lanes, int column, int number, int order, const double *times, double *places)
 {
@@ -128,8 +118,3 @@ static void take_out(const Lanes *lanes, int lane, double *motion, double *veloc
         velocity[k] = *v;
     }
 }
-
-#define STEPS_BESIDE load_lanes, expand_on, find_terms, read_place, go_to_end, take_out,
-#else
-#define STEPS_BESIDE NULL, NULL, NULL, NULL, NULL, NULL,
-#endif

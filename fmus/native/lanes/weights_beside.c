@@ -69,13 +69,31 @@ static inline void store(Number from, double *to, int count)
     }
 }
 
-/* A vector of each weight's track. */
-static inline Pair spread(const double *of_tracks, const int *track_of)
+static inline void store_pairs(Pair from, double *to)
+{
+    const Number early = __builtin_shufflevector(from.x, from.y, 0, LANES, 1, LANES + 1);
+    const Number late = __builtin_shufflevector(from.x, from.y, 2, LANES + 2, 3, LANES + 3);
+    memcpy(to, &early, sizeof early);
+    memcpy(to + LANES, &late, sizeof late);
+}
+
+/* A vector of each weight's track, of weights on several. */
+static inline Pair spread_apart(const double *of_tracks, const int *track_of)
 {
     const double *a = of_tracks + 2 * track_of[0], *b = of_tracks + 2 * track_of[1];
     const double *c = of_tracks + 2 * track_of[2], *d = of_tracks + 2 * track_of[3];
     const Number x = {a[0], b[0], c[0], d[0]}, y = {a[1], b[1], c[1], d[1]};
     return pair_of(x, y);
+}
+
+/* A vector of each weight's track. */
+static inline Pair spread(const double *of_tracks, const int *track_of)
+{
+    const double *a = of_tracks + 2 * track_of[0];
+    if (track_of[0] == track_of[LANES - 1]) { /* they are in order */
+        return pair_of(number_of(a[0]), number_of(a[1]));
+    }
+    return spread_apart(of_tracks, track_of);
 }
 
 static void load_constants(SeriesWeight *four, const double *numbers, size_t stride, int count)
@@ -100,8 +118,7 @@ static void start_beside(WeightsBeside *beside, const double *numbers, size_t st
         load_constants(weights, numbers, stride, left);
         weights->rate[0] = pair_both(turning + load(rates, left));
         series_weight_start(weights, angle + load(angles, left));
-        store(pair_x(weights->along), direction, LANES);
-        store(pair_y(weights->along), direction + LANES, LANES);
+        store_pairs(weights->along, direction);
         numbers += stride * LANES;
         angles += LANES;
         rates += LANES;
@@ -115,12 +132,9 @@ static void push_beside(WeightsBeside *beside, int k, const double *speeds, doub
     double *force = beside->found;
     int left = beside->weights;
     for (; left > 0; left -= LANES, four++, force += 2 * LANES, track_of += LANES, speeds += LANES) {
-        Pair pushed;
         series_weight_advance(&four->weights, k, four->pull, spread(beside->known, track_of), load(speeds, left),
                               number_of(carried));
-        pushed = series_weight_force(&four->weights);
-        store(pair_x(pushed), force, LANES);
-        store(pair_y(pushed), force + LANES, LANES);
+        store_pairs(series_weight_force(&four->weights), force);
     }
 }
 

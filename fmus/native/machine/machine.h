@@ -33,9 +33,8 @@
 #include "units/rotor_unit.h"
 #include "weights/centre.h"
 
-/* Whether small machines have copies of loops, and stay in their lanes: not in the page of a scene, nor where x86-64 has
-   wider vectors without them.  That keeps page and library small. */
-#if (!defined(SIDE_BY_SIDE) || defined(WIDE_VECTORS) || !defined(HAS_WIDE_VECTORS)) && !defined(__wasm__)
+/* Whether small machines have copies of loops: not in the page of a scene, which is to be small. */
+#ifndef __wasm__
 #define HAS_COPIES
 #endif
 
@@ -72,7 +71,7 @@ typedef struct {
     int speed_order;                 /* the highest that is not 0 */
 } Carried;
 
-typedef struct {
+typedef struct Machine {
     int stations, weight_count, track_count; /* n, N */
     int waves, ring_count; /* the last of the stations, of rings of liquid, and how many rings it has so far */
     int width;    /* columns of a series of the motion: n, and N/2 rounded up */
@@ -190,6 +189,8 @@ Number machine_coupled_shaft(const Machine *machine, const MachineTrack *track, 
 void machine_set_carrier(Machine *machine);
 /* w' of order k where it is prescribed. */
 Number machine_carried_along(const Machine *machine, int k);
+/* Push the plane of a track, on the right-hand side of the order to come. */
+void machine_push_track(Machine *machine, const MachineTrack *track, Pair force);
 /* Complete the pull of a track from the solution of order k; its acceleration less what was known. */
 Pair machine_take_pull(Machine *machine, MachineTrack *track, int k);
 /* Complete a weight with its phi'' of order k, and the pull of its track. */
@@ -236,6 +237,8 @@ Pair machine_place(const Machine *machine, int column, int order, double time);
 Pair machine_velocity(const Machine *machine, int column, int order, double time);
 /* Places at some times, as x and y; all are (count,), rounded up to a multiple of LANES. */
 void machine_places(const Machine *machine, int column, int order, const double *times, int count, double *x, double *y);
+/* Places and velocities of a time of the step in place of those of its begin: the first coefficients. */
+void machine_reach_end(Machine *machine, int order, double time);
 /* Speed of the rotor, and the angle turned. */
 double machine_speed_at(const Machine *machine, int order, double time);
 double machine_turned(const Machine *machine, int order, double time);

@@ -92,18 +92,14 @@ double machine_length(const Machine *m, int order, double tolerance, double larg
 }
 
 /* The sum of a series, whose coefficients stand `stride` pairs apart, up to an order at a time. */
-static Pair series_at(const Pair *series, int stride, int order, double time)
-{
-    const Pair square = pair_both(time * time), *at = series + order * stride;
-    Pair high = at[0], low = at[-stride]; /* two sums in turn: neither waits for the other */
-    int k;
-    for (k = order; k > 2; k -= 2, at -= 2 * stride) {
-        high = pair_sum(pair_times(high, square), at[-2 * stride]);
-        low = pair_sum(pair_times(low, square), at[-3 * stride]);
-    }
-    return k == 2 ? pair_add_times(pair_sum(pair_times(high, square), series[0]), low, pair_both(time))
-                  : pair_add_times(low, high, pair_both(time));
-}
+#define SUM series_at
+#define Sum Pair
+#define Time double
+#define Coefficient Pair
+#define AT(at) (*(at))
+#define PLUS(a, b) pair_sum(a, b)
+#define TIMES(a, time) pair_scaled(a, time)
+#include "base/series_sum_template.h"
 
 /* The sum of Chebyshev's polynomials with these coefficients in a step by collocation: Clenshaw's recurrence. */
 static Pair collocated_at(const Machine *m, const Pair *coefficients, int stride, double time)
@@ -145,6 +141,20 @@ Pair machine_velocity(const Machine *m, int column, int order, double time)
     const Pair *series = m->velocity + column;
     return m->collocated_order ? collocated_at(m, series, m->width, time)
                                : series_at(series, m->width, order - 1, time);
+}
+
+void machine_reach_end(Machine *m, int order, double time)
+{
+    int i;
+    if (m->lanes && !m->collocated_order) {
+        m->lanes->reach_end(m, order, time);
+        return;
+    }
+    for (i = 0; i < m->width; i++) {
+        const Pair q = machine_place(m, i, order, time);
+        m->velocity[i] = machine_velocity(m, i, order, time);
+        m->motion[i] = q;
+    }
 }
 
 double machine_speed_at(const Machine *m, int order, double time)

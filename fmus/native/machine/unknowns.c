@@ -63,6 +63,15 @@ IN_LINE Number machine_carried_along(const Machine *m, int k)
     return m->drive.motor || k >= m->speed_order ? number_of(0.0) : m->speed[k + 1] * (double)(k + 1);
 }
 
+IN_LINE void machine_push_track(Machine *m, const MachineTrack *track, Pair force)
+{
+    int i;
+    for (i = 0; i < m->stations; i++) {
+        m->right[2 * i] += track->row[i] * pair_x(force);
+        m->right[2 * i + 1] += track->row[i] * pair_y(force);
+    }
+}
+
 IN_LINE Pair machine_take_pull(Machine *m, MachineTrack *track, int k)
 {
     const int n = m->stations;

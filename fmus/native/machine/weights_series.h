@@ -7,7 +7,6 @@
 #include "weights/weights.h"
 
 enum { LEAST_ORDER = 8, MOST_ORDER = 36 };
-enum { MOST_TOGETHER = 2 };   /* weights whose series are advanced together: for more there are no registers */
 enum { WEIGHT_NUMBERS = 7 }; /* which say a weight, in SeriesWeight */
 
 /* A weight of mass m at radius R, in units of a machine's time.
@@ -41,9 +40,6 @@ void series_weight_start(SeriesWeight *weight, Number angle);
    pull: series of -i a, a the track's acceleration, up to order k - 1; known: a part of that of order k;
    speed: phi' - w of order k; carried: w' of order k, where it is known. */
 void series_weight_advance(SeriesWeight *weight, int k, const Pair *pull, Pair known, Number speed, Number carried);
-/* The same of up to MOST_TOGETHER weights of one track; speeds: (count,). */
-void series_weights_advance(SeriesWeight *weights, int count, int k, const Pair *pull, Pair known, const Number *speeds,
-                            Number carried);
 /* Force on the track by that, a moment times p'' with the sign of a reaction. */
 Pair series_weight_force(const SeriesWeight *weight);
 /* Im(a p*) of the acceleration of order k, by which `free` is more than phi'' over the lever. */
