@@ -88,6 +88,11 @@ static inline void number_direction(Number angle, Number *cosine, Number *sine)
     const Number quarters = angle_reduced(angle, &high, &low);
     const Number c = cosine_near_zero(high, low), s = sine_near_zero(high, low);
     int lane;
+    if (number_all((number_size(angle) <= SMALL_ANGLE) &
+                   ((quarters == 0.0) | (number_size(high) > CANCELLED * number_size(quarters))))) { /* angle_is_reduced */
+        number_turned(quarters, number_of(ROUNDER), c, s, cosine, sine);
+        return;
+    }
     for (lane = 0; lane < LANES; lane++) {
         const Complex turned = angle_is_reduced(angle[lane], quarters[lane], high[lane])
                                    ? turned_by_quarters((int)quarters[lane], c[lane], s[lane])

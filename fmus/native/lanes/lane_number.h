@@ -33,4 +33,33 @@ static inline Number number_root(Number a)
     return a;
 }
 
+/* What a comparison of numbers gives: all bits of a lane, or none. */
+typedef long long Lanewise __attribute__((vector_size(8 * LANES), aligned(16)));
+
+static inline Number number_size(Number a)
+{
+    return __builtin_elementwise_abs(a);
+}
+
+static inline int number_all(Lanewise held)
+{
+    int lane;
+    long long all = -1;
+    for (lane = 0; lane < LANES; lane++) {
+        all &= held[lane];
+    }
+    return all != 0;
+}
+
+/* turned_by_quarters of base/direction.h: quarters + rounder is the whole number in the last bits. */
+static inline void number_turned(Number quarters, Number rounder, Number c, Number s, Number *cosine, Number *sine)
+{
+    const Number shifted = quarters + rounder;
+    const Lanewise whole = (Lanewise)shifted, is_odd = -(whole & 1);
+    const Lanewise along = ((Lanewise)c & ~is_odd) | ((Lanewise)s & is_odd);
+    const Lanewise across = ((Lanewise)s & ~is_odd) | ((Lanewise)c & is_odd);
+    *cosine = (Number)(along ^ ((whole + 1) & 2) << 62); /* the sign of a number is its first bit */
+    *sine = (Number)(across ^ (whole & 2) << 62);
+}
+
 #endif

@@ -56,9 +56,9 @@ typedef struct LaneFunctions {
     void (*go_to_end)(Lanes *lanes, int order, const double *times, const double *rates, double *places, double *speeds);
     /* the state of a lane, as its machine has it. */
     void (*take_out)(const Lanes *lanes, int lane, double *motion, double *velocity);
-    /* The sums of a series of x and y, whose coefficients stand `stride` doubles apart, up to an order at LANES times: as
-       series_at of machine/pace.c has them. */
-    void (*sum_beside)(const double *series, int stride, int order, const double *times, double *x, double *y);
+    /* The sums of a series of x and y, whose coefficients stand `stride` doubles apart, up to an order at some times: as
+       series_at of machine/pace.c has them.  Times and sums have memory for `count` rounded up to a multiple of LANES. */
+    void (*sum_beside)(const double *series, int stride, int order, const double *times, int count, double *x, double *y);
     /* Memory for so many weights; NULL where there is none. */
     WeightsBeside *(*allocate_beside)(Unit *unit, int weights, int tracks);
     /* series_weight_start: WEIGHT_NUMBERS numbers of each weight, `stride` doubles apart, the angle and the speed of the

@@ -5,11 +5,6 @@
 #include "base/pair.h"
 #include "lanes/lane_machine.h"
 
-static inline Number size_of(Number a)
-{
-    return __builtin_elementwise_abs(a);
-}
-
 static inline Number larger_of(Number a, Number b)
 {
     return __builtin_elementwise_max(a, b);
@@ -43,7 +38,7 @@ static void find_terms(const Lanes *lanes, int k, const double *largest, Terms *
     to_lanes(largest, &per_largest);
     per_largest = 1.0 / per_largest;
     for (i = 0; i < m->width; i++) {
-        const Number x = size_of(motion[i].x), y = size_of(motion[i].y);
+        const Number x = number_size(motion[i].x), y = number_size(motion[i].y);
         if (i < m->stations) {
             of_rotor = larger_of(of_rotor, per_largest * larger_of(x, y));
         } else {
@@ -100,8 +95,8 @@ static void go_to_end(Lanes *lanes, int order, const double *times, const double
         m->motion[i] = q;
         m->velocity[i] = pair_scaled(v, 1.0 / rate);
         if (i < m->stations) {
-            place = larger_of(place, larger_of(size_of(q.x), size_of(q.y)));
-            speed = larger_of(speed, larger_of(size_of(v.x), size_of(v.y))) + (0.0 * v.x + 0.0 * v.y);
+            place = larger_of(place, larger_of(number_size(q.x), number_size(q.y)));
+            speed = larger_of(speed, larger_of(number_size(v.x), number_size(v.y))) + (0.0 * v.x + 0.0 * v.y);
         }
     }
     from_lanes(place, places);

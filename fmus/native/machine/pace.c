@@ -126,10 +126,11 @@ void machine_places(const Machine *m, int column, int order, const double *times
 {
     const double *series = (const double *)(m->motion + column);
     int k;
-    for (k = 0; k < count && m->lanes && !m->collocated_order; k += LANES) {
-        m->lanes->sum_beside(series, 2 * m->width, order, times + k, x + k, y + k);
+    if (m->lanes && !m->collocated_order) {
+        m->lanes->sum_beside(series, 2 * m->width, order, times, count, x, y);
+        return;
     }
-    for (; k < count; k++) {
+    for (k = 0; k < count; k++) {
         const Pair place = machine_place(m, column, order, times[k]);
         x[k] = pair_x(place);
         y[k] = pair_y(place);
