@@ -37,11 +37,10 @@ static inline Pairs columns_at(const Pair *at)
 void copies_reach_end(Machine *m, int order, double time)
 {
     int i;
-    for (i = 0; i < m->width; i += 2) { /* behind the last column the next order begins, or memory that it has too */
+    for (i = 0; i < m->width; i += 2) { /* behind the last column the next order begins, which the next step writes anew */
         const Pairs q = sum_of_columns(m->motion + i, m->width, order, time);
         const Pairs v = sum_of_columns(m->velocity + i, m->width, order - 1, time);
-        const size_t size = (m->width - i > 1 ? 2 : 1) * sizeof(Pair);
-        memcpy(m->motion + i, &q, size);
-        memcpy(m->velocity + i, &v, size);
+        memcpy(m->motion + i, &q, sizeof q);
+        memcpy(m->velocity + i, &v, sizeof v);
     }
 }
