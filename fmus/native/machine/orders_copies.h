@@ -54,11 +54,12 @@ static IN_LINE void go_through_simple(const Machine *m, int order)
 
 #endif
 
-/* The same by a copy, where this machine has one. */
+/* The same by a copy, where this machine has one.  From LEAST_ORDER on the weights' own series are left as they were: a
+   reaction reads those of a shorter expansion (reaction.c). */
 static bool go_through_copy(const Machine *m, int order, bool is_beside)
 {
 #ifdef HAS_COPIES
-    if (is_simple_machine(m)) {
+    if (order >= LEAST_ORDER && is_simple_machine(m)) {
         go_through_simple(m, order);
         return true;
     }
