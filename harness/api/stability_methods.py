@@ -240,7 +240,7 @@ class StabilityMethods(OfScene):
         ends = [si_number(end, "rad/s", "sweep:") for end in (low, high)]
         return sweep(self._scene, *ends, seed=seed)
 
-    def race(self, lobes: str = "", speed: float | str | None = None) -> OutOfRound:
+    def race(self, lobes: str | None = None, speed: float | str | None = None) -> OutOfRound:
         """What a race that is not round leaves of the vibration, at rest in the rotor.
 
         Args:

@@ -16,12 +16,12 @@ from .changes import changed_scene, set_option
 def command(
     scene: Annotated[str, options.SCENE],
     lobes: Annotated[
-        str,
+        str | None,
         typer.Option(
             help="ORDER=AMPLITUDE@ANGLE, several with commas: 2=20 um@30 deg is an oval, "
             "20 um half of its peak-to-valley; default: the scene's own races."
         ),
-    ] = "",
+    ] = None,
     speed: Annotated[
         float | None,
         options.quantity("rad/s", "Of the rotor [rad/s]; default: the scene's.", "--speed"),

@@ -172,16 +172,16 @@ def _own_races(scene: Scene, speed: float) -> OutOfRound:
     return OutOfRound(scene.heading, called, alone, lobes, (pair,), left.angles, left.most)
 
 
-def out_of_round(scene: Scene, text: str = "", speed: float | None = None) -> OutOfRound:
+def out_of_round(scene: Scene, text: str | None = None, speed: float | None = None) -> OutOfRound:
     """As `Scene.race`, which says what is raised."""
     w = scene.speed_or_own(speed)
     assembly = scene.assembly()
-    if not text and not has_lobes(assembly):
+    if text is None and not has_lobes(assembly):
         raise UserError(
             f"{scene.label}: its races are round: give lobes, as "
             '"2=20 um@30 deg", or the key race of its weights'
         )
-    if not text:
+    if text is None:
         return _own_races(scene, w)
     lobes = lobes_of(text)
     try:

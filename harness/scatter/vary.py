@@ -21,6 +21,7 @@ from ..scene.replace import in_full
 from ..units import si_number
 
 EXAMPLE = "PATH=NAME(NUMBER,...), such as balls.drag=normal(0.2,10%)"
+_MANY = 1_000_000  # machines: fewer fit in any memory
 _SHARE = re.compile(r"(?:\+-|±)?\s*(\d+(?:\.\d+)?)\s*%")
 _TEXT = re.compile(r"(?P<path>[^=]+)=\s*(?P<name>\w+)\s*\((?P<arguments>[^()]*)\)\s*")
 
@@ -144,10 +145,15 @@ def drawn(variations: Sequence[Variation], count: int, seed: int) -> NDArray[np.
     if isinstance(count, bool) or not isinstance(count, Integral) or count < 1:
         raise UserError(f"n = {count!r}: must be a whole number, 1 or more")
     streams = np.random.default_rng(seed).spawn(len(variations))
-    values = [
-        one.distribution.rvs(size=count, random_state=stream)
-        for one, stream in zip(variations, streams, strict=True)
-    ]
+    try:
+        values = [
+            one.distribution.rvs(size=count, random_state=stream)
+            for one, stream in zip(variations, streams, strict=True)
+        ]
+    except (MemoryError, ValueError) as error:  # a distribution has been checked: of the size
+        if count < _MANY:
+            raise
+        raise UserError(f"n = {count}: so many do not fit in the memory; take fewer") from error
     return np.array(values, float).T
 
 

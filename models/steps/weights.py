@@ -148,7 +148,8 @@ def substeps(
     if not turns < MAX_SUBSTEPS:
         raise ArithmeticError(
             f"the weights would need {turns:.3g} substeps in {step:g} s: acceleration "
-            f"{strongest:g} m/s^2, rate {max(map(abs, speeds)):g} rad/s"
+            f"{strongest:g} m/s^2, rate {max(map(abs, speeds)):g} rad/s: use smaller "
+            "communication steps"
         )
     return 1 + int(turns)
 

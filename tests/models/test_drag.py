@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from scipy.integrate import odeint
+from scipy.integrate import odeint, solve_ivp
 
 from autobalancer.harness import Scene, cosimulate
 from autobalancer.models import drag
@@ -56,6 +56,23 @@ def test_with_the_number_of_swings_the_drag_is_exact_from_any_angle(first, rate,
     assert low * 0.999 <= drag_there <= most * 1.001
     if halves == 1:  # the fewest that there can be
         assert most == pytest.approx(drag_there, rel=1e-3)
+
+
+@pytest.mark.parametrize("first", [20.0, 179.0])
+def test_the_drag_of_many_swings_is_exact_too(first):
+    """A decay by DOP853 over 100.5 swings, whose ends are where the speed is 0."""
+    mass, kappa, rate, halves, start = 0.004, 1.4, 0.005, 201, np.radians(first)
+
+    def at_rest(_, y):
+        return y[1]
+
+    motion = solve_ivp(
+        lambda _, y: (y[1], -np.sin(y[0]) - rate * y[1]),
+        (0.0, 800.0), (start, -1e-12), "DOP853", events=at_rest, rtol=1e-12, atol=1e-14,
+    )  # fmt: skip
+    time, last = motion.t_events[0][halves - 1], abs(motion.y_events[0][halves - 1][0])
+    found = drag.from_swing(mass, kappa, start, last, time, halves / 2.0)
+    assert found == pytest.approx(rate * kappa * mass, rel=1e-7)
 
 
 def test_a_small_swing_and_a_slowing_ball_decay_exponentially():

@@ -51,6 +51,7 @@ def test_lobes_are_stated_one_by_one_and_together(invoke, tmp_path):
         ({"operation.speed": 5.0}, "2=20 um", "do not balance the rotor on a round race"),
         ({}, "2=1", r"race = .*bends inwards: the sum of \(lobes\^2 - 1\) amplitude is 3 m"),
         ({}, "9999999=1 um", r"race\[1\]\.lobes = 9999999: must be .* or less"),
+        ({}, "", r"lobes '': must be ORDER=AMPLITUDE"),
         ({}, "2=20 um@30", 'more than two turns; is it in degrees.*"2=20 um@30 deg"'),
     ],
 )

@@ -7,7 +7,7 @@ import pytest
 from scipy import stats
 
 from autobalancer.harness import UserError, load_scene
-from autobalancer.harness.scatter.vary import Variation, drawn, refuse_wrong
+from autobalancer.harness.scatter.vary import Variation, drawn, frozen, refuse_wrong
 
 
 @pytest.mark.parametrize(
@@ -115,3 +115,9 @@ def test_a_value_is_drawn_alike_whatever_else_varies_after_it():
     np.testing.assert_array_equal(together[:, :1], drawn([drag], 50, 7))
     assert abs(np.corrcoef(together.T)[0, 1]) < 0.5
     assert (drawn([drag], 50, 8) != together[:, :1]).all()
+
+
+@pytest.mark.parametrize("count", [10**14, 10**19])
+def test_more_machines_than_memory_are_refused_with_their_number(count):
+    with pytest.raises(UserError, match=f"n = {count}: so many do not fit in the memory"):
+        drawn([frozen("rotor.unbalance", stats.norm(1.0, 0.1))], count, 1)
