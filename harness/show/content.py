@@ -79,7 +79,7 @@ def content(scene: Scene) -> dict[str, Any]:
             "kinds": bands.kinds,
             "words": bands.words,
         },
-        "left_behind": "" if said is None else said.sentence(),
+        "left_behind": "" if said is None else said.sentence().replace("`", ""),
         "scene": document(scene),
         "sliders": list(_sliders(scene, made)),
         "pace": max(1.0, scene.revolutions / SHOWN_IN),

@@ -80,10 +80,13 @@ class Page {
     addEventListener("keydown", (event) => this.key(event));
   }
 
-  /* The address with the sliders' values, also in the clipboard where the browser allows it. */
+  /* The address with the sliders' values, also in the clipboard where the browser allows it; the button says which. */
   link() {
     location.hash = addressOf(this.sliders);
-    navigator.clipboard?.writeText(location.href).catch(() => {});
+    const say = (words) => (element("link").textContent = words);
+    const copied = navigator.clipboard?.writeText(location.href) ?? Promise.reject();
+    copied.then(() => say("Copied"), () => say("In the address"));
+    setTimeout(() => say("Copy link"), 2000);
   }
 
   key(event) {

@@ -58,6 +58,11 @@ def test_the_slider_offers_as_many_weights_as_fit():
     assert counts == [[3], [1], [2], [4], [5]]
 
 
+def test_no_marks_of_a_terminal_come_to_the_page():
+    said = content(load_scene("drum"))["left_behind"]
+    assert "How often: autobalancer motions" in said
+
+
 def test_tracks_that_differ_have_every_pair_of_numbers():
     scene = load_scene("three_mass_shaft").replace({"left.count": 12, "left.angles": None})
     counts = [tuple(each["weights"]) for each in content(scene)["tokens"]]

@@ -358,6 +358,9 @@ def test_a_link_brings_the_values_of_the_sliders_to_another_page(opened):
     shown.slide("weights_0", 1.0)
     values = shown("return [machine.settings.factors, machine.settings.variant]")
     address = shown("page.link(); return location.hash")
+    label = "return document.getElementById('link').textContent"
+    shown.wait(f"{label} !== 'Copy link'")
+    assert shown(label) in ("Copied", "In the address")
     other = opened("two_balls")
     assert other("return [machine.settings.factors, machine.settings.variant]") != values
     other("location.hash = arguments[0]; location.reload()", address)
