@@ -129,6 +129,36 @@ def test_a_force_that_rises_shows_as_it_is_between_the_ends_of_a_step(hosted):
         assert acceleration == pytest.approx((force + slope * time - 1e4 * x) / mass, rel=1e-9)
 
 
+@pytest.mark.parametrize("order", [1, 2, 3])
+def test_a_force_that_goes_on_as_it_was_told_begins_nothing_anew(hosted, order):
+    """The tool tells the same polynomial again: the steps are as many as if it said nothing."""
+    told, steps = [40.0, 3e3, 2e5, 3e7][: order + 1], {}
+    for again in (False, True):
+        host = hosted(sprung())
+        names = host.references("rotor.plane[1].F_x")
+        for k in range(20 if again else 1):
+            t = 1e-4 * k
+            now = [
+                sum(f * t ** (j - d) / math.factorial(j - d) for j, f in enumerate(told) if j >= d)
+                for d in range(order + 1)
+            ]
+            host.set({"rotor.plane[1].F_x": now[0]})
+            for d, value in enumerate(now[1:], 1):
+                host.slave.setRealInputDerivatives(names, [d], [value])
+            host.step(1e-4 if again else 2e-3)
+        steps[again] = host.get("coupling.steps", "rotor.x")
+    assert steps[True][0] == steps[False][0]
+    assert steps[True][1] == pytest.approx(steps[False][1], rel=1e-9)
+
+
+def test_a_speed_that_jumps_between_steps_turns_the_rotor_from_there(hosted):
+    host = hosted(sprung())
+    host.step(0.01)
+    host.set({"speed": 260.0})  # by 4 %, and no acceleration
+    host.step(0.01)
+    assert host.get("rotor.angle", "rotor.speed") == pytest.approx([5.1, 260.0], rel=1e-12)
+
+
 @pytest.mark.parametrize("steps", [20, 60, 200])
 def test_the_vibration_is_seen_though_the_tool_changes_an_input_in_every_step(hosted, steps):
     """Steps of the tool that are shorter than the distance of two looks at the motion."""
