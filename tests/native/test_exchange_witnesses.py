@@ -67,24 +67,34 @@ def test_a_ring_in_a_run_up_moves_as_its_equations_in_fixed_axes_say(tmp_path):
 # -- stops -----------------------------------------------------------------------------------------
 
 GAP, STOP, DAMPER, SPRING = 0.1, 40.0, 0.6, 2.0
-UNBALANCE, SPEED, SPIN_UP = 0.02, 6.0, 15.0
+UNBALANCE, SPEED = 0.02, 6.0
 
 
-def pressed(force, times):
+def turned(times, spin_ups, t):
+    """Angle, speed and acceleration of a run-up whose acceleration changes at the ends of steps."""
+    angle, speed = 0.0, SPEED
+    for begin, end, change in zip(times[:-1], times[1:], spin_ups, strict=True):
+        step = min(t, end) - begin
+        angle, speed = angle + speed * step + 0.5 * change * step**2, speed + change * step
+        if t <= end:
+            break
+    return angle, speed, change
+
+
+def pressed(force, times, spin_ups):
     """x, y and their rates of 1 kg that a run-up turns, always in contact; the largest force."""
 
     def push(s):
         return STOP * (s[0] - GAP) + DAMPER * s[2]
 
     def rates(t, s):
-        w = SPEED + SPIN_UP * t
-        turned = np.exp(1j * (SPEED * t + 0.5 * SPIN_UP * t * t))
-        whirl = UNBALANCE * (w * w - 1j * SPIN_UP) * turned
+        angle, w, change = turned(times, spin_ups, t)
+        whirl = UNBALANCE * (w * w - 1j * change) * np.exp(1j * angle)
         along = force(t) - SPRING * s[0] - push(s) + whirl.real
         return [s[2], s[3], along, whirl.imag - SPRING * s[1]]
 
     run = solve_ivp(rates, (0.0, times[-1]), [0.15, 0.0, 0.9, 0.0], "DOP853", rtol=1e-12,
-                    atol=1e-14, dense_output=True)  # fmt: skip
+                    atol=1e-14, dense_output=True, max_step=1e-3)  # fmt: skip
     top = minimize_scalar(
         lambda t: -push(run.sol(t)), bounds=(0.0, times[-1]), method="bounded",
         options={"xatol": 1e-10},
@@ -93,9 +103,15 @@ def pressed(force, times):
     return run.sol(np.array(times)), -top.fun
 
 
-@pytest.mark.parametrize("times", [(0.0, 0.2), (0.0, 0.1, 0.2)], ids=["first", "second"])
-def test_the_largest_force_of_a_stop_has_the_forces_from_outside_at_both_ends(tmp_path, times):
-    """Of the first step and of the second; the tool gives cubic and speed anew at each end."""
+@pytest.mark.parametrize(
+    ("times", "spin_ups"),
+    [((0.0, 0.2), (15.0,)), ((0.0, 0.1, 0.2), (15.0, 15.0)), ((0.0, 0.1, 0.2), (15.0, 40.0))],
+    ids=["first", "second", "second, which speeds up faster"],
+)
+def test_the_largest_force_of_a_stop_has_the_forces_from_outside_at_both_ends(
+    tmp_path, times, spin_ups
+):
+    """Of the first step and of the second; the tool gives cubic and drive anew at each end."""
     cubic = np.array([3.0, -100.0, 900.0, -3000.0])  # N and its derivatives at t = 0
     factorial = np.array([1.0, 1.0, 2.0, 6.0])
     polynomial = np.polynomial.Polynomial(cubic / factorial)
@@ -108,14 +124,15 @@ def test_the_largest_force_of_a_stop_has_the_forces_from_outside_at_both_ends(tm
             "run": {"revolutions": 1, "initial": {"x": 0.15, "vx": 0.9}},
         }
     )  # fmt: skip
-    moved, top = pressed(polynomial, times)
+    moved, top = pressed(polynomial, times, spin_ups)
     path = file_of(scene, tmp_path)
     names = [v.name for v in states_of(path)]
     force = "rotor.plane[1].F_x"
     inputs = [force, f"der({force})", f"der({force},2)", f"der({force},3)"]
 
     def told(t):
-        drive = {"speed": SPEED + SPIN_UP * t, "acceleration": SPIN_UP}
+        _, speed, change = turned(times, spin_ups, t + 1e-12)  # the change of the step that begins
+        drive = {"speed": speed, "acceleration": change}
         return drive | {name: float(polynomial.deriv(k)(t)) for k, name in enumerate(inputs)}
 
     host = Exchange(path, told(0.0))
@@ -124,7 +141,7 @@ def test_the_largest_force_of_a_stop_has_the_forces_from_outside_at_both_ends(tm
     host.slave.enterContinuousTimeMode()
     for time, (x, y, vx, vy) in zip(times[1:], moved.T[1:], strict=True):
         host.set(told(time))
-        angle = SPEED * time + 0.5 * SPIN_UP * time**2
+        angle = turned(times, spin_ups, time)[0]
         state = {"rotor.angle": angle, "rotor.x": x, "rotor.y": y, "rotor.vx": vx, "rotor.vy": vy}
         host.place(time, [state.get(name, 0.0) for name in names])
         host.slave.completedIntegratorStep()
