@@ -284,8 +284,9 @@ def test_an_unbalance_that_a_change_has_set_is_not_set_again(tmp_path):
     host.step(0.4)
     host.set({"rotor.unbalance": 0.02})
     host.step(0.2)
-    text = host.refused(lambda: host.set({"rotor.unbalance": 0.03}))
-    assert "rotor.unbalance: unbalance_change[1] has set it at t = 0.5 s" in text
+    for name in ("rotor.unbalance", "rotor.unbalance_angle"):
+        text = host.refused(lambda name=name: host.set({name: 0.03}))
+        assert f"{name}: unbalance_change[1] has set it at t = 0.5 s" in text
     text = host.refused(lambda: host.set({"rotor.mass": 0.03}))
     assert "fixed once initialisation has ended" in text
 

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 
 from autobalancer.harness import load_scene
 
@@ -79,3 +82,41 @@ def test_one_file_warns_of_a_layer_that_is_too_thin(hosted):
     host = hosted(load_scene("washing_machine_ring"), {"ring.wave_xi0": 0.05})
     assert host.get("ring.thinness")[0] > 0.3
     assert any("the waves are too large for the model" in text for _, text in host.messages)
+
+
+def test_the_film_damps_waves_from_rest_on_as_equations_in_fixed_axes_say():
+    """(1 + f) y'' + d (y' - i w y) - 4 i w y' - 2 w^2 y = -z'', F = -m (z'' + f y''), by SciPy.
+
+    d grows as the root of the speed, whose series has no radius at rest.
+    """
+    change, turns, viscosity, wave = 30.0, 2.0, 1e-2, 1e-3
+    seconds = math.sqrt(2.0 * turns * math.tau / change)
+    scene = load_scene("washing_machine_ring").replace(
+        {
+            "ring.viscosity": viscosity,
+            "ring.wave_damping": 0.0,
+            "operation.run_up": {"from": 0.0, "to": change * seconds, "seconds": seconds},
+            "run.revolutions": None,
+            "run.duration": seconds,
+            "run.initial": {"x": wave},
+            "coupling.tolerance": 1e-9,
+        }
+    )
+    run = scene.run(record=["rotor.x", "rotor.y"])
+    ring, rotor = scene.balancer[0].device, scene.rotor
+    f, liquid = ring.hollow, ring.liquid_mass
+    (spring, _), (damper, _) = np.reshape(rotor.stiffness, 2), np.reshape(rotor.damping, 2)
+    masses = np.array([[rotor.mass + liquid, liquid * f], [1.0, 1.0 + f]])
+
+    def rates(t, state):
+        z, y, z1, y1 = state
+        w = change * t
+        pushed = rotor.unbalance * (w**2 - 1j * change) * np.exp(0.5j * change * t**2)
+        slid = ring.damping(w) * (y1 - 1j * w * y)
+        driven = [pushed - damper * z1 - spring * z, 4j * w * y1 + 2.0 * w**2 * y - slid]
+        return [z1, y1, *np.linalg.solve(masses, driven)]
+
+    start = np.array([wave, 0.0, 0.0, 0.0], complex)
+    solved = solve_ivp(rates, (0.0, seconds), start, "DOP853", run.time, rtol=1e-11, atol=1e-14)
+    found = run["rotor.x"] + 1j * run["rotor.y"]
+    assert np.abs(found - solved.y[0]).max() <= 1e-7 * np.abs(found).max()
