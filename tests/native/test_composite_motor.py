@@ -160,3 +160,45 @@ def test_the_acceleration_of_a_motor_in_one_file_is_that_of_its_speed(instance):
     host.step(1e-5)
     (after,) = host.get("motor.speed")
     assert found == pytest.approx((after - before) / 2e-5, rel=1e-6)
+
+
+def test_pendulums_on_a_track_beside_the_axis_brake_the_shaft_as_lagrange_says():
+    """Their force on the track has a moment about the shaft; integrated by SciPy."""
+    offset, turn, radius, mass, drag = 0.012 - 0.007j, 0.3, 0.05, 0.05, 0.02
+    unbalance, damper, spring, inertia = 0.004, 8.0, np.array([1e4, 1.3e4]), 0.01
+    balancer = {
+        "name": "weights", "kind": "pendulums", "count": 2, "mass": mass, "track_radius": radius,
+        "drag": drag, "angles": [0.2, 2.5],
+        "track_offset_xi": offset.real, "track_offset_eta": offset.imag,
+    }  # fmt: skip
+    rotor = {"kind": "planar", "mass": 1.0, "stiffness": list(spring), "damping": damper,
+             "unbalance": unbalance, "unbalance_angle": turn}  # fmt: skip
+    scene = Scene.from_document(
+        {"rotor": rotor, "operation": {"motor": MOTOR | {"inertia": inertia}},
+         "coupling": {"tolerance": 1e-10}, "balancer": [balancer], "run": {"revolutions": 8.0}}
+    )  # fmt: skip
+    run = cosimulate(scene, record=["rotor.x", "rotor.y", "motor.speed"])
+
+    def rates(_, state):
+        place, speeds = state[:5], state[5:]
+        w, fast = speeds[2], speeds[3:]
+        u, o = unbalance * np.exp(1j * (place[2] + turn)), offset * np.exp(1j * place[2])
+        arms = radius * np.exp(1j * place[3:])
+        # what a point of each mass moves by with x, y, the shaft's angle and the weights' angles
+        ways = [np.array([1.0, 1j, 1j * o, *(1j * arms * np.eye(2)[k])]) for k in (0, 1)]
+        bent = [-(w**2) * o - fast[k] ** 2 * arms[k] for k in (0, 1)]
+        masses = np.diag([1.0, 1.0, inertia, 0.0, 0.0])
+        masses[:2, 2] = masses[2, :2] = [-u.imag, u.real]
+        masses = masses + sum(mass * (way.conj()[:, None] * way).real for way in ways)
+        slid = drag * radius**2 * (fast - w)
+        pushed = -spring * place[:2] - damper * speeds[:2] + w**2 * np.array([u.real, u.imag])
+        force = np.array([*pushed, 1.0 - w / 200.0 + slid.sum(), *-slid])
+        force -= sum(mass * (way.conj() * a).real for way, a in zip(ways, bent, strict=True))
+        return [*speeds, *np.linalg.solve(masses, force)]
+
+    start = [0.0, 0.0, 0.0, 0.2, 2.5, 0.0, 0.0, 20.0, 20.0, 20.0]
+    times = (0.0, run.time[-1])
+    solved = solve_ivp(rates, times, start, "DOP853", run.time, rtol=1e-12, atol=1e-14)
+    for name, k in (("rotor.x", 0), ("rotor.y", 1), ("motor.speed", 7)):
+        expected = solved.y[k]
+        assert np.abs(run[name] - expected).max() <= 1e-8 * np.abs(expected).max(), name
