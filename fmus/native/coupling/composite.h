@@ -124,8 +124,15 @@ size_t composite_memory(Composite *c, double *memory);
 
 /* Go to a time, over jumps, with the inputs as the host has set them; 1 with the reason. */
 int composite_go_to(Unit *unit, double time);
-/* Whether the last step ends there or later. */
-bool composite_reaches(const Composite *c, double time);
+/* Whether the last step ends there or later: within these parts of a step and of a time a point of the host is its end. */
+#define REACHED_OF_STEP 1e-10
+#define REACHED_OF_TIME 4e-16
+static inline bool composite_reaches(const Composite *c, double time)
+{
+    const Clock *clock = &c->course->clock;
+    const double point = REACHED_OF_STEP * clock->length + REACHED_OF_TIME * absolute(time);
+    return !(clock->time < time - point);
+}
 /* 1 with the reason where a step of this length from a time on has taken too many of the machine since so many
    passes, or will at its pace. */
 int composite_refuse_many(Unit *unit, double passes, double begin, double length);

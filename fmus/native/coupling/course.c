@@ -2,18 +2,9 @@
 #include "base/elementary.h"
 #include "coupling/composite.h"
 
-/* Parts of a step and of a time: within them a point of the host is the end of a step. */
-static const double REACHED_OF_STEP = 1e-10, REACHED_OF_TIME = 4e-16;
 static const double MOST_MOVES = 1e7; /* within a step of the host: of parts */
 static const double ENOUGH_OF_MOVES = 0.03; /* of that: a pace is known from then on, */
 static const double HOPELESS = 100.0;       /* and one that would take so many times that does not get there */
-
-bool composite_reaches(const Composite *c, double time)
-{
-    const Clock *clock = &c->course->clock;
-    const double point = REACHED_OF_STEP * clock->length + REACHED_OF_TIME * absolute(time);
-    return !(clock->time < time - point);
-}
 
 static double most_steps(const Composite *c)
 {

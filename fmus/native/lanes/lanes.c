@@ -154,5 +154,7 @@ static void lanes_expand(Lanes *lanes, const LaneMachine *machines, int count, i
 #define OF_MACHINES lanes_allocate, lanes_expand, load_lanes, expand_on, find_terms, read_place, go_to_end, take_out
 #endif
 
-const LaneFunctions LANE_NAME(functions) = {OF_MACHINES,  sum_beside,        allocate_beside, start_beside, push_beside,
-                                            take_beside, copies_go_through, copies_reach_end};
+const LaneFunctions LANE_NAME(functions) = {
+    OF_MACHINES,  sum_beside,  find_directions_beside, allocate_beside,  start_beside,
+    push_beside, take_beside, copies_go_through,      copies_reach_end,
+};

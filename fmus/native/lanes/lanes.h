@@ -59,6 +59,8 @@ typedef struct LaneFunctions {
     /* The sums of a series of x and y, whose coefficients stand `stride` doubles apart, up to an order at some times: as
        series_at of machine/pace.c has them.  Times and sums have memory for `count` rounded up to a multiple of LANES. */
     void (*sum_beside)(const double *series, int stride, int order, const double *times, int count, double *x, double *y);
+    /* Directions of LANES angles, as x and y. */
+    void (*find_directions)(const double *angles, double *directions);
     /* Memory for so many weights; NULL where there is none. */
     WeightsBeside *(*allocate_beside)(Unit *unit, int weights, int tracks);
     /* series_weight_start: WEIGHT_NUMBERS numbers of each weight, `stride` doubles apart, the angle and the speed of the

@@ -77,6 +77,11 @@ static inline void store_pairs(Pair from, double *to)
     memcpy(to + LANES, &late, sizeof late);
 }
 
+static void find_directions_beside(const double *angles, double *directions)
+{
+    store_pairs(pair_direction(load(angles, LANES)), directions);
+}
+
 /* A vector of each weight's track, of weights on several. */
 static inline Pair spread_apart(const double *of_tracks, const int *track_of)
 {
@@ -117,7 +122,7 @@ static void start_beside(WeightsBeside *beside, const double *numbers, size_t st
         SeriesWeight *weights = &four->weights;
         load_constants(weights, numbers, stride, left);
         weights->rate[0] = pair_both(turning + load(rates, left));
-        series_weight_start(weights, angle + load(angles, left));
+        series_weight_start(weights, pair_direction(angle + load(angles, left)));
         store_pairs(weights->along, direction);
         numbers += stride * LANES;
         angles += LANES;

@@ -48,7 +48,7 @@ static double push(const Relaxation *r, const Machine *m, int w, int point, doub
     SeriesWeight *weight = m->weights + w;
     double found;
     weight->rate[0] = pair_zero();
-    series_weight_start(weight, angle);
+    series_weight_start(weight, pair_direction(angle));
     series_weight_advance(weight, 0, NULL, r->felt[point], 0.0, r->spun[point]);
     found = weight->free - r->spun[point];
     r->pushes[w * RELAXED_TIMES + point] = found;

@@ -32,19 +32,41 @@ static void start_beside(Machine *m, double angle)
 }
 #endif
 
-static void start_weights(Machine *m, Number angle, Number turning)
+/* The angle of a weight in the rotor. */
+static Number angle_in_rotor(const Machine *m, int weight)
 {
-    const int n = m->stations;
-    int t, w;
-    for (t = 0; t < m->track_count; t++) {
-        for (w = m->tracks[t].first; w < m->tracks[t].end; w++) {
-            SeriesWeight *weight = m->weights + w;
-            const Number turned = pair_at(m->motion[n + w / 2], w % 2), rate = pair_at(m->velocity[n + w / 2], w % 2);
-            weight->rate[0] = pair_both(turning + rate);
-            series_weight_start(weight, angle + turned);
-            if (weight->race) {
-                series_race_start(weight, turned, rate, m->speed[0]);
-            }
+    return pair_at(m->motion[m->stations + weight / 2], weight % 2);
+}
+
+/* Directions of the rotor, and of few weights behind it: at once, where there are lanes. */
+static void find_directions(const Machine *m, Number angle, Pair *directions)
+{
+    int w;
+#if defined(HAS_LANES) && !defined(SIDE_BY_SIDE)
+    double angles[LANES] = {angle};
+    for (w = 0; w < m->weight_count; w++) {
+        angles[w + 1] = angle + angle_in_rotor(m, w);
+    }
+    m->lanes->find_directions(angles, (double *)directions);
+#else
+    directions[0] = pair_direction(angle);
+    for (w = 0; w < m->weight_count; w++) {
+        directions[w + 1] = pair_direction(angle + angle_in_rotor(m, w));
+    }
+#endif
+}
+
+/* directions: of each weight; NULL: not yet found. */
+static void start_weights(Machine *m, Number angle, Number turning, const Pair *directions)
+{
+    int w;
+    for (w = 0; w < m->weight_count; w++) {
+        SeriesWeight *weight = m->weights + w;
+        const Number turned = angle_in_rotor(m, w), rate = pair_at(m->velocity[m->stations + w / 2], w % 2);
+        weight->rate[0] = pair_both(turning + rate);
+        series_weight_start(weight, directions ? directions[w] : pair_direction(angle + turned));
+        if (weight->race) {
+            series_race_start(weight, turned, rate, m->speed[0]);
         }
     }
 }
@@ -53,14 +75,19 @@ static void start_weights(Machine *m, Number angle, Number turning)
 static void start_series(Machine *m, Number angle, bool is_beside)
 {
     const int n = m->stations;
-    int i;
+    const bool are_few = !is_beside && m->weight_count > 0 && m->weight_count < LANES;
+    Pair directions[LANES];
     Number turning = m->speed[0];
+    int i;
 #ifndef SIDE_BY_SIDE
     if (m->from_rotor) {
         angle = turning = 0.0;
     }
 #endif
-    m->spin[0] = pair_direction(angle);
+    if (are_few) {
+        find_directions(m, angle, directions);
+    }
+    m->spin[0] = are_few ? directions[0] : pair_direction(angle);
     m->spin[1] = pair_scaled(pair_turned(m->spin[0]), turning);
 #ifndef SIDE_BY_SIDE
     if (is_beside) {
@@ -68,7 +95,7 @@ static void start_series(Machine *m, Number angle, bool is_beside)
     }
 #endif
     if (!is_beside) {
-        start_weights(m, angle, turning);
+        start_weights(m, angle, turning, are_few ? directions + 1 : NULL);
     }
     for (i = 0; i < n; i++) {
         m->motion[m->width + i] = m->velocity[i];

@@ -14,9 +14,9 @@ void series_weight_take(SeriesWeight *made, const Weights *one, double per_rate)
     made->torque = number_of(one->drag * radius * radius * per_rate);
 }
 
-void series_weight_start(SeriesWeight *weight, Number angle)
+void series_weight_start(SeriesWeight *weight, Pair direction)
 {
-    weight->unit[0] = pair_direction(angle);
+    weight->unit[0] = direction;
     weight->unit[1] = pair_times(pair_turned(weight->unit[0]), weight->rate[0]);
     weight->along = weight->unit[0];
 }

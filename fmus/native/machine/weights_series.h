@@ -33,8 +33,8 @@ typedef struct {
 
 /* A weight in a unit of time of per_rate s. */
 void series_weight_take(SeriesWeight *weight, const Weights *one, double per_rate);
-/* Set p and p' at the start from the angle and phi', which is in `rate`. */
-void series_weight_start(SeriesWeight *weight, Number angle);
+/* Set p and p' at the start from p and phi', which is in `rate`. */
+void series_weight_start(SeriesWeight *weight, Pair direction);
 /* The parts of order k that are known before the acceleration of that order: 'turned' and 'free'.
 
    pull: series of -i a, a the track's acceleration, up to order k - 1; known: a part of that of order k;
