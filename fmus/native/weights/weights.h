@@ -6,7 +6,8 @@
 #include "base/failure.h"
 
 #define TOO_MANY_SUBSTEPS                                                                         \
-    "the weights would need %3 substeps in %6 s: acceleration %6 m/s^2, rate %6 rad/s"
+    "the weights would need %3 substeps in %6 s: acceleration %6 m/s^2, rate %6 rad/s: use "      \
+    "smaller communication steps"
 
 /* N weights on one track, rho e^{i theta} from its centre: rho = R + sum of amplitude cos n (theta - angle). */
 typedef struct {
