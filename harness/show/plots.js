@@ -83,10 +83,12 @@ function plotVibration(canvas, colours, machine, place) {
   const area = axes(canvas, colours, title, timesShown(machine, times), [-height, height], "s",
     "m");
   named(area, colours, [["x", colours.x], ["y", colours.y]]);
-  if (!machine.free) prescribed(area, colours, machine.data.profile, timesShown(machine, times));
+  const speed = machine.free ? ""
+    : prescribed(area, colours, machine.data.profile, timesShown(machine, times));
   level(area, colours, 0, "");
   curve(area, times, xs, colours.x);
   curve(area, times, ys, colours.y);
+  rimmed(area, colours, speed);
 }
 
 /* The speed that the scene prescribes, from 0 at the bottom. */
@@ -101,9 +103,18 @@ function prescribed(area, colours, profile, [begin, end]) {
   const times = Array.from({ length: 201 }, (_, k) => begin + ((end - begin) * k) / 200);
   const across = { ...area, py: (speed) => area.bottom - 0.9 * (speed / top) * (area.bottom - area.top) };
   curve(across, times, times.map(at), colours.faint);
-  area.c.fillStyle = colours.faint;
-  area.c.textAlign = "right";
-  area.c.fillText(`speed, up to ${shown(top, "rad/s")}`, area.right - 4, area.bottom - 6);
+  return `speed, up to ${shown(top, "rad/s")}`;
+}
+
+/* Words at the lower right, with a rim that keeps them readable over curves. */
+function rimmed({ c, right, bottom }, colours, words) {
+  c.textAlign = "right";
+  c.strokeStyle = colours.panel;
+  c.lineWidth = 4;
+  c.strokeText(words, right - 4, bottom - 6);
+  c.lineWidth = 1;
+  c.fillStyle = colours.faint;
+  c.fillText(words, right - 4, bottom - 6);
 }
 
 /* Names in their colours behind the title. */
@@ -117,6 +128,13 @@ function named({ c, titled }, colours, names) {
     c.fillText(name, at + 16, 15);
     at += 40;
   }
+}
+
+/* What a track's label has at the first place at which all tracks differ, its first letter if there is none. */
+function shortName(label, labels) {
+  const place = [...label].findIndex((_, k) =>
+    labels.every((l) => l[k]) && new Set(labels.map((l) => l[k])).size === labels.length);
+  return place > 0 ? `${label[place]}.` : label[0];
 }
 
 function plotAngles(canvas, colours, machine) {
@@ -135,13 +153,13 @@ function plotAngles(canvas, colours, machine) {
     curve(area, times, degrees, weightColour(colours, k), 180);
     if (degrees.length) ends.push([k, degrees.at(-1)]);
   });
-  const several = data.balancers.filter((b) => b.track_radius).length > 1;
+  const tracks = data.balancers.filter((b) => b.track_radius).map((b) => b.label);
   area.c.textAlign = "left";
   for (const [k, value] of ends) {
     area.c.fillStyle = weightColour(colours, k);
     const { label, number } = machine.weights[k];
     const end = Math.min(area.px(times.at(-1)) + 3, area.right + 3);
-    area.c.fillText(several ? `${label[0]}${number}` : number, end, area.py(value) + 4);
+    area.c.fillText(tracks.length > 1 ? shortName(label, tracks) + number : number, end, area.py(value) + 4);
   }
 }
 

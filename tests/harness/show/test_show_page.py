@@ -1,13 +1,14 @@
 """The page in a browser: it runs the units themselves, and does what its controls say."""
 
 import math
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 import autobalancer as ab
 from autobalancer.fmus.composite.batch import BatchRuns
-from autobalancer.harness import bundled_scenes, load_scene
+from autobalancer.harness import bundled_scenes, load_scene, scenes
 from autobalancer.harness.master.one_file import composition
 
 pytestmark = pytest.mark.slow
@@ -350,6 +351,43 @@ def test_words_in_the_pictures_fit_a_narrow_phone(opened, browser, name):
         assert shown("return window.beyond") == []
     finally:
         browser.execute_cdp_cmd("Emulation.clearDeviceMetricsOverride", {})
+
+
+WRITTEN = (
+    "window.drawn = []; const of = CanvasRenderingContext2D.prototype;"
+    "for (const name of ['fillText', 'strokeText', 'stroke']) {"
+    " const draw = of[name]; of[name] = function (...a) {"
+    " drawn.push([name, a[0], this.strokeStyle, this.canvas.id]); draw.apply(this, a); }; }"
+    "const frames = page.frames; window.more = () => page.frames > frames + 8;"
+)
+
+
+@pytest.mark.parametrize(
+    ("names", "keys"), [(("left", "right"), "lr"), (("ring_a", "ring_b"), ("a.", "b."))]
+)
+def test_weights_of_two_tracks_have_names_of_their_own(opened, tmp_path, names, keys):
+    text = (Path(scenes.__file__).parent / "three_mass_shaft.toml").read_text(encoding="utf-8")
+    for old, new in zip(("left", "right"), names, strict=True):
+        text = text.replace(f'name = "{old}"', f'name = "{new}"')
+    (tmp_path / "named.toml").write_text(text, encoding="utf-8")
+    shown = opened(load_scene(tmp_path / "named.toml"))
+    shown("machine.advance(1, 1e9);" + WRITTEN)
+    shown.wait("return more()")
+    written = {str(words) for kind, words, *_ in shown("return drawn") if kind == "fillText"}
+    assert {f"{key}{n}" for key in keys for n in (1, 2)} <= written
+
+
+def test_words_on_the_prescribed_speed_stand_over_the_curves(opened):
+    shown = opened("run_up")
+    shown("machine.advance(1, 1e9);" + WRITTEN)
+    shown.wait("return more()")
+    calls = shown("return drawn")
+    at = next(k for k, c in enumerate(calls) if str(c[1]).startswith("speed, up to"))
+    assert calls[at][0] == "strokeText"
+    assert calls[at + 1][:2] == ["fillText", calls[at][1]]
+    canvas = calls[at][3]
+    after = next(k for k, c in enumerate(calls[at + 2 :]) if c[0] == "fillText" or c[3] != canvas)
+    assert "stroke" not in [c[0] for c in calls[at + 2 : at + 2 + after]]
 
 
 def test_a_link_brings_the_values_of_the_sliders_to_another_page(opened):
