@@ -71,8 +71,8 @@ def check_reach(assembly: Assembly, table: WeightTable) -> dict[int, complex]:
     if left > _UNDONE * size:
         raise CannotBalance(
             "the unbalance cannot be undone in the planes that carry weights: whatever the weights "
-            f"are, {left / size:.0%} of its force would remain at a part of the rotor that they do "
-            "not reach (a couple needs weights in two planes)",
+            f"are, {100.0 * left / size:.0f} % of its force would remain at a part of the rotor "
+            "that they do not reach (a couple needs weights in two planes)",
             size,
             total,
         )
