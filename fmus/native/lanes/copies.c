@@ -12,9 +12,14 @@
 #include "machine/unknowns.c"
 #include "machine/weights_series.c"
 
-bool copies_go_through(const Machine *m, int order, bool is_beside)
+void copies_expand_simple(Machine *m, double angle, int order)
 {
-    return go_through_copy(m, order, is_beside);
+    expand_simple(m, angle, order);
+}
+
+void copies_go_through(const Machine *m, int order, bool is_beside)
+{
+    go_through_copy(m, order, is_beside);
 }
 
 /* Two columns that stand side by side. */

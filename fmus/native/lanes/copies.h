@@ -4,8 +4,9 @@
 
 #include "machine/machine.h"
 
-/* Expand a plain machine that has been started, as machine_expand does; false where there is no copy for it. */
-bool copies_go_through(const Machine *machine, int order, bool is_beside);
+/* expand_simple and go_through_copy of machine/orders_copies.h. */
+void copies_expand_simple(Machine *machine, double angle, int order);
+void copies_go_through(const Machine *machine, int order, bool is_beside);
 /* machine_reach_end of a step by series. */
 void copies_reach_end(Machine *machine, int order, double time);
 

@@ -13,6 +13,7 @@
 #endif
 
 #ifdef WIDE_VECTORS
+#define copies_expand_simple wide_copies_expand_simple
 #define copies_go_through wide_copies_go_through
 #define copies_reach_end wide_copies_reach_end
 #endif
@@ -26,6 +27,7 @@
 #define machine_coupled_station LANE_NAME(machine_coupled_station)
 #define machine_expand LANE_NAME(machine_expand)
 #define machine_factorise LANE_NAME(machine_factorise)
+#define machine_factorise_planar LANE_NAME(machine_factorise_planar)
 #define machine_push_track LANE_NAME(machine_push_track)
 #define machine_reshape LANE_NAME(machine_reshape)
 #define machine_results LANE_NAME(machine_results)
@@ -35,7 +37,6 @@
 #define machine_solve_factors LANE_NAME(machine_solve_factors)
 #define machine_start LANE_NAME(machine_start)
 #define machine_state LANE_NAME(machine_state)
-#define machine_take_off_weights LANE_NAME(machine_take_off_weights)
 #define machine_take_pull LANE_NAME(machine_take_pull)
 #define machine_take_weight LANE_NAME(machine_take_weight)
 #define machine_times_speed LANE_NAME(machine_times_speed)

@@ -155,6 +155,6 @@ static void lanes_expand(Lanes *lanes, const LaneMachine *machines, int count, i
 #endif
 
 const LaneFunctions LANE_NAME(functions) = {
-    OF_MACHINES,  sum_beside,  find_directions_beside, allocate_beside,  start_beside,
-    push_beside, take_beside, copies_go_through,      copies_reach_end,
+    OF_MACHINES,   sum_beside,  find_directions_beside, allocate_beside,   start_beside,
+    push_beside,   take_beside, copies_expand_simple,   copies_go_through, copies_reach_end,
 };

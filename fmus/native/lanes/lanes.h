@@ -72,7 +72,8 @@ typedef struct LaneFunctions {
     /* series_weight_finish, from `pull` and `moved`: speeds on the track of order k + 1; w' of order k is `gained`. */
     void (*take_beside)(WeightsBeside *beside, int k, double gained, const double *per, double *speeds);
     /* Those of lanes/copies.h. */
-    bool (*go_through)(const struct Machine *machine, int order, bool is_beside);
+    void (*expand_simple)(struct Machine *machine, double angle, int order);
+    void (*go_through)(const struct Machine *machine, int order, bool is_beside);
     void (*reach_end)(struct Machine *machine, int order, double time);
 } LaneFunctions;
 

@@ -31,18 +31,23 @@ static IN_LINE void take_off(Machine *m, int stations, int size)
     }
 }
 
-void machine_take_off_weights(Machine *m)
+IN_LINE void machine_factorise_planar(Machine *m)
 {
-#ifdef HAS_COPIES /* whose loops are unrolled */
-    switch (m->unknowns) {
-    case 2:
-        take_off(m, 1, 2);
-        return;
-#ifndef SIDE_BY_SIDE
-    case 4:
+    Number *a = m->matrix, over, xx;
+    take_off(m, 1, 2);
+    over = 1.0 / (a[0] * a[3] - a[2] * a[2]);
+    xx = a[0];
+    a[0] = a[3] * over;
+    a[3] = xx * over;
+    a[1] = a[2] = -a[2] * over;
+}
+
+static void take_off_weights(Machine *m)
+{
+#if defined(HAS_COPIES) && !defined(SIDE_BY_SIDE)
+    if (m->unknowns == 4) { /* whose loops are unrolled */
         take_off(m, 2, 4);
         return;
-#endif
     }
 #endif
     take_off(m, m->stations, m->unknowns);
@@ -98,12 +103,10 @@ void machine_factorise(Machine *m)
     const int size = m->unknowns;
     Number *a = m->matrix;
     if (size == 2) {
-        const Number over = 1.0 / (a[0] * a[3] - a[2] * a[2]), xx = a[0];
-        a[0] = a[3] * over;
-        a[3] = xx * over;
-        a[1] = a[2] = -a[2] * over;
+        machine_factorise_planar(m);
         return;
     }
+    take_off_weights(m);
 #if defined(HAS_COPIES) && !defined(SIDE_BY_SIDE)
     switch (size) {
     case 4:

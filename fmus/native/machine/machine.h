@@ -169,10 +169,10 @@ Pair machine_times_speed(const Machine *machine, const Pair *series, int stride,
 
 /* -- factors.c ------------------------------------------------------------------------------------ */
 
-/* Take off M and I what the weights take with them. */
-void machine_take_off_weights(Machine *machine);
-/* Of few unknowns the inverse, of more the factors. */
+/* Take off M and I what the weights take with them; then of few unknowns the inverse, of more the factors. */
 void machine_factorise(Machine *machine);
+/* The same of a planar machine without a motor. */
+void machine_factorise_planar(Machine *machine);
 /* The unknowns of an order in place of their right-hand sides; the same where nothing touches or sticks. */
 void machine_solve(const Machine *machine, Number *right);
 void machine_solve_factors(const Machine *machine, Number *right);

@@ -4,42 +4,53 @@
 #define AUTOBALANCER_ORDERS_COPIES_H
 
 #include "machine/orders.h"
+#include "machine/orders_start.h"
 
-enum { MOST_OF_COPIES = 3 }; /* stations of a plain machine that has one */
+#ifdef SIDE_BY_SIDE
+enum { MOST_OF_COPIES = 1 }; /* stations of a plain machine that has one: of more the numbers themselves take the time */
+#else
+enum { MOST_OF_COPIES = 3 };
+#endif
 
-/* The same for plain machines of so many stations, a copy of its own.  No store to a series can change `here`: the
-   compiler need not read it again. */
-static IN_LINE void go_through_plain(const Machine *m, int order, int stations, bool is_beside)
+/* Expand a plain machine of so many stations.  No store to a series can change `here`, which no function gets to see
+   that is not in line: the compiler need not read it again. */
+static IN_LINE void expand_stations(const Machine *m, int order, int stations, bool is_beside)
 {
     Machine here = *m;
+    here.drive.motor = NULL;
     here.stations = stations;
     here.unknowns = 2 * stations;
-    here.drive.motor = NULL;
     here.beside = is_beside ? m->beside : NULL;
     go_through_orders(&here, order, true, NULL);
 }
 
 #ifdef HAS_COPIES
 
-/* Whether it is a planar machine with two weights on a track that is not off, on bearings without cross effects. */
-static bool is_simple_machine(const Machine *m)
+/* Whether it is a planar machine with two weights on a track that is not off, on bearings without cross effects.  From
+   LEAST_ORDER on the weights' own series are left as they were: a reaction reads those of a shorter expansion
+   (reaction.c). */
+static bool is_simple_machine(const Machine *m, int order)
 {
-    return m->stations == 1 && m->track_count == 1 && m->weight_count == 2 && !m->tracks->is_off && !m->turns &&
-           !m->crossed && !m->varies;
+    return order >= LEAST_ORDER && m->stations == 1 && m->track_count == 1 && m->weight_count == 2 && !m->tracks->is_off &&
+           !m->turns && !m->crossed && !m->varies;
 }
 
-/* The same for such a machine: what is known of it is not looked up, and its weights may lie in registers too. */
-static IN_LINE void go_through_simple(const Machine *m, int order)
+/* Start and expand a simple machine: what is known of it is not looked up, and its weights may lie in registers too. */
+static IN_LINE void expand_simple(Machine *m, Number angle, int order)
 {
-    Machine here = *m;
+    Machine here;
     MachineTrack track = *m->tracks;
 #ifdef HAS_TWO_WEIGHTS
     TwoWeights weights, *two = &weights;
-    two_weights_take(two, m->weights);
-#else
-    SeriesWeight weights[2] = {m->weights[0], m->weights[1]};
+    here = *m;
+#else /* in lanes there are not registers for a start in line */
+    SeriesWeight weights[2];
     TwoWeights *two = NULL;
+    machine_start(m, angle);
+    here = *m;
     here.weights = weights;
+    weights[0] = m->weights[0];
+    weights[1] = m->weights[1];
 #endif
     here.stations = here.track_count = 1;
     here.unknowns = here.weight_count = here.width = 2;
@@ -49,35 +60,31 @@ static IN_LINE void go_through_simple(const Machine *m, int order)
     here.beside = NULL;
     here.tracks = &track;
     track.end = 2;
+#ifdef HAS_TWO_WEIGHTS
+    start_series(&here, angle, false, true);
+    two_weights_take(two, here.weights);
+#endif
     go_through_orders(&here, order, true, two);
 }
 
 #endif
 
-/* The same by a copy, where this machine has one.  From LEAST_ORDER on the weights' own series are left as they were: a
-   reaction reads those of a shorter expansion (reaction.c). */
-static bool go_through_copy(const Machine *m, int order, bool is_beside)
+/* Expand a plain machine that has been started, of no more stations than MOST_OF_COPIES. */
+static void go_through_copy(const Machine *m, int order, bool is_beside)
 {
-#ifdef HAS_COPIES
-    if (order >= LEAST_ORDER && is_simple_machine(m)) {
-        go_through_simple(m, order);
-        return true;
-    }
-#endif
     switch (m->stations) {
     case 1:
-        go_through_plain(m, order, 1, is_beside);
-        return true;
-#ifndef SIDE_BY_SIDE /* where of more the numbers themselves take the time */
+        expand_stations(m, order, 1, is_beside);
+        break;
+#ifndef SIDE_BY_SIDE
     case 2:
-        go_through_plain(m, order, 2, is_beside);
-        return true;
+        expand_stations(m, order, 2, is_beside);
+        break;
     case MOST_OF_COPIES:
-        go_through_plain(m, order, MOST_OF_COPIES, is_beside);
-        return true;
+        expand_stations(m, order, MOST_OF_COPIES, is_beside);
+        break;
 #endif
     }
-    return false;
 }
 
 #endif

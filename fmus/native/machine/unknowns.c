@@ -37,7 +37,7 @@ static void add_races(const Machine *m, Number *shaft)
     }
 }
 
-void machine_set_carrier(Machine *m)
+IN_LINE void machine_set_carrier(Machine *m)
 {
     const int n = m->stations, size = m->unknowns;
     Number *a = m->matrix;
