@@ -67,7 +67,7 @@ class Slave(Values):
         except Exception as error:
             self.memory = before
             self._stale = max(self._stale, COMPUTED)
-            self._report(f"step of {step_size!r} s failed", error)
+            self._report(f"step of {step_size:.6g} s failed", error)
             return False
         except BaseException:
             keep(self, self.log_queue, type(self))

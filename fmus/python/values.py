@@ -197,11 +197,11 @@ class Values(Fmi2Slave):
         """Log a warning the first time it applies in this instance."""
         if key not in self._warned:
             self._warned.add(key)
-            self.log(f"{self.instance_name} at t = {time!r} s: {text}", Fmi2Status.warning)
+            self.log(f"{self.instance_name} at t = {time:.6g} s: {text}", Fmi2Status.warning)
 
     def _report(self, what: str, error: Exception) -> str:
         reason = str(error) or type(error).__name__
-        text = f"{self.instance_name} at t = {self.time!r} s: {what}: {reason}"
+        text = f"{self.instance_name} at t = {self.time:.6g} s: {what}: {reason}"
         self.log(text, Fmi2Status.error)
         return text
 

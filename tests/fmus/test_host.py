@@ -113,7 +113,7 @@ def test_errors_are_logged_with_their_reason_and_leave_the_host_alive(tmp_path):
     done = run(ERRORS, build(UNIT, tmp_path, backend="python"), 200)
     assert done.returncode == 0, done.stderr
     assert done.stdout.endswith("alive\n")
-    assert "unit at t = 0.0 s: initialisation failed: mass = -1.0 kg" in done.stdout
+    assert "unit at t = 0 s: initialisation failed: mass = -1.0 kg" in done.stdout
 
 
 VANISHED = (

@@ -265,7 +265,7 @@ def test_bad_value_fails_initialisation_and_is_named(unit, options, name, value,
     with pytest.raises(RuntimeError, match=message):
         unit.exit_initialization_mode()
     assert unit.log_queue[-1].status == 3
-    assert unit.log_queue[-1].msg.startswith("unit at t = 0.0 s: initialisation failed")
+    assert unit.log_queue[-1].msg.startswith("unit at t = 0 s: initialisation failed")
 
 
 @pytest.mark.filterwarnings("ignore:.*encountered in dot")

@@ -287,7 +287,7 @@ def test_exports_are_there_and_loaded_when_used():
 def test_a_float_that_touches_the_wall_is_said_loudly(invoke):
     outcome = invoke("run", "liquid_touch", "--set", "run.revolutions=5")
     assert outcome.exit_code == 0, outcome.output
-    assert "NOTE: liquid at t = " in outcome.stderr
+    assert "NOTE: liquid at t = 0.00863938 s: bending 0.000629246 m" in outcome.stderr
     assert "exceeds the gap 0.0006 m" in outcome.stderr
 
 

@@ -133,7 +133,7 @@ def test_a_step_must_go_forward(fmus, packaging, step):
         before = host.outputs()
         text = host.refused(lambda host=host: host.slave.doStep(host.time, step))
         assert text == (
-            f"unit at t = 0.001 s: step of {step!r} s failed: "
+            f"unit at t = 0.001 s: step of {step:.6g} s failed: "
             f"communication step size = {step!r} s: must be above 0 s"
         )
         assert host.messages[-1][0] == ERROR

@@ -175,7 +175,7 @@ void batch_run_fail(BatchRun *run, BatchCall *all)
 {
     char words[64];
     Text what = text_in(words, sizeof words);
-    text_format(&what, "step of %v s failed", run->end / (double)all->batch->points);
+    text_format(&what, "step of %6 s failed", run->end / (double)all->batch->points);
     unit_report(run->unit, STATUS_ERROR, words);
     close_run(run, all);
 }

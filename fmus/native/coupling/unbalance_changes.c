@@ -63,7 +63,7 @@ int composite_untunable(Unit *unit, size_t reference)
     for (k = 0; k < (size_t)c->course->drive.changes_behind; k++, change += CHANGE_VALUES) {
         if (reference - c->parts->first - changed_amount(c, change) < 2) {
             layout_name(&unit->layout, reference, unit_reason(unit));
-            text_format(&unit->reason, ": unbalance_change[%u] has set it at t = %v s; set it before, or leave "
+            text_format(&unit->reason, ": unbalance_change[%u] has set it at t = %6 s; set it before, or leave "
                         "out the change", (unsigned long)k + 1, unit_host_time(unit, *change));
             return 1;
         }

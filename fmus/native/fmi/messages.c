@@ -26,7 +26,7 @@ int unit_failed(Unit *unit, const Failure *failure)
 Status unit_report(Unit *unit, Status status, const char *what)
 {
     Text text = text_in(unit->message_buffer, sizeof unit->message_buffer);
-    text_format(&text, "%s at t = %v s: %s: %s", unit->name, unit->point, what, unit->reason.at);
+    text_format(&text, "%s at t = %6 s: %s: %s", unit->name, unit->point, what, unit->reason.at);
     unit->log(unit->host, unit->name, status, text.at);
     return status;
 }
@@ -41,7 +41,7 @@ void unit_warn_once(Unit *unit, int bit, double time, const char *words)
     if (!(unit->warned & bit)) {
         Text text = text_in(unit->message_buffer, sizeof unit->message_buffer);
         unit->warned |= bit;
-        text_format(&text, "%s at t = %v s: %s", unit->name, unit_host_time(unit, time), words);
+        text_format(&text, "%s at t = %6 s: %s", unit->name, unit_host_time(unit, time), words);
         unit->log(unit->host, unit->name, STATUS_WARNING, text.at);
     }
 }

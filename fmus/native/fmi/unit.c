@@ -167,7 +167,7 @@ Status unit_step(Unit *unit, double time, double step)
     if (failed) {
         char words[64];
         Text what = text_in(words, sizeof words);
-        text_format(&what, "step of %v s failed", step);
+        text_format(&what, "step of %6 s failed", step);
         return unit_report(unit, STATUS_ERROR, words);
     }
     pass_time(unit, unit->made);
