@@ -73,7 +73,7 @@ def _row(result: BalancingReport, cycle: Cycle) -> list[str]:
     shares = (*cycle.at_supports / result.at_supports, actual)
     return [
         *(f"{abs(v):.3g} at {_degrees(v):.1f}°" for v in vectors),
-        *(f"{s:.1%}" for s in shares),
+        *(f"{100.0 * s:.1f} %" for s in shares),
     ]
 
 

@@ -71,7 +71,8 @@ class OutOfRound(Outcome):
                 f"On this race no stable motion was found in which the {self.called} rest apart in "
                 "the rotor; contacts are not counted."
             )
-        share = "" if not self.alone else f", {worst / self.alone:.1%} of {1e3 * self.alone:.3g} mm"
+        alone = self.alone
+        share = "" if not alone else f", {100.0 * worst / alone:.1f} % of {1e3 * alone:.3g} mm"
         found = (
             f"The {self.called} leave {1e3 * here:.3g} mm on this race, and {1e3 * worst:.3g} mm "
             f"at the worst angle of the race to the unbalance{share} without {self.called}; "
@@ -79,7 +80,7 @@ class OutOfRound(Outcome):
         )
         if self.most is None or self.most < _OTHERS * worst:
             return found
-        part = "" if not self.alone else f" ({self.most / self.alone:.1%})"
+        part = "" if not alone else f" ({100.0 * self.most / alone:.1f} %)"
         return (
             f"{found} These are the stable rests that leave least. Others leave up to "
             f"{1e3 * self.most:.3g} mm{part}: the start decides where {self.called} come to rest."

@@ -93,7 +93,7 @@ class Assertions(Mixed):
                 raise AssertionError(
                     f"not balanced: {base[:-1]} still moves {swing[k]:.6g} m (0-peak) at "
                     f"t = {self.time[late][k]:.6g} s, expected at most {below:g} m over the last "
-                    f"{last:.0%} of {self.time[-1]:.6g} s{self._moments()} {self._label}"
+                    f"{100.0 * last:.0f} % of {self.time[-1]:.6g} s{self._moments()} {self._label}"
                 )
 
     def assert_settled(self, within: float | str) -> None:

@@ -236,7 +236,8 @@ def _discs_without_size(scene: Scene) -> Iterator[str]:
     change = float(np.max(np.abs(discs[: len(points)][low] / points[low] - 1.0), initial=0.0))
     if change > MOST_CHANGE_BY_SIZE:
         station = int(np.argmax(across))
-        by = f"{change:.0%}" if change < MOST_SHOWN else f"more than {MOST_SHOWN:.0%}"
+        by = f"{100.0 * min(change, MOST_SHOWN):.0f} %"
+        by = by if change < MOST_SHOWN else f"more than {by}"
         yield (
             f"rotor.masses[{station + 1}] = {rotor.masses[station]:g} kg: a point, but a thin disc "
             f"as wide as its balancer would move a natural frequency by {by}: give "

@@ -255,7 +255,7 @@ def test_details_of_a_rotor_without_balls_name_the_fewest_that_hold_its_unbalanc
     assert (tmp_path / "steel.png").stat().st_size > 10_000
     heavy = invoke(*asked, "--material", "tungsten carbide", "--units", "engineering")
     assert "balls for 30000 g mm with" in heavy.output
-    assert "│ 2 │          30 │  0.4213 │      69220 │  43% │" in heavy.output
+    assert "│ 2 │          30 │  0.4213 │      69220 │ 43 % │" in heavy.output
 
 
 @pytest.mark.parametrize(

@@ -55,7 +55,8 @@ def test_failing_assertion_says_what_was_wrong(with_scene):
     outcome.assert_outcomes(failed=2)
     outcome.stdout.fnmatch_lines_random(
         [
-            "*not balanced: rotor still moves * m (0-peak) at t = * s, expected at most 1e-09 m*",
+            "*not balanced: rotor still moves * m (0-peak) at t = * s, expected at most 1e-09 m *",
+            "*over the last 10 % of *",
             "*'rotor.mas': unknown (did you mean \"mass\"?)*",
         ]
     )

@@ -143,7 +143,7 @@ def test_rigid_motions_of_a_free_machine_are_no_natural_frequencies_that_a_disc_
     points, discs = (np.sort(np.abs(one.rotor.build().free_rates(377.0))) for one in scenes)
     elastic = (points > 1.0) & (points < 1.5 * 377.0)
     change = np.abs(discs[: len(points)][elastic] / points[elastic] - 1.0).max()
-    assert _warned_change(scenes[0]) == f"{change:.0%}"
+    assert _warned_change(scenes[0]) == f"{100.0 * change:.0f} %"
 
 
 def test_rates_at_which_rubber_and_oil_creep_back_are_no_natural_frequencies():
@@ -159,7 +159,7 @@ def test_a_change_beyond_the_cap_is_told_as_more_than_it(monkeypatch):
     point = {k: v for k, v in OVERHUNG.items() if not k.endswith("inertias")}
     wide, narrow = ([BALLS | {"at": 3, "track_radius": r}] for r in (0.19, 0.1))
     scenes = (ab.Scene(rotor=point, balancer=one, speed=377.0) for one in (wide, narrow))
-    assert [_warned_change(scene) for scene in scenes] == ["more than 30%", "11%"]
+    assert [_warned_change(scene) for scene in scenes] == ["more than 30 %", "11 %"]
 
 
 def _warned_change(scene):
