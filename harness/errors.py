@@ -38,6 +38,23 @@ class LoopError(SimulationError):
     """Corrector passes, or steps however short, do not bring forces and motion into agreement."""
 
 
+MOST_STARTS = 100_000_000  # of runs that are asked for: a day of 1 ms each
+
+
+def refuse_count(value: object, name: str, least: int = 1, most: int = MOST_STARTS) -> None:
+    """Raise UserError for what is no number of things from `least` to `most`.
+
+    Args:
+        name: of the argument.
+    """
+    if (
+        isinstance(value, bool)
+        or not isinstance(value, Integral)
+        or not least <= int(value) <= most
+    ):
+        raise UserError(f"{name} = {value!r}: must be a whole number from {least} to {most}")
+
+
 def refuse_seed(seed: object) -> None:
     """Raise UserError for what no random numbers can be drawn from."""
     if isinstance(seed, bool) or not isinstance(seed, Integral) or seed < 0:

@@ -11,7 +11,7 @@ import typer
 
 from ...models.readable import rounded
 from ..design.space import MATERIALS
-from ..errors import UserError
+from ..errors import MOST_STARTS, UserError
 from ..output import options
 from ..output.table import Sheet
 from ..output.terminal import progress_bar, say, show
@@ -54,13 +54,15 @@ def command(
             "--material", "--density", help=f"{', '.join(MATERIALS)}; or a density, kg/m^3."
         ),
     ] = "steel",
-    reserve: Annotated[float, typer.Option(help="Ratio of capacity to largest unbalance.")] = 1.0,
+    reserve: Annotated[
+        float, options.number("Ratio of capacity to largest unbalance.", "--reserve")
+    ] = 1.0,
     starts: Annotated[
         str,
         typer.Option(help="run-up, rest, or turning (the friendliest); or their number."),
     ] = "run-up",
     n: Annotated[
-        int, typer.Option("-n", min=1, help="Starts at each end of drag and unbalance.")
+        int, options.whole("Starts at each end of drag and unbalance", "-n", most=MOST_STARTS)
     ] = STARTS,
     run_up: Annotated[
         float | None,
@@ -79,7 +81,9 @@ def command(
     standard: Annotated[
         bool, typer.Option("--standard", help="Only standard diameters of balls.")
     ] = False,
-    most: Annotated[int, typer.Option(min=2, max=64, help="Largest number to compare.")] = 8,
+    most: Annotated[
+        int, options.whole("Largest number to compare", "--most", least=2, most=64)
+    ] = 8,
     output: Annotated[
         Path | None, options.picture("Picture (png, svg, pdf).", "--output", "-o")
     ] = None,
@@ -206,7 +210,7 @@ def table(data: Design, starts: int) -> Sheet:
     rows = []
     for c in data.choices:
         size = (str(c.count), f"{2e3 * c.radius:.4g}", f"{c.count * c.mass:.4g}")
-        used = f"{data.unbalance / c.capacity:.0%}"
+        used = f"{100.0 * data.unbalance / c.capacity:.0f} %"
         outcome = ("not run", "-")
         if c.runs:
             lost = f", {len(c.failures)} failed" if c.failures else ""

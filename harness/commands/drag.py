@@ -29,7 +29,9 @@ def command(
     ] = None,
     swings: Annotated[
         float | None,
-        typer.Option(help="Swings of --decay from FIRST to LAST, there and back; halves count."),
+        options.number(
+            "Swings of --decay from FIRST to LAST, there and back; halves count.", "--swings"
+        ),
     ] = None,
     oil: Annotated[str | None, typer.Option(help='Oil, such as "ISO VG 46".')] = None,
     temperature: Annotated[

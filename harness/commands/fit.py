@@ -7,6 +7,7 @@ from typing import Annotated, Any
 
 import typer
 
+from ..errors import MOST_STARTS
 from ..output import options
 from ..output.terminal import progress_bar, say, show
 from .changes import changed_scene, set_option
@@ -47,8 +48,10 @@ def command(
     priors: Annotated[list[str] | None, _PRIORS] = None,
     scatter: Annotated[
         float,
-        typer.Option(
-            min=1e-6, help="Standard deviation of a residual, which priors are weighed against."
+        options.number(
+            "Standard deviation of a residual, which priors are weighed against.",
+            "--scatter",
+            least=1e-6,
         ),
     ] = 0.1,
     harmonic: Annotated[
@@ -56,7 +59,12 @@ def command(
         typer.Option("--harmonic", help="Search by harmonic balance only; runs check the result."),
     ] = False,
     starts: Annotated[
-        int, typer.Option(min=1, help="Starts of harmonic balance: the scene's, the others random.")
+        int,
+        options.whole(
+            "Starts of harmonic balance, the scene's and others at random",
+            "--starts",
+            most=MOST_STARTS,
+        ),
     ] = 1,
     without_balancers: Annotated[
         bool, typer.Option("--without-balancers", help="Measured without balancers.")

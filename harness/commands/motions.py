@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from ..errors import UserError
+from ..errors import MOST_STARTS, UserError
 from ..output import options
 from ..output.files import write_json
 from ..output.terminal import progress_bar, say, show
@@ -20,7 +20,7 @@ MOST_SPEEDS = 1000
 def command(
     scene: Annotated[str, options.SCENE],
     speeds: Annotated[
-        tuple[str, str, int] | None,
+        tuple[str, str, str] | None,
         typer.Option(
             metavar="LOW HIGH N",
             help="N speeds [rad/s], or with units: 300rpm 3000rpm 9; default: the scene's.",
@@ -29,8 +29,10 @@ def command(
     starts: Annotated[
         str, typer.Option(help="rest, turning, run-up; several with commas.")
     ] = "rest,turning,run-up",
-    n: Annotated[int, typer.Option("-n", min=1, help="Random starts of each kind.")] = 100,
-    seed: Annotated[int, typer.Option(min=0, help="The same seed draws the same starts.")] = 1,
+    n: Annotated[int, options.whole("Random starts of each kind", "-n", most=MOST_STARTS)] = 100,
+    seed: Annotated[
+        int, options.whole("The same seed draws the same starts", "--seed", least=0)
+    ] = 1,
     sweep: Annotated[
         bool, typer.Option("--sweep", help="Raise and lower the speed slowly instead.")
     ] = False,
@@ -74,11 +76,12 @@ def command(
         write_json(found.as_json(), json_file)
 
 
-def _speeds(first: str, last: str, count: int) -> list[float]:
+def _speeds(first: str, last: str, number: str) -> list[float]:
     low, high = (si_number(end, "rad/s", "--speeds") for end in (first, last))
+    count = int(number) if number.isascii() and number.isdigit() else 0
     if not 0.0 < low <= high or not 1 <= count <= MOST_SPEEDS:
         raise UserError(
-            f"--speeds {first} {last} {count}: must be two positive speeds, rising, and a number "
+            f"--speeds {first} {last} {number}: must be two positive speeds, rising, and a number "
             f"of them from 1 to {MOST_SPEEDS}"
         )
     if count == 1:

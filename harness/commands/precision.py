@@ -25,7 +25,8 @@ def command(
     json_file: Annotated[Path | None, options.json("the rows")] = None,
     markdown_file: Annotated[Path | None, options.markdown("the tables")] = None,
     seconds: Annotated[
-        float, typer.Option(min=1.0, help="Approximate duration of the measurement, s.")
+        float,
+        options.number("Approximate duration of the measurement, s.", "--seconds", least=1.0),
     ] = 75.0,
     changes: Annotated[list[str] | None, set_option("run.revolutions=20")] = None,
 ) -> None:

@@ -8,6 +8,7 @@ from typing import Annotated
 
 import typer
 
+from ..errors import MOST_STARTS
 from ..output import options
 from ..output.terminal import progress_bar, say
 from .changes import changed_scene, set_option
@@ -31,7 +32,8 @@ def command(
         typer.Option(metavar="PATH=NAME(NUMBERS)", help="A tolerance, as of `scatter`."),
     ] = None,
     machines: Annotated[
-        int, typer.Option("-n", min=1, help="Number of machines drawn from the tolerances.")
+        int,
+        options.whole("Number of machines drawn from the tolerances", "-n", most=MOST_STARTS),
     ] = 200,
     changes: Annotated[list[str] | None, set_option("rotor.mass=3.0")] = None,
 ) -> None:

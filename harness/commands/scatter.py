@@ -7,6 +7,7 @@ from typing import Annotated
 
 import typer
 
+from ..errors import MOST_STARTS
 from ..output import options
 from ..output.terminal import progress_bar, say, show
 from .changes import changed_scene, set_option
@@ -30,9 +31,11 @@ def command(
     ],
     n: Annotated[
         int | None,
-        typer.Option("-n", min=1, help="Number; default: 10000 machines, 1000 systems of FMUs."),
+        options.whole(
+            "Number; default: 10000 machines, 1000 systems of FMUs", "-n", most=MOST_STARTS
+        ),
     ] = None,
-    seed: Annotated[int, typer.Option(min=0, help="Seed of the random numbers.")] = 1,
+    seed: Annotated[int, options.whole("Seed of the random numbers", "--seed", least=0)] = 1,
     output: Annotated[
         list[Path] | None, options.pictures(" or FILE.csv with every machine", options.TABLE)
     ] = None,

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-from ..errors import SceneError, UserError
+from ..errors import SceneError, UserError, refuse_count
 from ..motions.starts import refuse_unknown
 from ..output.workers import Progress, Workers
 from ..scene import Scene
@@ -37,8 +37,7 @@ def design(
 ) -> Fitting:
     """As `Scene.design`, which says what is meant and raised."""
     refuse_unknown([start])
-    if starts < 1:
-        raise UserError(f"n = {starts}: must be at least 1 start")
+    refuse_count(starts, "n")
     scene.refuse_friction("a design compares with the vibration without balancers, which is that")
     scene.refuse_free("a design")
     scene.refuse_restraints("a design compares with the vibration without balancers, that")

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from ...models.arrays import Array
 from ...models.harmonic_balance import NoResponse
 from ...models.readable import brief
-from ..errors import UserError
+from ..errors import UserError, refuse_count
 from ..scene import Scene
 from .estimate import Estimate, of_values, refuse_few
 from .measured import SPEED, MeasuredAmplitudes, read_measured
@@ -147,6 +147,7 @@ def fit(
 
     Arguments are those of `Scene.fit`, which says what is raised.
     """
+    refuse_count(starts, "starts")
     refuse_few(measured.path, len(measured.logarithms), parameters)
     model, logarithms = Model(scene, parameters, measured), measured.logarithms
     is_phase = measured.is_phase

@@ -11,7 +11,7 @@ import numpy as np
 import tomli_w
 
 from ..capture.captured import captured
-from ..errors import SceneError, UserError, refuse_seed
+from ..errors import SceneError, UserError, refuse_count, refuse_seed
 from ..output.store import open_store
 from ..output.workers import Progress, Workers, in_order
 from ..scene import Scene
@@ -100,8 +100,7 @@ def _point(
 
 def _refuse(scene: Scene, speeds: Sequence[float], starts: Sequence[str], n: int) -> None:
     refuse_unknown(list(starts))
-    if n < 1:
-        raise UserError(f"n = {n}: must be at least 1 start")
+    refuse_count(n, "n")
     if not speeds or not all(speed > 0.0 for speed in speeds):
         raise UserError("speeds: must be positive, at least one")
     if scene.operation.unbalance_changes:

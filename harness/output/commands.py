@@ -57,7 +57,8 @@ class Commands(TyperGroup):
             say(words, error=True)
             raise typer.Exit(2) from error
         except UserError as error:
-            say(str(error), error=True)
+            asked = self.commands.get(ctx.invoked_subcommand)
+            say(_incomplete_option(asked, options.typed.get()) or str(error), error=True)
             raise typer.Exit(2) from error
         except SimulationError as error:
             say(str(error), error=True)
@@ -89,15 +90,19 @@ class Commands(TyperGroup):
 
 
 def _incomplete_option(command: Any, typed: Sequence[str]) -> str:
-    """How to write an option of several values that has fewer before the next option; or empty."""
+    """How to write an option that has fewer values than it needs before the next one; or empty."""
     for each in command.params if command else ():
-        for name in set(each.opts).intersection(typed) if each.nargs > 1 else ():
+        is_flag = getattr(each, "is_flag", False)
+        for name in set(each.opts).intersection(typed) if not is_flag else ():
             values = typed[typed.index(name) + 1 :][: each.nargs]
             given = tuple(takewhile(lambda value: not _OPTION.match(value), values))
             if len(given) < each.nargs:
+                number = "a value"
+                if each.nargs > 1:
+                    number = f"{each.nargs} values, with spaces between"
                 return (
-                    f"{' '.join((name, *given))}: requires {each.nargs} values, with spaces "
-                    f"between: {name} {each.metavar}. {each.help}"
+                    f"{' '.join((name, *given))}: requires {number}: {name} "
+                    f"{each.metavar or 'VALUE'}. {each.help}"
                 )
     return ""
 

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import math
 import os
 from collections.abc import Iterable, Sequence
+from contextlib import suppress
 from contextvars import ContextVar
 from pathlib import Path
 from typing import Any
@@ -35,6 +37,36 @@ def quantity(symbol: str, help: str, *names: str) -> Any:
 
     def parser(text: str) -> float:
         return si_number(text, symbol, names[0])
+
+    return typer.Option(*names, help=help, parser=parser, metavar="NUMBER")
+
+
+def whole(help: str, *names: str, least: int = 1, most: int | None = None) -> Any:
+    """A whole number from `least` on, or to `most`."""
+    allowed = f"{least} or more" if most is None else f"{least} to {most}"
+
+    def parser(text: str) -> int:
+        with suppress(ValueError):
+            number = int(text)
+            if least <= number and (most is None or number <= most):
+                return number
+        raise UserError(f"{names[0]} {text}: must be a whole number in digits, {allowed}")
+
+    return typer.Option(
+        *names, help=f"{help.removesuffix('.')}: {allowed}.", parser=parser, metavar="NUMBER"
+    )
+
+
+def number(help: str, *names: str, least: float = -math.inf) -> Any:
+    """A finite number of no unit, `least` or more."""
+    allowed = "" if math.isinf(least) else f", {least:g} or more"
+
+    def parser(text: str) -> float:
+        with suppress(ValueError):
+            value = float(text)
+            if least <= value < math.inf:
+                return value
+        raise UserError(f"{names[0]} {text}: must be a number{allowed}")
 
     return typer.Option(*names, help=help, parser=parser, metavar="NUMBER")
 

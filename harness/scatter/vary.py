@@ -7,13 +7,12 @@ import math
 import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from numbers import Integral
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import SceneError, UserError, refuse_seed
+from ..errors import SceneError, UserError, refuse_count, refuse_seed
 from ..result.alike import refuse_unvaried
 from ..scene import Scene
 from ..scene.balancer import WeightBalancer
@@ -142,8 +141,7 @@ def frozen(path: str, distribution: Any) -> Variation:
 def drawn(variations: Sequence[Variation], count: int, seed: int) -> NDArray[np.float64]:
     """(count, variations) values; each variation has a stream of its own."""
     refuse_seed(seed)
-    if isinstance(count, bool) or not isinstance(count, Integral) or count < 1:
-        raise UserError(f"n = {count!r}: must be a whole number, 1 or more")
+    refuse_count(count, "n")
     streams = np.random.default_rng(seed).spawn(len(variations))
     try:
         values = [
