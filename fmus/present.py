@@ -92,5 +92,7 @@ def opened(path: Path | str) -> tuple[dict[str, bytes], ElementTree.Element]:
         if root.tag != "fmiModelDescription":
             raise KeyError(f"{DESCRIPTION} begins with {root.tag}")
     except (zipfile.BadZipFile, KeyError, ElementTree.ParseError) as error:
-        raise ValueError(f"{path}: not an FMU ({error})") from None
+        raise ValueError(
+            f"{path}: not an FMU ({error}); copy, download or build the file again"
+        ) from None
     return files, root

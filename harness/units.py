@@ -153,8 +153,9 @@ def si_number(value: float | str, symbol: str, what: str) -> float:
     Raises:
         UserError: as `to_si`.
     """
-    with suppress(ValueError):
-        return float(value)
+    with suppress(ValueError, TypeError):
+        if not isinstance(value, bool):
+            return float(value)
     try:
         return to_si(str(value), symbol)
     except ValueError as error:

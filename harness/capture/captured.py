@@ -218,7 +218,8 @@ def refuse_outside_tables(scene: Scene, speed: float) -> None:
         low, high = rotor.table_speeds
         raise SceneError(
             f"{scene.label}: speed = {speed:.6g} rad/s: must be within {low:.6g} to {high:.6g} "
-            "rad/s, which the tables of rotor.bearings hold"
+            "rad/s, which the tables of rotor.bearings hold; ask for such a speed, or give the "
+            "tables rows for this one"
         )
 
 

@@ -51,7 +51,7 @@ def find_drag(
     decay: tuple[str, str, str] | None = None,
     oil: str | None = None,
     temperature: str = "40degC",
-    density: float = STEEL,
+    density: float | str = STEEL,
     swings: float | None = None,
 ) -> Drag:
     """Drag of a ball: from a measured decay, or a lower bound from the oil.
@@ -73,7 +73,7 @@ def find_drag(
     >>> round(ab.find_drag("10 mm", decay=("30deg", "10deg", "1.2s")).value, 5)
     0.01041
     """
-    diameter = si_number(ball, "m", "--ball")
+    diameter, density = si_number(ball, "m", "--ball"), si_number(density, "kg/m^3", "--density")
     if not 0.0 < diameter < 1.0:
         raise UserError("--ball: give the diameter of the ball, below 1 m, such as --ball 10mm")
     if (decay is None) == (oil is None):
@@ -81,6 +81,7 @@ def find_drag(
     if not 0.0 < density < math.inf:
         raise UserError(f"--density {density:g}: must be above 0")
     mass = weight_mass("balls", 0.5 * diameter, density)
+    swings = None if swings is None else si_number(swings, "", "--swings")
     if swings is not None and (decay is None or not 0.0 < swings <= _MOST_SWINGS):
         raise UserError(
             f"--swings {swings:g}: must be the number of swings of --decay, such as 2 or 2.5, at "
@@ -108,7 +109,7 @@ def _measured(mass: float, first: str, last: str, time: str, swings: float | Non
         raise UserError(f"--decay {first}: a ball that swings stays below 180 deg")
     if swings is not None and abs(2.0 * swings - round(2.0 * swings)) > _HALF:
         raise UserError(f"--swings {swings:g}: must be whole or half, such as 2 or 2.5")
-    found = theory.from_swing(mass, kappa, start, end, seconds, swings)
+    found = float(theory.from_swing(mass, kappa, start, end, seconds, swings))
     motion = "swings in the upright race"
     if swings is not None or (ratio := theory.swing_range(start, end)) < 1.0 + _CLOSE:
         return Drag(found, mass, _said(motion, found))

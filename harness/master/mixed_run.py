@@ -84,10 +84,12 @@ class MixedRun(NetworkRun, CoSimulation):
         with ExitStack() as stack:
             self.units = {}
             for part in self._found:
-                self.units[part.unit.name] = stack.enter_context(_loaded(part))
-            for own in scene.unit:
-                path = fmu_path(own.fmu, scene.path)
-                self.units[own.name] = guest = stack.enter_context(foreign_unit(path, own.name))
+                self.units[part.unit.name] = stack.enter_context(_loaded(part, scene.label))
+            for number, own in enumerate(scene.unit, start=1):
+                path, key = fmu_path(own.fmu, scene.path), f"{scene.label}: unit[{number}].fmu"
+                self.units[own.name] = guest = stack.enter_context(
+                    foreign_unit(path, own.name, key)
+                )
                 check_start(guest, own.start)
                 self.paths.append(path)
             wires, pushed = _wires(scene, self.plan, self.units)
@@ -206,10 +208,12 @@ class MixedRun(NetworkRun, CoSimulation):
 _UNUSED = (AS_FORCE, "speed", "acceleration")
 
 
-def _loaded(part: Found) -> Any:
-    return (
-        Fmu(part.path, part.unit.name) if part.is_own else foreign_unit(part.path, part.unit.name)
-    )
+def _loaded(part: Found, label: str) -> Any:
+    """The instance of a part; errors about a file that the scene names say by which key."""
+    name = part.unit.name
+    if part.is_own:
+        return Fmu(part.path, name)
+    return foreign_unit(part.path, name, f"{label}: {name}.fmu" if part.unit.fmu else "")
 
 
 def _wires(scene: Scene, planned: Plan, units: Mapping[str, Any]) -> tuple[list[Wire], list[int]]:

@@ -52,8 +52,9 @@ class UnitRun(NetworkRun):
         self.scene = system
         with ExitStack() as stack:
             self.units: dict[str, Any] = {}
-            for unit in system.unit:
-                loaded = foreign_unit(fmu_path(unit.fmu, system.path), unit.name)
+            for number, unit in enumerate(system.unit, start=1):
+                key = f"{system.label}: unit[{number}].fmu"
+                loaded = foreign_unit(fmu_path(unit.fmu, system.path), unit.name, key)
                 self.units[unit.name] = stack.enter_context(loaded)
                 check_start(loaded, unit.start)
             wires = [

@@ -70,7 +70,8 @@ def load(path: Path, kind: type[Result]) -> Result:
         raise UserError(f"{path}: cannot be read: {error.strerror or error}") from error
     except (TypeError, ValueError, KeyError, AttributeError, ImportError) as error:
         raise UserError(
-            f"{path}: is not a result that `Result.save` of this version has written"
+            f"{path}: is not a result that `Result.save` of this version has written; run the "
+            "scene again and save that result, or load the file with the version that wrote it"
         ) from error
 
 

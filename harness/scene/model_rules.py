@@ -90,9 +90,11 @@ def _outside_tables(scene: Scene, rotor: LinearRotor) -> Iterator[str]:
     if low >= high:
         yield "rotor.bearings: the tables have no speed in common"
     elif not rotor.holds(min(speeds), max(speeds)):
+        least, most = (f"{end(speeds):.6g}" for end in (min, max))
         yield (
-            f"operation: turns at {min(speeds):.6g} to {max(speeds):.6g} rad/s: must be within "
-            f"{low:.6g} to {high:.6g} rad/s, the speeds of the bearings' tables"
+            f"operation: turns at {least if least == most else f'{least} to {most}'} rad/s: must "
+            f"be within {low:.6g} to {high:.6g} rad/s, the speeds of the bearings' tables; change "
+            "the operation, or give the tables rows for these speeds"
         )
 
 

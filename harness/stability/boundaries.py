@@ -114,7 +114,7 @@ def speeds(
         least, most = rotor.table_speeds
         raise UserError(
             f"range {low:g} to {high:g} rad/s: must be within {least:g} to {most:g} rad/s, the "
-            "speeds of the bearings' tables"
+            "speeds of the bearings' tables; give such a range, or give the tables more rows"
         )
     wanted = list(dict.fromkeys(methods))
     for method in wanted:

@@ -4,6 +4,9 @@ from __future__ import annotations
 
 import pytest
 
+import autobalancer as ab
+from autobalancer.harness import UserError
+
 
 @pytest.mark.parametrize(
     ("arguments", "problem"),
@@ -41,3 +44,13 @@ def test_a_decay_from_a_large_angle_says_what_is_not_known_without_the_number_of
         "give --swings"
         not in invoke("drag", "--ball", "10mm", "--decay", "30deg", "10deg", "1.2s").stdout
     )
+
+
+def test_a_drag_is_a_number_of_python_and_its_arguments_are_read_with_units():
+    found = ab.find_drag("10 mm", decay=("30deg", "10deg", "1.2s"), swings=1000)
+    assert (type(found.value), type(found.decay_time)) == (float, float)
+    dense = ab.find_drag("10 mm", decay=("30deg", "10deg", "1.2s"), density="7.8 g/cm^3")
+    assert dense == ab.find_drag("10 mm", decay=("30deg", "10deg", "1.2s"))
+    for wrong, words in (({"swings": "x"}, "--swings x: a ratio"), ({"density": "x"}, "a density")):
+        with pytest.raises(UserError, match=words):
+            ab.find_drag("10 mm", decay=("30deg", "10deg", "1.2s"), **wrong)

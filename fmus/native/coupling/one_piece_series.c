@@ -130,7 +130,8 @@ int one_piece_load_step(Unit *unit, double *angle, bool *is_wanted)
     }
     if (!linear_rotor_holds(&composite_rotor(c)->rotor, one_piece->speed)) {
         const Bearings *b = &composite_rotor(c)->rotor.bearings;
-        return unit_fail(unit, "speed = %6 rad/s at t = %6 s: must be %6 to %6 rad/s, the speeds of the bearings' table",
+        return unit_fail(unit, "speed = %6 rad/s at t = %6 s: must be %6 to %6 rad/s, the speeds of the bearings' table; "
+                         "keep the speed within them, or give the table rows for this one",
                          one_piece->speed, unit_host_time(unit, c->course->clock.begin), b->speeds[0],
                          b->speeds[b->speed_count - 1]);
     }

@@ -23,8 +23,9 @@ static Kept *oldest(Rotor *own)
 static int rotor_outside(Unit *unit, double speed)
 {
     const Bearings *b = &((const Rotor *)unit->own)->rotor.bearings;
-    return unit_fail(unit, "speed = %6 rad/s: must be %6 to %6 rad/s, the speeds of the bearings' table", speed,
-                     b->speeds[0], b->speeds[b->speed_count - 1]);
+    return unit_fail(unit, "speed = %6 rad/s: must be %6 to %6 rad/s, the speeds of the bearings' table; "
+                     "keep the speed within them, or give the table rows for this one",
+                     speed, b->speeds[0], b->speeds[b->speed_count - 1]);
 }
 
 /* Step matrix by columns; NULL with the reason. */

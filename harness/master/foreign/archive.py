@@ -24,6 +24,7 @@ LARGEST_RATIO = 200  # unpacked over packed, of a file that is large
 LARGE = 100_000_000  # bytes
 MOST_FILES = 100_000
 LARGEST_DESCRIPTION = 200_000_000  # bytes of modelDescription.xml
+FETCH_AGAIN = "copy, download or export the file again"  # what helps where it is cut off or damaged
 _DESCRIPTION = "modelDescription.xml"
 _SEPARATORS = "/\\:"  # of a path, on any platform
 
@@ -55,7 +56,8 @@ def _description(path: Path, _changed: int) -> ModelDescription:
                 raise UnitError(f"{path}: has no {_DESCRIPTION}: is not an FMU")
             text = archive.read(_DESCRIPTION)
     except (zipfile.BadZipFile, zlib.error, EOFError, NotImplementedError) as error:
-        raise UnitError(f"{path}: is not a sound FMU, which is a zip archive: {error}") from error
+        why = f"is not a sound FMU, which is a zip archive: {error}"
+        raise UnitError(f"{path}: {why}; {FETCH_AGAIN}") from error
     except RuntimeError as error:  # of zipfile: encrypted
         raise UnitError(f"{path}: cannot be unpacked: {error}") from error
     except OSError as error:
@@ -182,7 +184,7 @@ def unpacked(path: Path) -> Path:
                 archive.extractall(folder)
                 _follow_links(path, archive, folder)
         except (zipfile.BadZipFile, zlib.error, EOFError, RuntimeError) as error:
-            raise UnitError(f"{path}: is damaged: {error}") from error
+            raise UnitError(f"{path}: is damaged: {error}; {FETCH_AGAIN}") from error
         except OSError as error:
             why = f"cannot be unpacked into {folder}: {error.strerror or error}"
             raise UnitError(f"{path}: {why}; free some room, or set TMPDIR") from error

@@ -17,7 +17,7 @@ from typing import Any
 
 from ...errors import UnitError
 from ...scene.patterns import LONGEST_NAME, legal_characters
-from .archive import new_folder, read_description, refuse_dangerous
+from .archive import FETCH_AGAIN, new_folder, read_description, refuse_dangerous
 from .ssp_parameters import bound, set_parameter
 from .ssp_structure import (
     Element,
@@ -57,8 +57,8 @@ def unpacked_system(path: Path) -> tuple[dict[str, Any], Path]:
         except UnitError as error:  # of a file that is gone when the message is read
             raise UnitError(str(error).replace(f"{folder}{os.sep}", f"{path}: ")) from error
         except (zipfile.BadZipFile, zlib.error, EOFError, RuntimeError) as error:
-            why = "is not a sound SSP, which is a zip archive"
-            raise UnitError(f"{path}: {why}: {error}") from error
+            why = f"is not a sound SSP, which is a zip archive: {error}"
+            raise UnitError(f"{path}: {why}; {FETCH_AGAIN}") from error
         except OSError as error:
             why = f"cannot be unpacked into {folder}: {error.strerror or error}"
             raise UnitError(f"{path}: {why}; free some room, or set TMPDIR") from error

@@ -10,6 +10,7 @@ from typing import Any
 from xml.etree import ElementTree
 
 from ...errors import UnitError
+from .archive import FETCH_AGAIN
 
 Node = tuple[str, str]  # element's path with dots, and connector
 Element = ElementTree.Element
@@ -59,7 +60,7 @@ def inside(found: Structure, source: str) -> PurePosixPath:
 def parsed(path: Path, folder: Path, name: str) -> Element:
     file = folder / name
     if ":" in name or not file.resolve().is_relative_to(folder.resolve()) or not file.is_file():
-        raise UnitError(f"{path}: has no {name}: is not an SSP, or is not complete")
+        raise UnitError(f"{path}: has no {name}: is not an SSP, or is not complete; {FETCH_AGAIN}")
     text = file.read_bytes()
     if b"<!DOCTYPE" in text or b"<!ENTITY" in text:
         raise UnitError(f"{path}: {name} defines entities: no SSP needs that")

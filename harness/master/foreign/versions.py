@@ -120,11 +120,19 @@ class Fmi3Unit(ForeignUnit):
         return "Int64" if kind == "Enumeration" else kind
 
 
-def foreign_unit(path: Path, name: str) -> ForeignUnit:
+def foreign_unit(path: Path, name: str, key: str = "") -> ForeignUnit:
     """An instance of the FMU in a file.
+
+    Args:
+        key: that names the file, such as "machine.toml: unit[1].fmu"; an error begins with it.
 
     Raises:
         UnitError: it is no FMU that runs here.
     """
-    old = read_description(path).fmiVersion.startswith("2.")
-    return (Fmi2Unit if old else Fmi3Unit)(path, name)
+    try:
+        old = read_description(path).fmiVersion.startswith("2.")
+        return (Fmi2Unit if old else Fmi3Unit)(path, name)
+    except UnitError as error:
+        if not key:
+            raise
+        raise UnitError(f"{key}: {error}") from error

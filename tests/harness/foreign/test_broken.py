@@ -62,7 +62,7 @@ FILES = {
     "empty": (written(b""), "not a sound FMU"),
     "cut": (
         lambda good, _a, folder: written(good.read_bytes()[:5000])(good, _a, folder),
-        "not a sound FMU",
+        "File is not a zip file; copy, download or export the file again",
     ),
     "no description": (
         lambda good, altered, _: altered(good, without="modelDescription.xml"),

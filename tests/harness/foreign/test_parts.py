@@ -78,6 +78,21 @@ def test_a_part_without_a_port_is_refused_with_what_it_has(guest):
         scene.run()
 
 
+def test_a_file_that_is_missing_is_named_with_the_key_of_the_scene(guest, tmp_path):
+    part = ab.load("two_balls").replace({"rotor.fmu": "none.fmu"})
+    with pytest.raises(ab.UnitError, match=r"^two_balls: rotor\.fmu: none\.fmu: no such file"):
+        part.run()
+    path = tmp_path / "system.toml"
+    unit = '[[unit]]\nname = "{}"\nfmu = "{}"\n'
+    units = unit.format("mass", guest("mass")) + unit.format("spring", "none.fmu")
+    path.write_text(f"run.duration = 1.0\n{units}", encoding="utf-8")
+    with pytest.raises(ab.UnitError, match=r"system\.toml: unit\[2\]\.fmu: .*none\.fmu: no such"):
+        ab.load_system(path).run()
+    beside = ab.load("two_balls").document | {"unit": [{"name": "spring", "fmu": "none.fmu"}]}
+    with pytest.raises(ab.UnitError, match=r": unit\[1\]\.fmu: none\.fmu: no such file; give"):
+        ab.Scene.from_document(beside).run()
+
+
 def test_fmus_of_fmi_3_of_this_installation_run_as_parts(tmp_path):
     scene = ab.load("two_balls").replace({**SHORT, "coupling.steps_per_rev": 40})
     scene.build(tmp_path, fmi=3, platforms=[platform_tuple])

@@ -226,6 +226,18 @@ def test_an_fmu_of_an_ssp_is_named_by_the_package_and_its_place_in_it(chain, inv
     assert "/autobalancer-ssp-" not in done.output
 
 
+def test_an_ssp_that_is_cut_off_says_what_to_do(chain, invoke):
+    whole = chain().read_bytes()
+    # by its last bytes the end of an FMU in it seems to be that of the archive
+    for left, words in ((20, "is not a sound SSP"), (len(whole) - 100, "is not complete")):
+        path = chain()
+        path.write_bytes(whole[:left])
+        done = invoke("run", path)
+        assert done.exit_code == 2, done.output
+        assert words in done.output
+        assert "copy, download or export the file again" in " ".join(done.output.split())
+
+
 def test_either_end_of_a_connection_can_be_written_first(chain):
     runs = [ab.load_system(chain(edit=edit)).connection for edit in (str, put(ONE, BACK))]
     assert {(c.source, c.to) for c in runs[0]} == {(c.source, c.to) for c in runs[1]}

@@ -44,7 +44,7 @@ def test_what_is_no_result_is_refused(tmp_path):
     with pytest.raises(UserError, match="cannot be read: No such file"):
         Result.load(path)
     path.write_bytes(b"nothing of the kind")
-    with pytest.raises(UserError, match=r"is not a result that `Result\.save` of this"):
+    with pytest.raises(UserError, match=r"`Result\.save` of this .*; run the scene again"):
         Result.load(path)
     xarray.Dataset({"x": ("t", [1.0])}).to_netcdf(path, engine="scipy")
     with pytest.raises(UserError, match="is not a result"):

@@ -105,11 +105,17 @@ def test_tables_that_cannot_be_are_refused(bearing, words):
 
 
 @pytest.mark.parametrize(
-    "operation", [{"speed": 30.0}, {"profile": [[0, 60.0], [1.0, 410.0]]}], ids=["low", "high"]
+    ("operation", "speeds"),
+    [({"speed": 30.0}, "30"), ({"profile": [[0, 60.0], [1.0, 410.0]]}, "60 to 410")],
+    ids=["low", "high"],
 )
-def test_a_run_outside_the_table_is_refused(operation):
-    with pytest.raises(SceneError, match="must be within 50 to 400 rad/s"):
+def test_a_run_outside_the_table_is_refused_with_the_way_out(operation, speeds):
+    with pytest.raises(SceneError) as said:
         machine(operation)
+    assert (
+        f"operation: turns at {speeds} rad/s: must be within 50 to 400 rad/s, the speeds of the "
+        "bearings' tables; change the operation, or give the tables rows for these speeds"
+    ) in str(said.value)
 
 
 def test_separate_units_follow_a_speed_through_the_rows_and_back():
