@@ -1,8 +1,12 @@
 """What can go wrong, by whose hand: wrong input by the user, or a run that cannot be right."""
 
+import sys
+from collections.abc import Iterable
 from numbers import Integral
 from pathlib import Path
+from types import FrameType
 
+_PACKAGE = __name__.split(".", 1)[0]
 _PACKAGES = [Path(__file__).resolve().parents[1] / name for name in ("models", "fmus", "harness")]
 
 
@@ -53,6 +57,35 @@ def refuse_count(value: object, name: str, least: int = 1, most: int = MOST_STAR
         or not least <= int(value) <= most
     ):
         raise UserError(f"{name} = {value!r}: must be a whole number from {least} to {most}")
+
+
+def texts_of(value: object, name: str, such_as: str) -> list[str]:
+    """The texts of an argument that is one text, or several.
+
+    Args:
+        name: of the argument.
+        such_as: an example of it.
+
+    Raises:
+        UserError: it is neither.
+    """
+    texts = [value]
+    if isinstance(value, Iterable) and not isinstance(value, str):
+        texts = [*value]
+    if not all(isinstance(text, str) for text in texts):
+        raise UserError(f"{name} = {value!r}: must be text, or a list of texts, such as {such_as}")
+    return [str(text) for text in texts]
+
+
+def outer_level() -> int:
+    """Stack level of the caller of this package, for `warnings.warn` in the function that asks."""
+    frame: FrameType | None = sys._getframe(1)
+    level = outer = 1
+    while frame is not None:
+        if frame.f_globals.get("__name__", "").startswith(f"{_PACKAGE}."):
+            outer = level + 1
+        frame, level = frame.f_back, level + 1
+    return outer
 
 
 def refuse_seed(seed: object) -> None:

@@ -168,7 +168,8 @@ class SpeedTable:
         if not low - slack <= speed <= high + slack:
             raise ValueError(
                 f"bearing table: speed = {speed:.6g} rad/s: must be {low:.6g} to {high:.6g} rad/s, "
-                "the speeds of the table"
+                "the speeds of the table; keep the speed within them, or give the table rows for "
+                "this one"
             )
         row = int(np.clip(np.searchsorted(self.speeds, speed, side="right") - 1, 0, self.last))
         begin, end = float(self.speeds[row]), float(self.speeds[row + 1])

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import pytest
 
 from autobalancer.harness import UserError, load_scene
@@ -116,6 +118,7 @@ COMMANDS = [
     ("fit {f}/drum.toml --measured {f}/none.csv --free balls.drag", "none.csv"),
     ("balance {f}/phase.csv", "phase_lead_deg"),
     ("balance {f}/back.csv", "back.csv, line 3: speed = -1200 rpm: must be above 0"),
+    ("balance {f}/graded.csv --mass 5 --grade 7", '--grade 7: must be "G" and a number of mm/s'),
     ("balance {f}/phase.csv --mass 42", "--mass: judges a grade: give it too"),
     (
         "fit {f}/drum.toml --measured {f}/still.csv --free balls.drag",
@@ -151,6 +154,8 @@ def folder(tmp_path_factory):
         "none_left.csv": "speed [rpm],amplitude [mm]\n1200,0.5\n1500,0\n",
         "back.csv": "run,sensor,speed_rpm,amplitude_um,phase_lead_deg,mass_g,angle_deg\n"
         "a,X,1200,1,30,,\nb,X,-1200,2,40,5,0\n",
+        "graded.csv": "run,sensor,speed_rpm,amplitude_um,phase_lead_deg,mass_g[a],angle_deg[a],"
+        "radius_mm[a]\na,X,1200,1,30,,,100\nb,X,1200,2,40,5,0,100\n",
         "phase.csv": "run,sensor,amplitude_mm,phase_deg,mass_g[1],angle_deg[1]\n"
         "a,X,1,30,,\nb,X,2,40,5,0\n",
     }
@@ -174,6 +179,29 @@ IN_PYTHON = [
     (lambda scene: scene.motions(n=2.5), "n = 2.5: must be a whole number from 1 to"),
     (lambda scene: scene.motions(n=10**11), "n = 100000000000: must be a whole number from 1"),
     (lambda scene: scene.design(n="many"), "n = 'many': must be a whole number from 1 to"),
+    (lambda scene: scene.design(most=1), "most = 1: must be a whole number from 2 to"),
+    (lambda scene: scene.design(most=10**20), "must be a whole number from 2 to"),
+    (lambda scene: scene.design(reserve="x"), "--reserve x: a ratio is expected"),
+    (lambda scene: scene.settling(starts=10**20), "must be a whole number from 1 to"),
+    (lambda scene: scene.report("r.html", n=0), "n = 0: must be a whole number from 1 to"),
+    (lambda scene: scene.report("r.html", n=math.nan), "n = nan: must be a whole number from"),
+    (lambda scene: scene.speeds(10.0, 300.0, 5), "methods = 5: must be text, or a list of texts"),
+    (lambda scene: scene.speeds(10.0, 300.0, narrowest=0), "narrowest = 0 rad/s: must be above 0"),
+    (lambda scene: scene.speeds(10.0, 300.0, narrowest="x"), "narrowest = x: a speed is expected"),
+    (lambda scene: scene.motions(starts=[1]), "starts = [1]: must be text, or a list of texts"),
+    (lambda scene: scene.motions(150.0, n=1, store=5), "store = 5: must be the path of a file"),
+    (lambda scene: scene.map(5, "speed=1:2:3"), "axis 5: must be PATH=LOW:HIGH:N"),
+    (lambda scene: scene.fit("none.csv", "balls.drag", scatter=0), "scatter = 0: must be a number"),
+    (lambda scene: scene.race(5), "lobes = 5: must be text, such as"),
+    (lambda scene: scene.replace("rotor.mass=3"), "must be a dict of paths and values, such as"),
+    (lambda scene: scene.scatter(5), "vary = 5: must be text, or a list of texts, such as"),
+    (lambda scene: scene.run().assert_balanced(1.0, last="x"), "last = x: a ratio is expected"),
+    (lambda scene: scene.run().plot_orbits("x"), "revolutions = x: a ratio is expected"),
+    (lambda scene: scene.run().movie("a.gif", "x"), "length of the movie = x: a time is expected"),
+    (
+        lambda scene: scene.run().assert_close("rotor.x", [1.0, 2.0], 0.1),
+        "assert_close: reference: must be one number, or",
+    ),
     (lambda scene: scene.capture([150.0]), "speed [150.0]: a speed is expected"),
     (lambda scene: scene.capture(True), "speed True: a speed is expected"),
     (

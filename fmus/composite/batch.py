@@ -106,7 +106,14 @@ class BatchRuns:
         """As a call; between outputs and reasons those that are read at the end (runs, last)."""
         values, ends = (np.ascontiguousarray(a, float) for a in (values, ends))
         width = self._batch.asked + self._batch.own_steps
-        records = np.empty((len(ends), self._batch.points + 1, width))
+        points = self._batch.points + 1
+        try:
+            records = np.empty((len(ends), points, width))
+        except (MemoryError, ValueError):
+            raise MemoryError(
+                f"{len(ends)} runs with {points} points of {width} outputs do not fit: make the "
+                "runs shorter, or record fewer outputs"
+            ) from None
         last = np.empty((len(ends), self._batch.asked_last))
         reasons = ctypes.create_string_buffer(max(1, len(ends)) * _REASON)
         self._library.autobalancer_runs(

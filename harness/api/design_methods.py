@@ -72,7 +72,10 @@ class DesignMethods(OfScene):
         [2]
         """
         from autobalancer.harness.design.study import design
+        from autobalancer.harness.errors import refuse_count
+        from autobalancer.harness.scene.balancer import MOST_WEIGHTS
 
+        refuse_count(most, "most", 2, MOST_WEIGHTS)
         values: dict[str, Any] = {"race": race, "width": width, "clearance": clearance}
         values |= {"material": material}
         values |= {"reserve": reserve, "start": start, "run_up": run_up, "drag": drag, "oil": oil}
@@ -119,7 +122,11 @@ class DesignMethods(OfScene):
         """
         from autobalancer.harness.design.choices import design
         from autobalancer.harness.design.space import read_space
+        from autobalancer.harness.errors import refuse_count
+        from autobalancer.harness.scene.balancer import MOST_WEIGHTS
 
+        refuse_count(most, "most", 2, MOST_WEIGHTS)
+        refuse_count(starts, "starts")
         space = read_space(unbalance, race, width, material, reserve)
         options: dict[str, Any] = {"workers": workers, "progress": progress}
         return design(self._scene, counts=range(2, most + 1), starts=starts, **space, **options)
@@ -132,7 +139,7 @@ class DesignMethods(OfScene):
         seed: int = 1,
         workers: Workers = 1,
         progress: Progress | None = None,
-        store: Path | None = None,
+        store: str | Path | None = None,
     ) -> Scatter:
         """Machines whose values scatter within tolerances, each run in C.
 

@@ -108,10 +108,11 @@ class FileMethods(OfScene):
         >>> page.path.stat().st_size > 50_000, len(page.verdicts)
         (True, 4)
         """
-        from autobalancer.harness.errors import UserError
+        from autobalancer.harness.errors import UserError, refuse_count
         from autobalancer.harness.report.page import write_report
         from autobalancer.harness.units import si_number
 
+        refuse_count(n, "n")
         given = {"run_up": (run_up, "s"), "limit": (limit, "m/s")}
         values: dict[str, Any] = {}
         for name, (value, symbol) in given.items():

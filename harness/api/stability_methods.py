@@ -61,13 +61,13 @@ class StabilityMethods(OfScene):
         >>> found.to_pandas()["above it"].iloc[-1]
         'stable'
         """
-        from autobalancer.harness.errors import UserError
+        from autobalancer.harness.errors import UserError, texts_of
         from autobalancer.harness.stability.boundaries import speeds
 
         if (low is None) != (high is None):
             raise UserError("range: give both of its ends, low and high, or none")
         ends = None if low is None or high is None else (low, high)
-        asked = methods.split(",") if isinstance(methods, str) else list(methods)
+        asked = ",".join(texts_of(methods, "methods", "'floquet,cosim'")).split(",")
         names = [name.strip() for name in asked if name.strip()]
         if not names:
             raise UserError(f"methods = {methods!r}: name at least one, such as 'floquet,cosim'")
@@ -82,7 +82,7 @@ class StabilityMethods(OfScene):
         *,
         workers: Workers = 1,
         progress: Progress | None = None,
-        store: Path | None = None,
+        store: str | Path | None = None,
     ) -> StabilityMap | RunMap | ProvedMap | MotionsMap:
         """Where balancing is stable, over two values of the scene.
 
@@ -124,7 +124,11 @@ class StabilityMethods(OfScene):
         return stability_map(self._scene, *axes, **options)
 
     def _proved_map(
-        self, axes: list[Axis], workers: Workers, progress: Progress | None, store: Path | None
+        self,
+        axes: list[Axis],
+        workers: Workers,
+        progress: Progress | None,
+        store: str | Path | None,
     ) -> ProvedMap:
         from autobalancer.harness.errors import UserError
         from autobalancer.harness.stability.boundaries import refuse_missing
@@ -173,7 +177,7 @@ class StabilityMethods(OfScene):
         seed: int = 1,
         workers: Workers = 1,
         progress: Progress | None = None,
-        store: Path | None = None,
+        store: str | Path | None = None,
     ) -> Motions:
         """Every steady motion that random starts end in, with its share.
 
@@ -196,6 +200,7 @@ class StabilityMethods(OfScene):
         >>> found.points[0].shares[0].motion.name
         'balanced'
         """
+        from autobalancer.harness.errors import texts_of
         from autobalancer.harness.motions.study import find_motions
         from autobalancer.harness.units import si_number
 
@@ -205,7 +210,7 @@ class StabilityMethods(OfScene):
             given = [speeds]
         else:
             given = list(speeds)
-        names = starts.split(",") if isinstance(starts, str) else list(starts)
+        names = ",".join(texts_of(starts, "starts", "'rest,run-up'")).split(",")
         return find_motions(
             self._scene,
             [si_number(speed, "rad/s", "speeds:") for speed in given],

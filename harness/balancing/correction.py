@@ -14,7 +14,6 @@ from pathlib import Path
 from typing import ClassVar
 
 import numpy as np
-from pydantic import ValidationError
 
 from ...models.arrays import Array, Complex
 from ...models.papers.influence import condition_number, find_correction, from_runs
@@ -22,7 +21,7 @@ from ...models.papers.siebert import FromAmplitudes, from_amplitudes
 from ..errors import UserError
 from ..output.outcome import Outcome
 from ..output.table import Sheet
-from ..scene.balancing import Balancing
+from ..scene.balancing import precession_of
 from .errors import READING_ERROR
 from .measured import MeasuredRuns, read_measured
 from .pieces import Piece, split
@@ -250,9 +249,9 @@ def _graded(
             "rad/s, or a column speed [rpm]), finite and above 0"
         )
     try:
-        precession = Balancing(grade=name).precession
-    except ValidationError as error:
-        raise UserError(f"grade {name!r}: {error.errors()[0]['msg']}") from error
+        precession = precession_of(name)
+    except ValueError as error:
+        raise UserError(f"--grade {name}: {error}") from None
     arms = 1e-6 * np.array(measured.radii)  # g mm to kg m
     before, after = float(arms @ needed), float(arms @ left_over)
     permissible = mass * precession / speed

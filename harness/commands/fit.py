@@ -8,6 +8,7 @@ from typing import Annotated, Any
 import typer
 
 from ..errors import MOST_STARTS
+from ..fit.parameters import SMALLEST_SCATTER
 from ..output import options
 from ..output.terminal import progress_bar, say, show
 from .changes import changed_scene, set_option
@@ -51,7 +52,7 @@ def command(
         options.number(
             "Standard deviation of a residual, which priors are weighed against.",
             "--scatter",
-            least=1e-6,
+            least=SMALLEST_SCATTER,
         ),
     ] = 0.1,
     harmonic: Annotated[

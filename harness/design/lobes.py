@@ -108,6 +108,8 @@ def lobes_of(text: str) -> tuple[Lobes, ...]:
         UserError: it is not written like that.
     """
     found = []
+    if not isinstance(text, str):
+        raise UserError(f"lobes = {text!r}: must be text, such as '2=20 um@30 deg, 3=5 um'")
     for item in text.split(","):
         order, _, rest = (part.strip() for part in item.partition("="))
         amplitude, _, angle = (part.strip() for part in rest.partition("@"))

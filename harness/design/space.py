@@ -67,6 +67,7 @@ def read_space(
                 f'"{value:g} mm" if it is in mm'
             )
         lengths[name] = value
+    reserve = si_number(reserve, "", "--reserve")
     if not 1.0 <= reserve < math.inf:
         raise UserError(f"--reserve {reserve:g}: must be 1 or more, such as 1.3")
     density = _density(material)
@@ -89,7 +90,7 @@ def _unbalances(given: float | str | None) -> tuple[float, float | None]:
 
 def _density(material: float | str) -> float:
     """Of a material by its name, or as it is given [kg/m^3]."""
-    if material in MATERIALS:
+    if isinstance(material, str) and material in MATERIALS:
         return MATERIALS[str(material)]
     try:
         density = si_number(material, "kg/m^3", "--material")

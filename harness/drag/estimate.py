@@ -144,7 +144,7 @@ def _in_one_unit(first: str, last: str) -> tuple[str, float, float]:
 
 def _bound(diameter: float, oil: str, temperature: str) -> tuple[float, str]:
     """Lower bound of the drag from the oil [N s/m]."""
-    grade, celsius = _OIL.fullmatch(oil), _CELSIUS.fullmatch(temperature)
+    grade, celsius = _OIL.fullmatch(oil), _CELSIUS.fullmatch(str(temperature))
     if grade is None:
         raise UserError(f'--oil {oil}: must be an ISO grade, such as "ISO VG 46"')
     low, high = _OIL_RANGE

@@ -6,14 +6,16 @@ import math
 import re
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from numbers import Real
 from typing import Any
 
-from ..errors import SceneError, UserError
+from ..errors import SceneError, UserError, texts_of
 from ..result.alike import refuse_unvaried
 from ..scene import Scene
 from ..scene.replace import in_full
 from ..units import si_number
 
+SMALLEST_SCATTER = 1e-6
 SCATTER = 0.1  # of a measured difference, where nobody says
 FARTHEST = 1e6  # times the start: as good as no limit
 _LIMIT_HALVINGS = 60  # of the way to a value that the scene refuses
@@ -74,18 +76,26 @@ def parse_free(
         UserError: nothing is free, a path is unknown, twice there, no number or 0; a limit or a
             prior is of what is not free, or no number; a limit leaves the start outside.
     """
-    groups = [tuple(path.strip() for path in one.split("=")) for one in _separated(texts)]
+    _refuse_scatter(scatter)
+    asked = texts_of(texts, "free", "'rotor.stiffness[1],balls.drag'")
+    groups = [tuple(path.strip() for path in one.split("=")) for one in _separated(asked)]
     paths = [path for group in groups for path in group]
     if not paths:
         raise UserError("--free: nothing is free; give paths such as rotor.stiffness[1],balls.drag")
     if repeated := {path for path in paths if paths.count(path) > 1}:
         raise UserError(f"--free {', '.join(sorted(repeated))}: given twice")
     found = [(make or _parameter)(group, scene) for group in groups]
-    for text in _separated(limits):
+    for text in _separated(texts_of(limits, "limits", "'balls.drag=0.1:1'")):
         found = _limited(found, text, scene)
-    for text in _separated(priors):
+    for text in _separated(texts_of(priors, "priors", "'balls.drag=0.1'")):
         found = _with_prior(found, text, scatter, scene)
     return found
+
+
+def _refuse_scatter(scatter: Any) -> None:
+    is_number = isinstance(scatter, Real) and not isinstance(scatter, bool)
+    if not is_number or not SMALLEST_SCATTER <= scatter < math.inf:
+        raise UserError(f"scatter = {scatter!r}: must be a number, {SMALLEST_SCATTER:g} or more")
 
 
 def _separated(texts: Sequence[str]) -> list[str]:

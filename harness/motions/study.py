@@ -36,7 +36,7 @@ def find_motions(
     seed: int = 1,
     workers: Workers = 1,
     progress: Progress | None = None,
-    store: Path | None = None,
+    store: str | Path | None = None,
 ) -> Motions:
     """As `Scene.motions`, which says what is raised."""
     refuse_seed(seed)

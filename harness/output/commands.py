@@ -67,7 +67,7 @@ class Commands(TyperGroup):
             say(f"numbers too large or too small to compute with: {error}", error=True)
             raise typer.Exit(1) from error
         except MemoryError as error:
-            say("not enough memory for this", error=True)
+            say(f"not enough memory for this{f': {error}' * bool(str(error))}", error=True)
             raise typer.Exit(1) from error
         except subprocess.CalledProcessError as error:  # a compiler on a full disk, for example
             command = " ".join(map(str, error.cmd[:4]))

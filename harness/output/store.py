@@ -15,6 +15,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import closing, contextmanager
 from functools import partial
 from itertools import zip_longest
+from os import PathLike
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -69,7 +70,7 @@ class StoredItems:
         self._finished.add(item)
 
 
-def open_store(path: Path, made_for: Mapping[str, str]) -> StoredItems:
+def open_store(place: str | Path, made_for: Mapping[str, str]) -> StoredItems:
     """The store at a place, begun if there is none.
 
     Args:
@@ -79,7 +80,9 @@ def open_store(path: Path, made_for: Mapping[str, str]) -> StoredItems:
         UserError: what is there is no store (it is left as it is then), is damaged or in use, or
             was made for something else.
     """
-    ours = {**made_for, "program": _program()}
+    if not isinstance(place, (str, PathLike)):
+        raise UserError(f"store = {place!r}: must be the path of a file")
+    path, ours = Path(place), {**made_for, "program": _program()}
     if _is_new(path):
         words = json.dumps(ours)
         _begin(path, words)

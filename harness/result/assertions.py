@@ -25,7 +25,8 @@ class Assertions(Mixed):
         """
         __tracebackhide__ = True  # pytest then shows the caller's line
         measured = self[name]
-        expected = np.broadcast_to(np.asarray(reference, float), measured.shape)
+        expected = self._expected(reference, measured.shape)
+        relative = si_number(relative, "", "assert_close: relative =")
         difference = np.abs(measured - expected)
         bound = relative * float(np.max(np.abs(expected)))
         bad = ~(difference <= bound)  # written so that NaN fails
@@ -76,6 +77,7 @@ class Assertions(Mixed):
 
         __tracebackhide__ = True  # pytest then shows the caller's line
         below = si_number(below, "m", "below")
+        last = si_number(last, "", "assert_balanced: last =")
         if not 0.0 < last <= 1.0:
             raise UserError(f"assert_balanced: last = {last:g}: must be above 0 and at most 1")
         stations = [
@@ -122,6 +124,15 @@ class Assertions(Mixed):
             if f"{n}.moment_eta" in self.signals
         ]
         return "".join(said)
+
+    def _expected(self, reference: ArrayLike, shape: tuple[int, ...]) -> NDArray[np.float64]:
+        try:
+            given = np.asarray(reference, float)
+            return np.broadcast_to(given, shape)
+        except (TypeError, ValueError):
+            raise UserError(
+                f"assert_close: reference: must be one number, or {shape[0]}, one at every time"
+            ) from None
 
     @property
     def _label(self) -> str:

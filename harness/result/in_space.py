@@ -12,6 +12,7 @@ from ..errors import UserError
 from ..output.picture import GREY, Line, Panel, Picture, PlotAxis, colour
 from ..output.plot import metres
 from ..scene import Scene
+from ..units import si_number
 from .motion import Motion, Place, places
 
 _WHIRLS = {"forward": colour(0), "backward": colour(1), "planar": colour(2)}
@@ -21,6 +22,7 @@ _MOST_MODES = 12
 
 def orbits(motion: Motion, revolutions: float = 2.0) -> Picture:
     """Orbits over the last revolutions, along the shaft; the shaft as it is bent at the end."""
+    revolutions = si_number(revolutions, "", "revolutions =")
     if not revolutions > 0.0:
         raise UserError(f"revolutions = {revolutions:g}: must be above 0")
     begin = motion.angle[-1] - math.tau * revolutions * (1.0 + 1e-9)

@@ -28,6 +28,7 @@ from ..output.picture import GREY, colour, unbroken
 from ..output.plot import harmless, metres
 from ..scene import Scene
 from ..scene.balancer import Liquid, Ring, WeightBalancer
+from ..units import si_number
 from .motion import Motion
 from .movie_stops import draw_stop, stop_views
 
@@ -87,6 +88,7 @@ def refuse_unseen(scene: Scene, seconds: float) -> None:
     """
     if not scene.balancer:
         raise UserError(f"{scene.heading}: has no balancer to show")
+    seconds = si_number(seconds, "s", "length of the movie =")
     if not SHORTEST <= seconds <= LONGEST:
         raise UserError(
             f"length of the movie = {seconds:g} s: must be {SHORTEST:g} to {LONGEST:g} s"

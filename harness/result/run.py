@@ -9,7 +9,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, cast
 
-from ..errors import UserError
+from ..errors import UserError, outer_level
 from ..master.alone import friction_error
 from ..master.compared import motion_signals
 from ..master.facts import Facts, events
@@ -74,7 +74,7 @@ def cosimulate(
         warnings.warn(
             "one_file: one file is the default now; separate=True couples separate FMUs",
             DeprecationWarning,
-            stacklevel=2,
+            outer_level(),
         )
     if one_file:
         refuse_separate(scene, fmus)

@@ -101,7 +101,7 @@ def scatter(
     seed: int = 1,
     workers: Workers = 1,
     progress: Progress | None = None,
-    store: Path | None = None,
+    store: str | Path | None = None,
 ) -> Scatter:
     """Draw machines and run each; the same seed draws the same ones.
 

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import SceneError, UserError, refuse_count, refuse_seed
+from ..errors import SceneError, UserError, refuse_count, refuse_seed, texts_of
 from ..result.alike import refuse_unvaried
 from ..scene import Scene
 from ..scene.balancer import WeightBalancer
@@ -111,7 +111,8 @@ def variations(vary: Mapping[str, Any] | Iterable[str], scene: Scene) -> list[Va
         UserError: as `Variation.parse_each`.
     """
     if not isinstance(vary, Mapping):
-        return [one for text in vary for one in Variation.parse_each(text, scene)]
+        texts = texts_of(vary, "vary", '["balls.drag=normal(0.2,10%)"]')
+        return [one for text in texts for one in Variation.parse_each(text, scene)]
     return [
         each
         for path, one in vary.items()

@@ -13,6 +13,18 @@ from .rotor_table import RotorTable
 _GRADE = r"^G\s?(\d+(?:\.\d+)?)$"
 
 
+def precession_of(grade: str) -> float:
+    """e_per w that a grade of ISO 21940-11 stands for [m/s].
+
+    Raises:
+        ValueError: it is no grade.
+    """
+    match = re.match(_GRADE, grade)
+    if match is None or float(match[1]) <= 0.0:
+        raise ValueError('must be "G" and a number of mm/s above 0, such as "G2.5" or "G6.3"')
+    return 1e-3 * float(match[1])
+
+
 class Balancing(Table):
     """Grade to be met, planes, and how the machine measures and corrects."""
 
@@ -32,15 +44,13 @@ class Balancing(Table):
     @field_validator("grade")
     @classmethod
     def _is_a_grade(cls, value: str) -> str:
-        match = re.match(_GRADE, value)
-        if match is None or float(match[1]) <= 0.0:
-            raise ValueError('must be "G" and a number of mm/s above 0, such as "G2.5" or "G6.3"')
+        precession_of(value)
         return value
 
     @property
     def precession(self) -> float:
         """e_per w that the grade stands for [m/s]."""
-        return 1e-3 * float(self.grade.removeprefix("G"))
+        return precession_of(self.grade)
 
     @property
     def technologies(self) -> tuple[str, ...]:

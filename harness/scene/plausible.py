@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from ...models.papers.capacity import weight_mass
 from ...models.readable import readable_apart, readable_unbalance, rounded
+from ..errors import outer_level
 from ..units import WIDEST, engineers, in_both
 from .balancer import Liquid, Ring, WeightBalancer
 from .quantities import each_of
@@ -300,4 +301,4 @@ def warn(scene: Scene) -> None:
     for line in () if is_quiet.get() else implausible(scene):
         if line not in _warnings_given:
             _warnings_given.add(line)
-            warnings.warn(f"{scene.label}: {line}", ImplausibleWarning, stacklevel=3)
+            warnings.warn(f"{scene.label}: {line}", ImplausibleWarning, outer_level())

@@ -181,6 +181,11 @@ class Scene(Machine):
 
     def _changed(self, changes: Mapping[str, Any]) -> dict[str, Any]:
         """The document with values replaced, not yet validated; raises for unknown paths."""
+        if not isinstance(changes, Mapping):
+            raise SceneError(
+                f"{self._label}: changes = {changes!r}: must be a dict of paths and values, such "
+                'as {"rotor.mass": 3.0, "speed": "1200 rpm"}'
+            )
         refuse_deep(dict(changes), self._label)
         document = copy.deepcopy(self._document)
         if self.unit:

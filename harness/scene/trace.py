@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ...models.arrays import Array
-from ..errors import SceneError, UserError
+from ..errors import SceneError, UserError, outer_level
 from ..input_files import named_from
 from ..units import RPM
 
@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from ..measurements import Measurements
 
 NEAR = 2e-3  # of the highest speed: how far lines may pass a reading
+ROUNDING = 1e-12  # of the highest speed: a reading so near to a line lies on it
 MOST_LINES = 200  # every corner ends a step; from there on lines may pass by more
 
 
@@ -65,12 +66,17 @@ def corners_of(path: Path) -> list[list[float]]:
         near *= 2.0
     off = float(np.abs(np.interp(time, time[at], speed[at]) - speed).max())
     begins = f"; times count from the first reading, at {start:.6g} s" if start else ""
+    lines = f"{len(at) - 1} line{'s' if len(at) > 2 else ''}"
+    fit = f"lie on {lines}"
+    if off > ROUNDING * speed.max():
+        fit = (
+            f"are approximated by {lines}, which deviate{'' if len(at) > 2 else 's'} by "
+            f"{off / RPM:.3g} rpm at most, {off / speed.max():.2g} of the highest speed"
+        )
     warnings.warn(
-        f"{path.name}: {len(time)} readings are approximated by {len(at) - 1} lines, which "
-        f"deviate by {off / RPM:.3g} rpm at most, {off / speed.max():.2g} of the highest speed"
-        f"{begins}",
+        f"{path.name}: {len(time)} readings {fit}{begins}",
         TraceNote,
-        stacklevel=2,
+        outer_level(),
     )
     return np.column_stack([time[at], speed[at]]).tolist()
 

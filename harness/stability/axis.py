@@ -48,6 +48,8 @@ class Axis:
         [1.0, 3.5, 6.0]
         """
         example = "must be PATH=LOW:HIGH:N[:log], such as speed=0.5:12:100"
+        if not isinstance(text, str):
+            raise UserError(f"axis {text!r}: {example}, as text or as Axis")
         path, _, span = (part.strip() for part in text.partition("="))
         parts = span.split(":")
         if not path or len(parts) not in (3, 4) or parts[3:] not in ([], ["log"]):

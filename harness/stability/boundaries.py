@@ -123,6 +123,10 @@ def speeds(
     if within and "proved" not in wanted:
         raise UserError(f"within {within!r}: belongs to the method proved: ask for it")
     width = (high - low) / MOST_SPEEDS
+    if narrowest is not None:
+        narrowest = si_number(narrowest, "rad/s", "narrowest =")
+        if not 0.0 < narrowest < math.inf:
+            raise UserError(f"narrowest = {narrowest:g} rad/s: must be above 0")
     if narrowest is not None and narrowest < width and set(wanted) - {"proved"}:
         raise UserError(
             f"narrowest = {narrowest:g} rad/s: requires {(high - low) / narrowest:.3g} speeds from "

@@ -100,7 +100,7 @@ def stability_map(
     *,
     workers: Workers = 1,
     progress: Progress | None = None,
-    store: Path | None = None,
+    store: str | Path | None = None,
 ) -> StabilityMap:
     """Growth rates by Floquet over two parameters.
 

@@ -23,7 +23,7 @@ def compute_points(
     *,
     workers: Workers = 1,
     progress: Progress | None = None,
-    store: Path | None = None,
+    store: str | Path | None = None,
 ) -> list[tuple[Any, ...]]:
     """What the function finds for every job, by result: parts of the grids of a map.
 
@@ -36,7 +36,7 @@ def compute_points(
     return list(zip(*in_order(function, jobs, workers, progress, kept), strict=True))
 
 
-def open_map(path: Path, content: str, scene: Scene, x: Axis, y: Axis) -> StoredItems:
+def open_map(path: str | Path, content: str, scene: Scene, x: Axis, y: Axis) -> StoredItems:
     """Strips of the store of a map at that place, begun or continued.
 
     Args:

@@ -102,6 +102,13 @@ def test_a_measured_speed_becomes_few_lines_that_say_how_far_they_are_off(scene,
         loaded.replace({"operation.profile": "trace.csv"})
 
 
+def test_a_measured_speed_on_lines_is_said_to_lie_on_them(tmp_path):
+    (tmp_path / "trace.csv").write_text("time [s],speed [rad/s]\n0,0\n1,50\n2,100\n")
+    with pytest.warns(TraceNote, match=r"^trace\.csv: 3 readings lie on 1 line$") as warned:
+        corners_of(tmp_path / "trace.csv")
+    assert warned[0].filename == __file__
+
+
 @pytest.mark.parametrize(
     ("rows", "words"),
     [

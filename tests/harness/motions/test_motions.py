@@ -318,3 +318,10 @@ def test_weights_that_cancel_each_other_balance_a_rotor_without_unbalance():
     assert turning.balanced.count == 25
     assert rest.balanced.count > 0
     assert {s.motion.kind for s in rest.shares} == {Kind.BALANCED, Kind.BEHIND}
+
+
+def test_the_store_can_be_named_by_text(tmp_path):
+    path = tmp_path / "store"
+    for _ in range(2):
+        load("two_balls").motions(n=1, store=str(path))
+    assert path.is_file()
