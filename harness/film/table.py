@@ -11,13 +11,14 @@ from pathlib import Path
 import numpy as np
 
 from ...models.arrays import Array
-from ...models.journal import MATRICES, critical_mass, short_bearing
+from ...models.journal import MATRICES, Film, critical_mass, short_bearing
 from ..errors import UserError
 from ..output.files import write_whole
 from ..output.table import Sheet
 from ..scene.bearing import GRAVITY, Journal, heads
 from ..units import si_number
 
+NEAR_THRESHOLD = 1e-9  # of a speed: where the bisection of a threshold ends
 SHOWN = 5  # rows, of a table that is printed
 
 
@@ -66,10 +67,19 @@ class JournalBearing:
             return float(self.rows[0, 0])
         for k, (before, now) in enumerate(pairwise(excess)):
             if before <= 0.0 < now:
-                part = before / (before - now) if math.isfinite(before) else 0.5
-                low, high = self.rows[k : k + 2, 0].tolist()
-                return float(low + part * (high - low))
+                return self._whirls_from(float(self.rows[k, 0]), float(self.rows[k + 1, 0]), own)
         return None
+
+    def _whirls_from(self, low: float, high: float, own: float) -> float:
+        """The threshold of a mass [kg] between two speeds, by bisection of the film itself."""
+        while high - low > NEAR_THRESHOLD * high:
+            middle = 0.5 * (low + high)
+            film = self._film(middle)
+            if own > critical_mass(film.stiffness, film.damping)[0]:
+                high = middle
+            else:
+                low = middle
+        return 0.5 * (low + high)
 
     def sheet(self) -> Sheet:
         """Some of the rows, with the static place of the journal, for a terminal.
@@ -93,13 +103,16 @@ class JournalBearing:
         return Sheet(columns, found, "rrrll", "Film: xx xy yx yy over the speed")
 
     def _row(self, row: Array) -> Sequence[object]:
-        j = self.journal
-        film = short_bearing(
-            j.diameter, j.length, j.clearance, j.viscosity, j.load or math.nan, float(row[0])
-        )
+        film = self._film(float(row[0]))
         terms = (" ".join(f"{v:.4g}" for v in getattr(film, each).ravel()) for each in MATRICES)
         angle = math.degrees(film.attitude)
         return (f"{row[0]:.6g}", f"{film.eccentricity:.4f}", f"{angle:.2f}", *terms)
+
+    def _film(self, speed: float) -> Film:
+        j = self.journal
+        return short_bearing(
+            j.diameter, j.length, j.clearance, j.viscosity, j.load or math.nan, speed
+        )
 
 
 def find_film(
@@ -135,7 +148,7 @@ def find_film(
     given = {"diameter": (diameter, "m"), "length": (length, "m"), "clearance": (clearance, "m"),
              "viscosity": (viscosity, "Pa s"), "load": (load, "N")}  # fmt: skip
     values = {key: si_number(value, symbol, f"--{key}") for key, (value, symbol) in given.items()}
-    if len(speeds) != 2:
+    if not isinstance(speeds, Sequence) or len(speeds) != 2:
         raise UserError("--range: must be two speeds, the lowest and the highest")
     low, high = (si_number(each, "rad/s", "--range") for each in speeds)
     try:
