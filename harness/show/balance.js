@@ -1,7 +1,7 @@
 /* How well the machine is balanced: what is left of the unbalance, and what the weights can hold. */
 
 const SETTLED = 0.01; // of the unbalance
-const FADED = 0.95; // of what was left before, each time that it is said
+const FADED = 0.95; // of what was left before, each time that it is said in motion
 
 /* What a slider has made of a value of the scene. */
 function factorOf({ data, settings }, label) {
@@ -34,7 +34,9 @@ function balanceWords(machine) {
   const moments = units.reader(labels.flatMap((l) => [`${l}.moment_xi`, `${l}.moment_eta`]))();
   const sum = (first) => moments.reduce((s, m, k) => (k % 2 === first ? s + m : s), 0);
   const left = Math.hypot(xi + sum(0), eta + sum(1));
-  machine.left = Math.max(left, FADED * (machine.left ?? 0)); // weights swing through the right place
+  const fades = machine.time === machine.leftAt ? 1 : FADED; // not while the motion is held
+  machine.left = Math.max(left, fades * (machine.left ?? 0)); // weights swing through the right place
+  machine.leftAt = machine.time;
   const holds = capacity(machine);
   if (whole > holds) {
     return `The weights are used up: they can hold ${shown(holds, "kg m")} of ${shown(whole, "kg m")}.`;

@@ -80,6 +80,7 @@ class Machine {
     this.sampled = time;
     this.told = 0;
     this.pushed = false;
+    this.left = 0; // of the unbalance, as it is said
     this.read();
   }
 

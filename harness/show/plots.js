@@ -3,8 +3,9 @@
 const WINDOW = 30; // revolutions shown, at the scene's speed
 const LISTENED = 1024; // last samples that a spectrum is of
 const FREQUENCIES = 400; // of a spectrum
-const MARGIN = { left: 62, right: 30, top: 24, bottom: 20 };
+const MARGIN = { left: 72, right: 30, top: 24, bottom: 20 };
 const TITLE = 8; // where it begins: a phone has no more room
+const APART = 11; // pixels from one number to the next
 
 /* Axes over a cleared canvas; what maps values to pixels.  `scale` says how values are written: of
    a unit of length by its prefix, else as they are. */
@@ -17,18 +18,18 @@ function axes(canvas, colours, title, [x1, x2], [y1, y2], unit, scale = "") {
   c.strokeStyle = colours.line;
   c.fillStyle = colours.faint;
   c.textAlign = "center";
-  const step = niceStep(x2 - x1 || 1, Math.max(2, (right - left) / 90));
-  for (let x = Math.ceil(x1 / step) * step; x <= x2; x += step) {
-    if (px(x) > right - 24) break; // the unit stands there
+  const room = (right - 24 - left) / (right - left || 1); // the unit stands behind
+  const across = ticks(x1, x1 + room * (x2 - x1 || 1), Math.max(2, (right - left) / 100), 2);
+  for (const x of across.values) {
     line(c, px(x), bottom, px(x), bottom + 4);
-    c.fillText(x.toFixed(Math.max(0, -Math.floor(Math.log10(step)))), px(x), height - 4);
+    c.fillText(x.toFixed(Math.max(0, -Math.floor(Math.log10(across.step)))), px(x), height - 4);
   }
   line(c, left, bottom, right, bottom);
   c.textAlign = "right";
-  const rise = scale ? niceStep(y2 - y1 || 1, 4) : 90; // degrees
-  for (let y = Math.ceil(y1 / rise) * rise; y <= y2; y += rise) {
+  const upwards = scale ? ticks(y1, y2, 4, 3) : { step: 90, values: [-180, -90, 0, 90, 180] };
+  for (const y of upwards.values) {
     line(c, left - 4, py(y), left, py(y));
-    const words = Math.abs(y) < rise / 2 ? "0" : shown(y, scale, true);
+    const words = Math.abs(y) < upwards.step / 2 ? "0" : shown(y, scale, true);
     c.fillText(words, left - 6, py(y) + 4);
   }
   c.textAlign = "left";
@@ -36,6 +37,17 @@ function axes(canvas, colours, title, [x1, x2], [y1, y2], unit, scale = "") {
   c.fillStyle = colours.ink;
   c.fillText(title, TITLE, 15);
   return { c, px, py, left, right, top, bottom, titled: TITLE + c.measureText(title).width };
+}
+
+/* Round values from one to another: about `most`, and no fewer than `least`. */
+function ticks(low, high, most, least) {
+  const within = (step) => {
+    const [first, last] = [Math.ceil(low / step), Math.floor(high / step + 1e-9)];
+    return Array.from({ length: Math.max(0, last - first + 1) }, (_, k) => (first + k) * step);
+  };
+  let step = niceStep(high - low || 1, most);
+  while (within(step).length < least) step = niceStep(0.39 * step, 1);
+  return { step, values: within(step) };
 }
 
 function curve({ c, px, py }, xs, ys, colour, wrap = Infinity) {
@@ -50,15 +62,12 @@ function curve({ c, px, py }, xs, ys, colour, wrap = Infinity) {
   c.lineWidth = 1;
 }
 
-/* A dashed line at a value, with words at its left end. */
-function level({ c, py, left, right }, colours, value, words) {
+/* A dashed line at a value. */
+function level({ c, py, left, right }, colours, value) {
   c.strokeStyle = colours.line;
   c.setLineDash([4, 4]);
   line(c, left, py(value), right, py(value));
   c.setLineDash([]);
-  c.fillStyle = colours.faint;
-  c.textAlign = "left";
-  c.fillText(words, left + 2, py(value) - 3);
 }
 
 function samplesShown(machine) {
@@ -83,12 +92,12 @@ function plotVibration(canvas, colours, machine, place) {
   const area = axes(canvas, colours, title, timesShown(machine, times), [-height, height], "s",
     "m");
   named(area, colours, [["x", colours.x], ["y", colours.y]]);
-  const speed = machine.free ? ""
+  const speed = machine.free || machine.data.motor ? ""
     : prescribed(area, colours, machine.data.profile, timesShown(machine, times));
-  level(area, colours, 0, "");
+  level(area, colours, 0);
   curve(area, times, xs, colours.x);
   curve(area, times, ys, colours.y);
-  rimmed(area, colours, speed);
+  rimmed(area.c, colours, speed, area.right - 4, area.bottom - 6, "right");
 }
 
 /* The speed that the scene prescribes, from 0 at the bottom. */
@@ -106,15 +115,15 @@ function prescribed(area, colours, profile, [begin, end]) {
   return `speed, up to ${shown(top, "rad/s")}`;
 }
 
-/* Words at the lower right, with a rim that keeps them readable over curves. */
-function rimmed({ c, right, bottom }, colours, words) {
-  c.textAlign = "right";
+/* Words with a rim that keeps them readable over curves. */
+function rimmed(c, colours, words, x, y, align) {
+  c.textAlign = align;
   c.strokeStyle = colours.panel;
   c.lineWidth = 4;
-  c.strokeText(words, right - 4, bottom - 6);
+  c.strokeText(words, x, y);
   c.lineWidth = 1;
   c.fillStyle = colours.faint;
-  c.fillText(words, right - 4, bottom - 6);
+  c.fillText(words, x, y);
 }
 
 /* Names in their colours behind the title. */
@@ -144,23 +153,36 @@ function plotAngles(canvas, colours, machine) {
     : "Angles from the heavy side, degrees";
   const [times, ...rows] = machine.last(samplesShown(machine), history.time, ...history.angles);
   const area = axes(canvas, colours, title, timesShown(machine, times), [-190, 250], "s");
-  level(area, colours, 180, data.heavy === null ? "180" : "180: light side");
-  level(area, colours, 0, data.heavy === null ? "0" : "0: heavy side");
-  level(area, colours, -180, "");
+  for (const value of [180, 0, -180]) level(area, colours, value);
   const ends = [];
   rows.forEach((row, k) => {
     const degrees = row.map((a) => (Math.atan2(Math.sin(a - heavy), Math.cos(a - heavy)) * 360) / TURN);
     curve(area, times, degrees, weightColour(colours, k), 180);
-    if (degrees.length) ends.push([k, degrees.at(-1)]);
+    if (degrees.length) ends.push([k, area.py(degrees.at(-1)) + 4]);
   });
+  if (data.heavy !== null) {
+    rimmed(area.c, colours, "180: light side", area.left + 2, area.py(180) - 3, "left");
+    rimmed(area.c, colours, "0: heavy side", area.left + 2, area.py(0) - 3, "left");
+  }
   const tracks = data.balancers.filter((b) => b.track_radius).map((b) => b.label);
   area.c.textAlign = "left";
-  for (const [k, value] of ends) {
+  for (const [k, y] of apart(ends, area.top + 4, area.bottom + 4)) {
     area.c.fillStyle = weightColour(colours, k);
     const { label, number } = machine.weights[k];
     const end = Math.min(area.px(times.at(-1)) + 3, area.right + 3);
-    area.c.fillText(tracks.length > 1 ? shortName(label, tracks) + number : number, end, area.py(value) + 4);
+    area.c.fillText(tracks.length > 1 ? shortName(label, tracks) + number : number, end, y);
   }
+}
+
+/* Numbers at heights, moved as little as keeps them apart; all within two heights if they fit there. */
+function apart(ends, top, bottom) {
+  const moved = [...ends].sort(([, a], [, b]) => a - b);
+  const gap = Math.min(APART, (bottom - top) / (moved.length - 1 || 1));
+  let last = top - gap;
+  for (const end of moved) end[1] = last = Math.max(end[1], last + gap);
+  last = bottom + gap;
+  for (const end of moved.reverse()) end[1] = last = Math.min(end[1], last - gap);
+  return moved;
 }
 
 function plotSpectrum(canvas, colours, machine, place) {
@@ -178,8 +200,10 @@ function plotSpectrum(canvas, colours, machine, place) {
   area.c.setLineDash([2, 3]);
   line(area.c, area.px(once), area.top, area.px(once), area.bottom);
   area.c.setLineDash([]);
-  area.c.fillText("once per revolution", area.px(once) + 4, area.top + 8);
+  const [words, beside] = ["once per revolution", area.px(once)];
+  const fits = beside + 4 + area.c.measureText(words).width < area.right + MARGIN.right;
   curve(area, frequencies, amplitudes, colours.x);
+  rimmed(area.c, colours, words, beside + (fits ? 4 : -4), area.top + 8, fits ? "left" : "right");
 }
 
 /* Amplitudes of evenly spaced samples at angles per sample [rad]: Hann window, Goertzel's recurrence. */

@@ -1,6 +1,7 @@
 """The page in a browser: it runs the units themselves, and does what its controls say."""
 
 import math
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -330,20 +331,23 @@ def test_space_opens_a_summary_and_a_held_key_acts_once(opened):
     assert shown("return page.view.slow") is True
 
 
-@pytest.mark.parametrize("name", ["two_balls", "oval_fan"])
-def test_words_in_the_pictures_fit_a_narrow_phone(opened, browser, name):
+@pytest.mark.parametrize(
+    ("name", "speed"), [("two_balls", 0.5), ("oval_fan", 0.5), ("two_balls", 1.0)]
+)
+def test_words_in_the_pictures_fit_a_narrow_phone(opened, browser, name, speed):
     """What is written within each canvas, by its own measure, 320 pixels wide."""
     phone = {"width": 320, "height": 640, "deviceScaleFactor": 2, "mobile": True}
     browser.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", phone)
     try:
         shown = opened(name)
+        shown.slide("speed", speed)
         shown(
-            "machine.advance(1, 1e9); window.beyond = [];"
+            "machine.advance(60, 1e9); window.beyond = [];"
             "const of = CanvasRenderingContext2D.prototype;"
             "const fill = of.fillText; of.fillText = function (text, x, y, most = Infinity) {"
             "const wide = Math.min(most, this.measureText(text).width);"
             "const end = x + wide * { left: 1, center: 0.5, right: 0 }[this.textAlign];"
-            "if (end > this.canvas.clientWidth) window.beyond.push(text);"
+            "if (end > this.canvas.clientWidth || end - wide < 2) window.beyond.push(text);"
             "fill.call(this, text, x, y, most); };"
         )
         frames = shown("return page.frames")
@@ -388,6 +392,87 @@ def test_words_on_the_prescribed_speed_stand_over_the_curves(opened):
     canvas = calls[at][3]
     after = next(k for k, c in enumerate(calls[at + 2 :]) if c[0] == "fillText" or c[3] != canvas)
     assert "stroke" not in [c[0] for c in calls[at + 2 : at + 2 + after]]
+
+
+PLACED = (
+    "window.placed = {}; const of = CanvasRenderingContext2D.prototype;"
+    "const fill = of.fillText; of.fillText = function (text, x, y, ...most) {"
+    "(placed[this.canvas.id] ??= []).push([String(text), this.textAlign, x, y]);"
+    "fill.call(this, text, x, y, ...most); };"
+    "const frames = page.frames; window.more = () => page.frames > frames + 12;"
+)
+
+
+@pytest.mark.parametrize(
+    ("name", "end"), [("drum", 5.0), ("washing_machine", 8.0), ("washing_machine_stops", 8.0)]
+)
+def test_axes_of_a_narrow_page_have_numbers_enough(opened, browser, name, end):
+    """Across two, beyond 0; up and down three, without which 0 says nothing of the scale."""
+    phone = {"width": 360, "height": 740, "deviceScaleFactor": 2, "mobile": True}
+    browser.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", phone)
+    try:
+        shown = opened(name)
+        shown(f"machine.advance({end}, 1e9);{PLACED}")
+        shown.wait("return more()")
+        for canvas in ("vibration", "spectrum"):
+            words = shown("return placed[arguments[0]]", canvas)
+            across = {text for text, align, *_ in words if align == "center"}
+            upwards = {text for text, align, x, _ in words if align == "right" and x < 70}
+            assert len(across) >= 2
+            assert len(upwards) >= 3
+    finally:
+        browser.execute_cdp_cmd("Emulation.clearDeviceMetricsOverride", {})
+
+
+@pytest.mark.parametrize("name", ["three_mass_shaft", "drum"])
+def test_numbers_of_weights_do_not_cover_each_other(opened, name):
+    shown = opened(name)
+    shown(f"machine.advance(5, 1e9);{PLACED}")
+    shown.wait("return more()")
+    names = ("r1", "r2", "l1", "l2") if name == "three_mass_shaft" else [
+        f"{ring}{n}" for ring in "fb" for n in range(1, 7)
+    ]  # fmt: skip
+    last = {text: y for text, _, _, y in shown("return placed.angles") if text in names}
+    heights = sorted(last.values())
+    assert len(heights) == len(names)
+    assert all(below - above >= 10.9 for above, below in pairwise(heights))
+    assert heights[0] > 0
+    assert heights[-1] <= shown("return document.getElementById('angles').clientHeight")
+
+
+def test_the_words_on_both_sides_stand_over_the_curves(opened):
+    shown = opened("grinder")
+    shown("machine.advance(1, 1e9);" + WRITTEN)
+    shown.wait("return more()")
+    calls = [c[:2] for c in shown("return drawn") if c[3] == "angles"]
+    title = calls.index(["fillText", "Angles from the heavy side, degrees"])
+    at = calls.index(["strokeText", "180: light side"])
+    assert [kind for kind, _ in calls[title:at]].count("stroke") >= 5  # a curve for each ball
+    assert [tuple(call) for call in calls[at : at + 4]] == [
+        ("strokeText", "180: light side"), ("fillText", "180: light side"),
+        ("strokeText", "0: heavy side"), ("fillText", "0: heavy side"),
+    ]  # fmt: skip
+    assert [kind for kind, _ in calls[at + 4 : at + 9]] == ["fillText"] * 5  # the balls' numbers
+
+
+def test_under_a_motor_no_speed_is_drawn_as_if_it_were_prescribed(opened):
+    shown = opened("sommerfeld")
+    shown(f"machine.advance(1, 1e9);{PLACED}")
+    shown.wait("return more()")
+    assert not [text for text, *_ in shown("return placed.vibration") if "speed" in text]
+
+
+def test_what_is_said_of_the_balance_stays_while_the_motion_is_held(opened):
+    """Weights swing through the right place: a page held there must not say it is balanced."""
+    shown = opened("two_balls")
+    shown("page.facts(); machine.advance(20, Infinity); page.facts()")
+    before = words(shown, "balance")
+    assert shown("return machine.left") > 0.03  # there were 35 g m at the beginning
+    shown("for (let k = 0; k < 200; k++) page.facts()")
+    assert words(shown, "balance") == before
+    shown.slide("value_0", 0.2)  # less unbalance: of that no more can be left than there is
+    shown("page.facts()")
+    assert words(shown, "balance") != before
 
 
 def test_a_link_brings_the_values_of_the_sliders_to_another_page(opened):
