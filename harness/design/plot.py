@@ -8,9 +8,9 @@ from pathlib import Path
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.ticker import LogLocator, NullLocator
 
 from ..output.plot import Drawing, save
+from ..output.ticks import logarithmic
 from ..units import shown_in
 from .choices import Design
 
@@ -83,9 +83,6 @@ def _settling_times(axes: Axes, data: Design) -> None:
     for c in data.choices:
         if not c.has_capacity:
             axes.axvspan(c.count - 0.4, c.count + 0.4, color="0.9", zorder=0)
-    axes.set_yscale("log")
-    axes.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 3.0, 5.0, 7.0)))
-    axes.yaxis.set_minor_locator(NullLocator())
-    axes.yaxis.set_major_formatter("{x:g}")
+    logarithmic(axes.yaxis)
     axes.set_ylabel("settling time [s]")
     axes.legend(fontsize="small")

@@ -11,6 +11,7 @@ from matplotlib.figure import Figure
 from ..capture.captured import captured
 from ..output.picture import COLOURS, Picture, PlotAxis
 from ..output.plot import Drawing, metres, save
+from ..output.ticks import logarithmic
 from ..stability.plot import coloured
 from ..units import shown_in
 from .kinds import Kind
@@ -90,7 +91,8 @@ def plot_sweep(data: Sweep, path: Path | None = None) -> Path | Drawing:
             axes.plot(speeds, ends, "ov"[k], color=COLOURS[k], mfc="none", label=label)
     x = data.branches[0].speed
     axes.plot(np.sort(x) * factor, data.alone * size, "--", color="0.4", label="without balancers")
-    axes.set(xlabel=f"speed [{unit}]", ylabel=f"vibration [{length}]", yscale="log")
+    axes.set(xlabel=f"speed [{unit}]", ylabel=f"vibration [{length}]")
+    logarithmic(axes.yaxis)
     axes.set_title(data.title)
     axes.legend()
     return save(figure, path)

@@ -10,6 +10,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from ..output.plot import Drawing, metres, save
+from ..output.ticks import logarithmic
 from ..scene.grade import GRADES
 from .study import Scatter
 
@@ -33,7 +34,7 @@ def plot_scatter(scatter: Scatter, path: Path | None) -> Path | Drawing:
     bins: Any = min(BINS, max(FEWEST_BINS, len(residual) // MACHINES_PER_BIN))
     if high > WIDE * low > 0.0:
         bins = np.geomspace(low, high, bins + 1)
-        left.set_xscale("log")
+        logarithmic(left.xaxis)
     left.hist(residual * factor, bins=bins, color="C0")
     for name, style in (("0.5", "-"), ("0.95", "--"), ("0.99", ":")):
         label = f"{100 * float(name):g} % below"

@@ -17,6 +17,7 @@ from matplotlib.ticker import NullLocator
 from ..output.panels import COLOURS
 from ..output.picture import Field, Line, Panel, Picture, PlotAxis
 from ..output.plot import Drawing, metres, save
+from ..output.ticks import logarithmic
 from .axis import Map
 from .map import StabilityMap
 from .run_map import RunMap
@@ -157,9 +158,10 @@ def _framed(data: Map) -> tuple[Figure, Any]:
     """A figure, and axes with the names and scales of a map's."""
     figure = Figure(figsize=(8.6, 5.6), layout="constrained")
     axes = figure.subplots()
-    scales = ["log" if axis.log else "linear" for axis in (data.x, data.y)]
-    axes.set(xscale=scales[0], yscale=scales[1], title=data.title)
-    axes.set(xlabel=data.labels[0], ylabel=data.labels[1])
+    for axis, given in ((axes.xaxis, data.x), (axes.yaxis, data.y)):
+        if given.log:
+            logarithmic(axis)
+    axes.set(xlabel=data.labels[0], ylabel=data.labels[1], title=data.title)
     return figure, axes
 
 

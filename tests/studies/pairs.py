@@ -4,7 +4,7 @@
 with a bracket that carries an oscillator, both of pythonfmu, at tolerances of 1e-2 to 1e-4.  The
 force of the bracket answers the acceleration of the mass at once: the loop gain is 0.1 to 3.  The
 exact motion is a matrix exponential.  Printed is how stated over true error is distributed.  FMUs
-that are stateless cannot restore a state: each step is taken once.
+that are stateless cannot restore a state: each step is taken once.  A picture shows both kinds.
 """
 
 from __future__ import annotations
@@ -114,10 +114,20 @@ def main() -> None:
     parser.add_argument("--stateless", action="store_true")
     parser.add_argument("--picture", type=Path)
     asked = parser.parse_args()
+    pairs, ratios = drawn(asked.count, asked.seed), []
+    for stateless in (False, True) if asked.picture else (asked.stateless,):
+        print("FMUs that cannot roll back" if stateless else "FMUs that roll back")
+        ratios += judge(pairs, stateless)
+    if asked.picture:
+        draw(2 * pairs, ratios, asked.picture)
+
+
+def judge(pairs: list[Pair], stateless: bool) -> list[float]:
+    """Stated over true errors of pairs; prints their distribution."""
     ratios: list[float] = []
-    kept, pairs = 0, drawn(asked.count, asked.seed)
+    kept = 0
     with TemporaryDirectory() as folder:
-        files = built(Path(folder), not asked.stateless)
+        files = built(Path(folder), not stateless)
         for number, pair in enumerate(pairs, start=1):
             stated, true = judged(pair, *files)
             ratios.append(stated / true)
@@ -127,13 +137,14 @@ def main() -> None:
             if number % EVERY == 0:
                 tell(ratios, kept)
     tell(ratios, kept)
-    if asked.picture:
-        draw(pairs, ratios, asked.picture)
+    return ratios
 
 
 def draw(pairs: list[Pair], ratios: list[float], path: Path) -> None:
     """Stated over true error, over the loop gain and as a distribution."""
     from matplotlib.figure import Figure
+
+    from autobalancer.harness.output.ticks import logarithmic
 
     figure = Figure(figsize=(9.0, 3.6), layout="constrained")
     left, right = figure.subplots(1, 2, sharey=True, width_ratios=(3, 1))
@@ -141,7 +152,9 @@ def draw(pairs: list[Pair], ratios: list[float], path: Path) -> None:
         own = [(p.gain, r) for p, r in zip(pairs, ratios, strict=True) if p.tolerance == tolerance]
         if own:
             left.plot(*zip(*own, strict=True), style, ms=4, label=f"tolerance {tolerance:g}")
-    left.set(xscale="log", yscale="log", xlabel="loop gain", ylabel="stated over true error")
+    for axis in (left.xaxis, left.yaxis):
+        logarithmic(axis)
+    left.set(xlabel="loop gain", ylabel="stated over true error")
     left.legend(fontsize="small")
     right.hist(ratios, bins=np.geomspace(0.2, 5.0, 41), orientation="horizontal", color="0.5")
     right.set(xlabel="pairs", ylim=(0.2, 5.0))

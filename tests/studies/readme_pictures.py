@@ -17,6 +17,7 @@ from matplotlib.figure import Figure
 import autobalancer as ab
 from autobalancer.harness.checks.rig import BANDS
 from autobalancer.harness.checks.rig_data import response, steady
+from autobalancer.harness.output.ticks import logarithmic
 
 ROOT = Path(__file__).resolve().parents[2]
 IMAGES = ROOT / "harness" / "manual" / "images"
@@ -58,8 +59,8 @@ def draw_balls(path: Path) -> None:
         axes.set_axis_off()
         below.axvline(time, color=GREY, lw=0.8, ls=":")
         if not column:
-            axes.annotate("unbalance", (1.0, -0.32), color=RED, ha="center", fontsize="small")
-            axes.annotate("balls", (0.0, 0.0), color=BLUE, ha="center", va="center")
+            axes.annotate("unbalance", (0.8, 0.0), color=RED, ha="right", va="center")
+            axes.annotate("balls", (-0.38, 0.62), color=BLUE, ha="left", va="center")
     for one, colour, label in ((alone, RED, "without balls"), (run, BLUE, "with balls")):
         size = 1e3 * np.hypot(one["rotor.x"], one["rotor.y"])
         inside = one.time <= shown
@@ -83,7 +84,8 @@ def draw_rig(path: Path) -> None:
         there = (speeds >= low) & (speeds <= high)
         print(f"co-simulated resonance at {speeds[there][np.argmax(curve[there])]:g} rpm")
     axes.plot(speeds, curve, color=BLUE, lw=1.5, label="co-simulated")
-    axes.set(xlabel="speed [rpm]", ylabel="amplitude [mm]", yscale="log", xlim=(1000.0, 5000.0))
+    axes.set(xlabel="speed [rpm]", ylabel="amplitude [mm]", xlim=(1000.0, 5000.0))
+    logarithmic(axes.yaxis)
     axes.legend(loc="upper right")
     axes.grid(alpha=0.3)
     figure.savefig(path, dpi=110)

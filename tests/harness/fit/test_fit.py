@@ -370,3 +370,23 @@ def test_harmonic_balance_that_has_no_answer_is_refused_where_it_is_asked_for(tm
     for how in ({"harmonic": True}, {"starts": 2}):
         with pytest.raises(UserError, match=r"two_balls: no fit by harmonic balance: .*balancers"):
             fit(scene, measured, free, **how)
+
+
+def test_the_picture_tells_measurements_at_different_settings_apart(rotor, file):
+    measured = read_measured(file, rotor)
+    upper, lower = fit(rotor, measured, parse_free(FREE, rotor)).plot().figure.axes
+    legend = [text.get_text() for text in upper.get_legend().get_texts()]
+    assert legend == [
+        "amplitude, measured, rotor.unbalance 0.01 kg m",
+        "amplitude, measured, rotor.unbalance 0.02 kg m",
+        "fitted",
+    ]
+    marked = [line for line in upper.lines if len(line.get_xdata())]
+    colours = [line.get_color() for line in marked]
+    assert len(marked) == 4
+    assert colours[0] == colours[1] != colours[2] == colours[3]
+    for line, unbalance in zip(marked[::2], (0.01, 0.02), strict=True):
+        at = measured.settings["rotor.unbalance"] == unbalance
+        np.testing.assert_array_equal(line.get_xdata(), measured.settings["speed"][at])
+        np.testing.assert_allclose(line.get_ydata(), 1e3 * measured.amplitudes["amplitude"][at])
+    assert [line.get_color() for line in lower.lines[:2]] == colours[::2]
