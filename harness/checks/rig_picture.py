@@ -13,6 +13,7 @@ from .rig_sweeps import FITTED_DRAG
 WASHERS = range(5)
 STEPS = {"coupling.steps_per_rev": 20}  # enough for a picture
 RANGE = (1050.0, 5300.0)  # rpm
+SETTLING = 50.0  # rpm beyond it: a sweep starts from rest, which its first second shows
 COLOURS = {0: GREY, 2: colour(0)}  # by number of balls
 
 
@@ -26,21 +27,25 @@ def plot_rig(scene: Scene) -> Picture:
 
     def sweep(way: tuple[int, bool]) -> dict[float, Curve]:
         balls, falling = way
-        return swept(rotors[balls].replace(STEPS), WASHERS, *RANGE, falling)
+        low, high = RANGE[0] - SETTLING, RANGE[1] + SETTLING
+        return swept(rotors[balls].replace(STEPS), WASHERS, low, high, falling)
 
     with ThreadPoolExecutor(len(ways)) as executor:
         sweeps = dict(zip(ways, executor.map(sweep, ways), strict=True))
-    across = PlotAxis(f"speed, changing by {RATE:g} rpm/s", "rpm", limits=RANGE)
+    across = PlotAxis("speed", "rpm", limits=RANGE)
     upward = PlotAxis("amplitude", "mm", log=True, limits=(3e-3, 2.0))
-    panels = []
+    panels: list[Panel] = []
     for washers, falling in itertools.product(WASHERS, (False, True)):
         lines = []
         for balls, shade in COLOURS.items():
             name = f"{balls} balls" if balls else "no balls"
+            named = not panels  # the others' lines look alike
             points = response(washers, balls, falling=falling)
-            lines.append(Line(points, f"{name}, measured", shade, "dots"))
+            lines.append(Line(points, named * f"{name}, measured", shade, "dots"))
             curve = sweeps[balls, falling][washers]
-            lines.append(Line(curve, f"{name}, co-simulated", shade, width=1.2))
-        heading = f"{washers} washers, speed {'falling' if falling else 'rising'}"
+            lines.append(Line(curve, named * f"{name}, co-simulated", shade, width=1.2))
+        count = "1 washer" if washers == 1 else f"{washers} washers"
+        heading = f"{count}, speed {'falling' if falling else 'rising'}"
         panels.append(Panel((across, upward), lines, title=heading))
-    return Picture(scene.heading, panels, columns=2, height=2.8, width=6.0)
+    title = f"Rig of Rodrigues et al. 2010, speed changing by {RATE:g} rpm/s"
+    return Picture(title, panels, columns=2, height=2.8, width=6.0)
