@@ -78,7 +78,8 @@ def _mounted(technology: Technology, plane: int, factor: float, largest: float) 
     end = "" if technology.meets else ", grade not met"
     label = f"{technology.name} coefficients: {len(technology.cycles)} cycles{end}"
     paint = _COLOURS[technology.name]
-    return [_line(mounted, label, paint), _line(mounted, "", paint, "marks", _NUMBERS)]
+    numbers = replace(_line(mounted, "", paint, "marks", _NUMBERS), text_colour=paint)
+    return [_line(mounted, label, paint), numbers]
 
 
 def _line(

@@ -22,7 +22,9 @@ from matplotlib.ticker import MaxNLocator
 from ..errors import UserError
 from ..units import in_words, shown_in
 from .files import picture_format, write_whole
+from .labels import BesidePoint, place_texts
 from .panels import Field, Line, Panel, Panels, PlotAxis
+from .ticks import logarithmic
 from .words import printable
 
 _PREFIXES = ((1.0, "m"), (1e-3, "mm"), (1e-6, "µm"), (1e-9, "nm"))
@@ -38,6 +40,7 @@ _VIEW = {"elev": 22.0, "azim": -62.0}  # degrees, from where space is looked at
 _MOST_WITHIN, _MOST_BESIDE = 6, 12  # entries of a legend, within the axes and beside them
 _WHITE = "#FFFFFF"  # is lost on light colours
 _RESOLUTION = 150  # dots an inch
+_RIM = 0.95  # of a polar panel's radius: the label of a circle beyond it would stand on the rim
 
 
 @dataclass(frozen=True)
@@ -72,6 +75,7 @@ def save(figure: Figure, path: Path | None) -> Path | Drawing:
         return Drawing(figure)
     harmless(figure)
     _relabel(figure)
+    place_texts(figure)
     kind = picture_format(path)
     with write_whole(path, "wb") as stream:
         try:
@@ -87,6 +91,7 @@ def as_png(figure: Figure) -> bytes:
     """A figure as the bytes of a PNG file."""
     harmless(figure)
     _relabel(figure)
+    place_texts(figure)
     stream = io.BytesIO()
     figure.savefig(stream, format="png", dpi=_RESOLUTION)
     return stream.getvalue()
@@ -140,19 +145,27 @@ def drawn(picture: Panels) -> Figure:
     rows = -(-len(picture.panels) // picture.columns)
     size = (picture.width * picture.columns, 1.0 + picture.height * rows)
     figure = Figure(figsize=size, layout="constrained")
-    above: Any = None
-    alike = picture.columns == 1 and len({(p.kind, p.axes[0].label) for p in picture.panels}) == 1
+    above: list[Any] = []
+    alike = _are_alike(picture)
     for number, panel in enumerate(picture.panels, start=1):
         projection = {"polar": "polar", "space": "3d"}.get(panel.kind)
-        shared = {"sharex": above} if alike and above is not None else {}
+        shared = {"sharex": above[-picture.columns]} if alike and number > picture.columns else {}
         axes = figure.add_subplot(rows, picture.columns, number, projection=projection, **shared)
         _draw(figure, axes, panel)
         if shared:
-            above.set_xlabel("")
-            above.tick_params(labelbottom=False)
-        above = axes
+            above[-picture.columns].set_xlabel("")
+            above[-picture.columns].tick_params(labelbottom=False)
+        above.append(axes)
     figure.suptitle(picture.title)
     return figure
+
+
+def _are_alike(picture: Panels) -> bool:
+    """Whether panels that stand below each other share their first axis."""
+    across = {(p.kind, p.axes[0].label, p.axes[0].limits) for p in picture.panels}
+    if picture.columns == 1:
+        return len({(kind, label) for kind, label, _ in across}) == 1
+    return len(across) == 1 and all(p.kind == "plane" and p.axes[0].limits for p in picture.panels)
 
 
 def _draw(figure: Figure, axes: Any, panel: Panel) -> None:
@@ -165,6 +178,7 @@ def _draw(figure: Figure, axes: Any, panel: Panel) -> None:
             _axis(axes, letter, axis)
     if panel.kind == "polar":
         axes.set_title(panel.title or panel.axes[1].label, fontsize="medium")
+        axes.set_rticks([r for r in axes.get_yticks() if r < _RIM * axes.get_rmax()])
     else:
         axes.set_title(panel.title, fontsize="medium")
     if panel.kind == "space":
@@ -211,8 +225,7 @@ def _line(axes: Any, line: Line, outlined: bool = False) -> None:
     label = line.label or None
     axes.plot(*line.points, color=line.colour, lw=line.width, label=label, **look)
     for *place, text in zip(*line.points, line.texts, strict=False):
-        near = {"xytext": (5, 4), "textcoords": "offset points", "fontsize": "small"}
-        said = axes.annotate(in_words(text), place, color=line.text_colour, **near)
+        said = axes.add_artist(BesidePoint(in_words(text), place, line.text_colour))
         if outlined:
             said.set_path_effects(_outline(2.0))
 
@@ -224,7 +237,7 @@ def _outline(width: float) -> list[AbstractPathEffect]:
 def _axis(axes: Any, letter: str, axis: PlotAxis) -> None:
     getattr(axes, f"set_{letter}label")(axis.label)
     if axis.log:
-        getattr(axes, f"set_{letter}scale")("log")
+        logarithmic(getattr(axes, f"{letter}axis"))
     if axis.ticks is not None:
         getattr(axes, f"set_{letter}ticks")(axis.ticks)
     if axis.limits is not None:
