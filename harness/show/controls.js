@@ -21,6 +21,9 @@ class Slider {
     this.show(value);
     this.own = this.input.value; // as the scene has it
     this.input.addEventListener("input", () => this.set(this.read()));
+    // a finger that scrolls the page has first touched the slider
+    this.input.addEventListener("pointerdown", () => (this.before = this.value));
+    this.input.addEventListener("pointercancel", () => this.set(this.before));
   }
 
   read() {
@@ -32,6 +35,7 @@ class Slider {
   }
 
   show(value) {
+    this.value = value;
     const part = this.log ? Math.log(value / this.low) / Math.log(this.high / this.low)
       : (value - this.low) / (this.high - this.low);
     const position = this.values ? this.values.indexOf(value) : Math.round(POSITIONS * part);
@@ -91,7 +95,7 @@ function sliders(machine, view, change) {
     });
   });
   found.pace = new Slider("pace", "Shown", {
-    low: PACES[0], high: PACES[1], log: true, value: view.pace,
+    low: PACES[0], high: Math.max(PACES[1], view.pace), log: true, value: view.pace,
     say: (pace) => `${shown(pace)} rev/s, time × ${shown((pace * TURN) / data.speed)}`,
     set: (pace) => {
       view.pace = pace;

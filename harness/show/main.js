@@ -96,7 +96,7 @@ class Page {
     if (id && !target.closest(event.key === " " ? "button, summary, select" : "select")) {
       if (!event.repeat) element(id).click();
       event.preventDefault();
-    } else if (["ArrowLeft", "ArrowRight"].includes(event.key) && target === document.body) {
+    } else if (["ArrowLeft", "ArrowRight"].includes(event.key) && !target.closest("input, select")) {
       const { input } = Object.values(this.sliders)[0];
       input.value = Number(input.value) + (event.key === "ArrowRight" ? 10 : -10);
       input.dispatchEvent(new Event("input"));

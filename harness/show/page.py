@@ -5,6 +5,7 @@ from __future__ import annotations
 import base64
 import html
 import json
+import re
 from pathlib import Path
 from typing import NamedTuple
 
@@ -29,6 +30,8 @@ _SCRIPTS = (
     "files",
     "main",
 )
+
+_COMMENT = re.compile(r"^ */\*.*?\*/\n", re.MULTILINE | re.DOTALL)  # of whole lines
 
 
 class Page(NamedTuple):
@@ -73,8 +76,8 @@ def page(scene: Scene, summary: str = "") -> str:
         "TITLE": html.escape(scene.heading),
         "SOURCE": html.escape(scene.source),
         "SUMMARY": html.escape(summary),
-        "STYLE": _read("page.css"),
-        "SCRIPT": "\n".join(_read(f"{name}.js") for name in _SCRIPTS),
+        "STYLE": _without_comments("page.css"),
+        "SCRIPT": "\n".join(_without_comments(f"{name}.js") for name in _SCRIPTS),
         "DATA": data,
         "UNITS": base64.b64encode(page_library()).decode("ascii"),
     }
@@ -84,6 +87,11 @@ def page(scene: Scene, summary: str = "") -> str:
         name, _, rest = piece.partition("}}")
         filled += [parts[name], rest]
     return "".join(filled)
+
+
+def _without_comments(name: str) -> str:
+    """A page is sent by mail: what explains its sources stays with them."""
+    return _COMMENT.sub("", _read(name))
 
 
 def _read(name: str) -> str:

@@ -282,6 +282,72 @@ def test_the_page_fits_a_phone(opened, browser):
         browser.execute_cdp_cmd("Emulation.clearDeviceMetricsOverride", {})
 
 
+def test_a_finger_that_scrolls_the_page_leaves_the_sliders_as_they_were(opened, browser):
+    """It touches one on its way; along a slider it moves that."""
+    phone = {"width": 360, "height": 740, "deviceScaleFactor": 2, "mobile": True}
+    browser.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", phone)
+    browser.execute_cdp_cmd("Emulation.setTouchEmulationEnabled", {"enabled": True})
+
+    def touch(kind, *points):
+        told = {"type": f"touch{kind}", "touchPoints": [{"x": x, "y": y} for x, y in points]}
+        browser.execute_cdp_cmd("Input.dispatchTouchEvent", told)
+
+    def move(name, right, down):
+        left, top, width, height = shown(
+            "const e = document.getElementById(arguments[0]); e.scrollIntoView({block: 'center'});"
+            "const r = e.getBoundingClientRect(); return [r.left, r.top, r.width, r.height]",
+            name,
+        )
+        x, y = left + 0.8 * width, top + height / 2
+        touch("Start", (x, y))
+        for k in range(1, 16):
+            touch("Move", (x + right * k, y + down * k))
+        touch("End")
+
+    try:
+        shown = opened("two_balls")
+        stiffness, factors = shown.value("rotor.stiffness_x"), "return machine.settings.factors"
+        before, at = shown(factors), shown("return scrollY")
+        move("value_1", 0, -15)
+        shown.wait(f"return scrollY > {at} && machine.settings.factors[1] === 1")
+        assert shown(factors) == before
+        assert shown.value("rotor.stiffness_x") == stiffness
+        move("value_1", -2, 0)
+        assert 1.0 < shown(factors)[1] < 4.0
+    finally:
+        browser.execute_cdp_cmd("Emulation.setTouchEmulationEnabled", {"enabled": False})
+        browser.execute_cdp_cmd("Emulation.clearDeviceMetricsOverride", {})
+
+
+def test_left_and_right_change_the_speed_also_behind_a_button(opened):
+    """A button that was clicked keeps the focus; a slider keeps its own arrows."""
+    shown = opened("two_balls")
+    before = shown("return machine.settings.speed")
+    press = (
+        "document.getElementById(arguments[0]).focus();"
+        "document.activeElement.dispatchEvent(new KeyboardEvent('keydown',"
+        "{ key: 'ArrowRight', bubbles: true, cancelable: true }))"
+    )
+    shown(press, "start")
+    faster = shown("return machine.settings.speed")
+    assert faster > before
+    shown(press, "value_0")
+    assert shown("return machine.settings.speed") == faster
+
+
+@pytest.mark.parametrize("name", ["oval_fan", "two_balls"])
+def test_the_pace_of_a_scene_is_one_of_its_slider(opened, name):
+    shown = opened(name)
+    assert shown("return page.sliders.pace.read()") == pytest.approx(
+        shown("return page.view.pace"), rel=0.01
+    )
+
+
+def test_comments_of_the_sources_are_not_sent_with_the_page(opened):
+    text = opened("two_balls").path.read_text(encoding="utf-8")
+    assert not [line for line in text.splitlines() if line.lstrip().startswith(("/*", "*/"))]
+
+
 def test_what_a_scene_is_called_is_text_and_no_code(opened):
     document = load_scene("two_balls").document
     title = "</script><img src=x onerror=alert(1)> {{DATA}} & <b>"
