@@ -199,6 +199,12 @@ static inline Pair pair_negative(Pair a)
     return pair_of(-pair_x(a), -pair_y(a));
 }
 
+/* What a sum begins with that adds nothing: even a zero keeps its sign, and the first addition need not be done. */
+static inline Pair pair_nothing(void)
+{
+    return pair_negative(pair_zero());
+}
+
 /* i a: a quarter turn further. */
 static inline Pair pair_turned(Pair a)
 {

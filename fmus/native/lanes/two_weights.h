@@ -112,11 +112,11 @@ static inline Pairs pairs_turned_back(Pairs a)
     return __builtin_shufflevector(swapped, less, 0, 5, 2, 7);
 }
 
-/* The pair of the first and that of the second, one after the other added to nothing. */
+/* The pair of the first and that of the second: pair_nothing() and each of them, one after the other. */
 static inline Pair pairs_added(Pairs a)
 {
     const Pair first = pair_of_numbers(__builtin_shufflevector(a, a, 0, 1));
-    return pair_sum(pair_sum(pair_zero(), first), pair_of_numbers(__builtin_shufflevector(a, a, 2, 3)));
+    return pair_sum(first, pair_of_numbers(__builtin_shufflevector(a, a, 2, 3)));
 }
 
 /* -- the weights ----------------------------------------------------------------------------------------------- */

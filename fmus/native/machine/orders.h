@@ -96,8 +96,8 @@ static IN_LINE void push_weights(Machine *m, int k, Pair spun_twice, bool is_pla
     int t, w;
     for (t = 0; t < m->track_count; t++) {
         MachineTrack *track = m->tracks + t;
-        Pair force = pair_zero();
-        track->known = track->is_off ? pair_product(track->offset, spun_twice) : force;
+        Pair force = pair_nothing();
+        track->known = track->is_off ? pair_product(track->offset, spun_twice) : pair_zero();
         for (w = track->first; w < track->end; w++) {
             machine_advance_weight(m, track, w, k, carried, is_plain);
             force = pair_sum(force, machine_weight_force(m->weights + w, k, is_plain));

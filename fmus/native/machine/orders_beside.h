@@ -36,7 +36,7 @@ static IN_LINE void push_beside(Machine *m, int k, Pair spun_twice)
                             machine_carried_along(m, k));
     for (t = 0; t < m->track_count; t++) {
         const MachineTrack *track = m->tracks + t;
-        Pair force = pair_zero();
+        Pair force = pair_nothing();
         for (w = track->first; w < track->end; w++) {
             force = pair_sum(force, found_beside(beside, (unsigned)w));
         }
