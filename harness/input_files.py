@@ -19,11 +19,14 @@ def named_from(folder: Path, name: str) -> Path:
     """A file that a scene names from its own folder.
 
     Raises:
-        UserError: the name is empty.
+        UserError: the name is empty, or of no file.
     """
     if not name.strip():
         raise UserError('"": must not be empty: name a CSV file')
-    return folder / name
+    path = folder / name
+    if not path.exists():
+        raise UserError(f"{path}: no such file; its path begins at the folder of the scene")
+    return path
 
 
 def read_text(path: Path, refused: type[UserError] = UserError) -> str:

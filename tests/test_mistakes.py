@@ -39,6 +39,12 @@ IN_FILES = [
     ("unbalance = 0.02", "unbalance = 0.2", "more than a tenth of the track radius"),
     ("damping = 80.0", "damping_ratio = 5.0", "times the critical one"),
     ("damping = 80.0", "damping = 80.0\ndamping_ratio = 0.1", "not both"),
+    (
+        "mass = 8.0",
+        "mass = 8.0\nmass = 9.0",
+        "given a second time; keep one of the two: mass = 9.0",
+    ),
+    ("[operation]", "[rotor]\n[operation]", "given a second time; keep one of the two: [rotor]"),
     # values, keys and tables; more in `harness/scene/test_scene_mistakes.py`
     ("count = 3", "count = 100000", "10000"),
     ("drag = 0.2", "drag = 0.2\nrestitution = 0.5", "weight_radius"),

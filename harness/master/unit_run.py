@@ -9,11 +9,13 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from contextlib import ExitStack
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from ..errors import UnitError
+from ..scene.file import COMMANDS_OF
 from ..scene.system import System
 from ..scene.unit import fmu_path
 from .compared import NEVER_HELD, Compared
@@ -53,7 +55,8 @@ class UnitRun(NetworkRun):
         with ExitStack() as stack:
             self.units: dict[str, Any] = {}
             for number, unit in enumerate(system.unit, start=1):
-                key = f"{system.label}: unit[{number}].fmu"
+                is_scene = Path(system.label).suffix not in COMMANDS_OF  # the file is named there
+                key = f"{system.label}: unit[{number}].fmu" if is_scene else ""
                 loaded = foreign_unit(fmu_path(unit.fmu, system.path), unit.name, key)
                 self.units[unit.name] = stack.enter_context(loaded)
                 check_start(loaded, unit.start)

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
+from numpy.typing import NDArray
 from pydantic import Field, model_validator
 
 from ...models.supports import SpeedTable
@@ -14,6 +15,9 @@ from ..errors import SceneError, UserError
 from ..input_files import named_from
 from .nested import Nested
 from .quantities import SI, Positive, Real, Table, Whole, refusal, refuse_unless_one
+
+if TYPE_CHECKING:
+    from ..measurements import Measurements
 
 Square = tuple[tuple[Real, Real], tuple[Real, Real]]
 Row = tuple[Real, Real, Real, Real, Real, Real, Real, Real, Real]
@@ -153,7 +157,23 @@ def rows_of(path: Path) -> list[list[float]]:
     if missing:
         raise UserError(f"{path}: has no {', '.join(missing)}; needs {heads()}")
     rows = np.column_stack([found.all_numbers(column) for column in columns if column])
+    _refuse_speeds(found, rows[:, 0])
     return [list(map(float, row)) for row in rows]
+
+
+def _refuse_speeds(found: Measurements, speeds: NDArray[np.float64]) -> None:
+    """Raise UserError, with the line, for speeds [rad/s] of which there is no table."""
+    places = [row.place for row in found.rows]
+    if len(speeds) < 2:
+        raise UserError(f"{found.path}: one row: must have two or more, to be read between them")
+    if speeds[0] < 0.0:
+        raise UserError(f"{places[0]}: speed = {speeds[0]:.6g} rad/s: must be 0 or more")
+    if (back := np.flatnonzero(np.diff(speeds) <= 0.0)).size:
+        k = int(back[0])
+        raise UserError(
+            f"{places[k + 1]}: speed = {speeds[k + 1]:.6g} rad/s, after {speeds[k]:.6g} rad/s: "
+            "speeds must ascend; sort the rows, and leave out what is there twice"
+        )
 
 
 def heads(units: Sequence[str] = UNITS) -> str:

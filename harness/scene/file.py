@@ -26,6 +26,7 @@ COMMANDS_OF = {  # files that are no scene: what does something with them
     ".ssp": "is an SSP, and a scene is a TOML file: `autobalancer run FILE.ssp` runs it",
 }
 _POSITION = re.compile(r"^(?P<what>.*) \(at (?P<where>.*)\)$", re.DOTALL)
+_TWICE = re.compile(r"Cannot overwrite a value|Cannot declare .* twice")
 _REPAIRS: tuple[tuple[str, str | Callable[[re.Match[str]], str]], ...] = (
     # of a line that is not TOML, each on top of those before
     (r"^(\s*[\w.-]+)\s*:", r"\1 ="),  # as in YAML
@@ -118,6 +119,8 @@ def read(path: Path) -> dict[str, Any]:
     except tomllib.TOMLDecodeError as error:
         match = _POSITION.match(str(error))
         what, where = match.group("what", "where") if match else (str(error), "unknown place")
+        if _TWICE.match(what):
+            what = "given a second time; keep one of the two"
         lines = text.split("\n")  # as it counts them
         if number := re.match(r"line (\d+)", where):
             what += f": {_shown(lines[int(number[1]) - 1])}"

@@ -67,7 +67,8 @@ Friction = Annotated[tuple[Nested[Slider], ...], Feeds("slider[{n}].")]
 
 def _or_bearings(value: Any, info: ValidationInfo) -> Any:
     """A stiffness, which may be left out where bearings take its place."""
-    if value is None and not info.data.get("bearings"):
+    # bearings that are wrong are not in the data: then nothing is missing beside them
+    if value is None and not info.data.get("bearings", "wrong"):
         raise PydanticKnownError("missing")
     return value
 

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import re
+import zipfile
+
 import numpy as np
 import pytest
 from fmpy import platform_tuple
@@ -88,6 +91,14 @@ def test_a_file_that_is_missing_is_named_with_the_key_of_the_scene(guest, tmp_pa
     path.write_text(f"run.duration = 1.0\n{units}", encoding="utf-8")
     with pytest.raises(ab.UnitError, match=r"system\.toml: unit\[2\]\.fmu: .*none\.fmu: no such"):
         ab.load_system(path).run()
+    broken = tmp_path / "Mass.fmu"
+    with zipfile.ZipFile(guest("mass")) as whole, zipfile.ZipFile(broken, "w") as archive:
+        for name in whole.namelist():
+            if not name.startswith("binaries/"):
+                archive.writestr(name, whole.read(name))
+    with pytest.raises(ab.UnitError, match=rf"^{re.escape(str(broken))}") as said:
+        ab.load_system(broken).run()
+    assert "unit[1].fmu" not in str(said.value)  # no scene names it
     beside = ab.load("two_balls").document | {"unit": [{"name": "spring", "fmu": "none.fmu"}]}
     with pytest.raises(ab.UnitError, match=r": unit\[1\]\.fmu: none\.fmu: no such file; give"):
         ab.Scene.from_document(beside).run()

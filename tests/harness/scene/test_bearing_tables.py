@@ -8,6 +8,7 @@ import pytest
 import autobalancer as ab
 from autobalancer.harness import SceneError, UserError, cosimulate
 from autobalancer.harness.master.plan import plan
+from autobalancer.harness.scene.bearing import heads
 from autobalancer.models.monolith import simulate
 
 ROWS = [
@@ -93,7 +94,7 @@ def test_a_journal_bearing_carries_its_share_of_the_weight():
         ({"table": ROWS, "stiffness": [[1, 0], [0, 1]]}, "give one of"),
         ({}, "give one of"),
         ({"table": ROWS, "damping": [[1, 0], [0, 1]]}, "belongs to stiffness"),
-        ({"table": "none.csv"}, r"rotor\.bearings\[1\]\.table"),
+        ({"table": "none.csv"}, r"rotor\.bearings\[1\]\.table: none\.csv: no such file; its path"),
         ({"table": ""}, r'rotor\.bearings\[1\]\.table: "": must not be empty: name a CSV file'),
         ({"journal": JOURNAL | {"length": 0.08}}, r"at most 0\.5 diameters"),
         ({"journal": JOURNAL | {"speeds": [9.0, 5.0]}}, "must ascend"),
@@ -102,6 +103,35 @@ def test_a_journal_bearing_carries_its_share_of_the_weight():
 def test_tables_that_cannot_be_are_refused(bearing, words):
     with pytest.raises(SceneError, match=words):
         machine({"speed": 200.0}, ROTOR | {"bearings": [bearing]})
+
+
+@pytest.mark.parametrize(
+    ("rows", "words"),
+    [
+        ([ROWS[0]], "t.csv: one row: must have two or more"),
+        (
+            [ROWS[1], ROWS[0]],
+            "t.csv, line 3: speed = 50 rad/s, after 150 rad/s: speeds must ascend",
+        ),
+        ([[-1.0, *ROWS[0][1:]], ROWS[1]], "t.csv, line 2: speed = -1 rad/s: must be 0 or more"),
+    ],
+    ids=["one", "back", "negative"],
+)
+def test_a_file_that_is_no_table_is_refused_with_its_line_and_nothing_else(rows, words, tmp_path):
+    lines = [heads(), *(",".join(map(str, row)) for row in rows)]
+    (tmp_path / "t.csv").write_text("\n".join(lines))
+    document = machine({"speed": 200.0}).document
+    document["rotor"]["bearings"] = [{"table": "t.csv"}]
+    with pytest.raises(SceneError) as said:
+        ab.Scene.from_document(document, path=tmp_path / "scene.toml")
+    assert words in str(said.value)
+    assert "\n" not in str(said.value)
+
+
+def test_beside_a_wrong_bearing_no_stiffness_is_missing():
+    with pytest.raises(SceneError) as said:
+        machine({"speed": 200.0}, ROTOR | {"bearings": [{"table": ROWS[:1]}]})
+    assert "rotor.stiffness" not in str(said.value)
 
 
 @pytest.mark.parametrize(
