@@ -53,7 +53,11 @@ def plot_captured(data: Captured, path: Path | None = None) -> Path | Picture:
         )
         label = f"brake of {k} of {found.count} {data.called}"
         lines.append(Line((w * factor, lag * factor), label, colour(number)))
-        unstable += _falling_crossings(w, lag, found.speed)
+        unstable += _crossings(w, lag, found.speed, falling=True)
+        # above all natural frequencies weights at one angle of a track repel each other
+        if k > 1 and len(data.scene.balancer) == 1:
+            rising = _crossings(w, lag, found.speed, falling=False)
+            unstable += [x for x in rising if x > max(natural)]
         stable += [m.frequency for _, m in found.motions if m.weights == k]
     lines.append(Line((w * factor, (found.speed - w) * factor), "drag", GREY, "dashed"))
     marks: tuple[tuple[list[float], str, Style], ...]
@@ -84,11 +88,11 @@ def _chosen(numbers: list[int]) -> list[int]:
     return [numbers[k] for k in places]
 
 
-def _falling_crossings(w: Array, lag: Array, speed: float) -> list[float]:
-    """Where the brake falls through the drag, below the speed at which weights have passed."""
-    left = w + lag - speed
+def _crossings(w: Array, lag: Array, speed: float, falling: bool) -> list[float]:
+    """Where the brake falls or rises through the drag, before the weights have passed."""
+    left = (w + lag - speed) * (1.0 if falling else -1.0)
     with np.errstate(invalid="ignore"):
-        falls = (left[:-1] > 0.0) & (left[1:] <= 0.0)
-    at = np.flatnonzero(falls & (w[1:] < _BESIDE_ROTOR * speed))
+        passes = (left[:-1] > 0.0) & (left[1:] <= 0.0)
+    at = np.flatnonzero(passes & (w[1:] < _BESIDE_ROTOR * speed))
     part = left[at] / (left[at] - left[at + 1])
     return [float(x) for x in w[at] + part * (w[at + 1] - w[at])]

@@ -117,3 +117,23 @@ def test_dry_friction_is_refused(invoke, tmp_path):
     outcome = invoke("capture", path)
     assert outcome.exit_code == 2
     assert "rotor.friction" in outcome.stderr
+
+
+def test_weights_that_lag_together_above_the_natural_frequencies_are_marked_as_unstable():
+    """In a run both stay there as long as they are at one angle; a little apart, they part."""
+    machine = scene(0.006, unbalance=0.0, stiffness=[1.0, 4.0], damping=[0.1, 0.2])
+    (panel,) = machine.capture().plot().panels
+    (crosses,) = [line.points[0] for line in panel.lines if line.label == "unstable"]
+    lagging = max(crosses)
+    assert 3.5 < lagging < 3.9
+
+    def speeds(apart):
+        angles = [f"balls.weight[{k}].angle" for k in (1, 2)]
+        starts = {"balls.angles": [0.0, apart], "run.revolutions": 100}
+        run = machine.replace(starts).run(record=angles)
+        late = run.time > 0.5 * run.time[-1]
+        span = run.time[late][-1] - run.time[late][0]
+        return [4.0 + (run[name][late][-1] - run[name][late][0]) / span for name in angles]
+
+    assert speeds(0.0) == pytest.approx([lagging] * 2, rel=2e-3)
+    assert speeds(0.02) == pytest.approx([4.0] * 2, rel=1e-4)
