@@ -16,7 +16,7 @@ Where three weights can bounce off each other, two more runs take more and less 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, NamedTuple
 
 from ...models.constants import SERIES_SHARE
@@ -94,8 +94,14 @@ class TwoTolerances:
         self._units: Mapping[str, str] = {}
         self._can_collide = expectation(run.scene, meets_events=True).can_collide
 
-    def run(self, progress: Progress | None) -> Recorder:
+    def run(
+        self, progress: Progress | None, ends: Callable[[Recorder, Recorder], bool] | None = None
+    ) -> Recorder:
         """Run until the error is small enough; return what the last run recorded.
+
+        Args:
+            ends: whether two runs one after the other are enough, though their difference exceeds
+                the tolerance.  If given, the error is that difference alone.
 
         Raises:
             SimulationError: as `OneFileRun.record`.
@@ -110,7 +116,7 @@ class TwoTolerances:
         self._units = recorder.signal_units
         scale = {name: least.get(unit, 0.0) for name, unit in self._units.items()}
         while True:
-            share, done = share * FINER, done + 1
+            share, done, last = share * FINER, done + 1, recorder
             recorder = self._recorded(share, points, done, progress)
             _, signals = recorder.columns()
             self.counts_before, counts = counts, _counts(signals)
@@ -119,6 +125,8 @@ class TwoTolerances:
             compared = fine.at(slice(None, None, parts))
             self.error = self._difference(before, fine, parts, scale)
             finest = SERIES_SHARE * self.tolerance * share * FINER < ROUNDING
+            if ends and (self.error <= self.tolerance or finest or ends(last, recorder)):
+                return recorder
             if self.error <= self.tolerance or finest:
                 own = Shown(grid[::EVERY], fine, EVERY * parts)
                 self._compare_with_neighbours(share, own, scale)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from functools import lru_cache, partial
 from typing import TYPE_CHECKING
 
 from ....models.readable import rounded
@@ -12,6 +13,7 @@ from ...scene import Scene
 from .ahead import look_ahead
 from .case import DOUBT
 from .known import Known
+from .lasting import ALIKE_SPEED
 from .outcome import Outcome
 from .passages import passages
 from .plateau import MOST_REVOLUTIONS, SPARE, Run
@@ -27,6 +29,7 @@ if TYPE_CHECKING:
 TIME_CONSTANTS_AT_LEAST = 3.0  # that a transient far from balance takes: to 5 %
 ALIKE = 1.2  # times a vibration: so near another one is the same to a reader
 _OPEN = (Outcome.NOT_SETTLED, Outcome.CANNOT_TELL)
+_UNSETTLED = (*_OPEN, Outcome.ANOTHER_MOTION)
 
 
 def judge(result: Result, scene: Scene) -> Verdict:
@@ -64,6 +67,24 @@ def judge(result: Result, scene: Scene) -> Verdict:
     )
 
 
+def _judged(called: str, ran: Ran) -> tuple[Run, Verdict]:
+    """A run with the verdict on its last stretch."""
+    run = Run(ran, called)
+    return run, run.judge(run.stretches[-1])
+
+
+def _are_alike(one: Verdict, other: Verdict) -> bool:
+    """Whether two runs show the same, so that smaller errors of steps would not change it.
+
+    A motion that never settles amplifies every error, however small: in every run its weights are
+    elsewhere and its vibration at a moment is another one, but its weights are as fast.
+    """
+    if one.outcome is not other.outcome or one.outcome not in _UNSETTLED:
+        return False
+    turn = [v.left_behind[0] if v.left_behind else v.speed or 0.0 for v in (one, other)]
+    return abs(turn[0] - turn[1]) <= ALIKE_SPEED * abs(one.speed or 0.0)
+
+
 def _looked_ahead(run: Run, verdict: Verdict, last: Stretch) -> Verdict:
     """The verdict on a stretch with what a longer run shows, where this one leaves it open."""
     motor = run.scene.operation.motor
@@ -75,11 +96,14 @@ def _looked_ahead(run: Run, verdict: Verdict, last: Stretch) -> Verdict:
     known = None
     if last.steady:
         known = Known(run.scene, last.end, abs(last.speed))
-    found = look_ahead(run.ran, last, known, all_turn=verdict.left_behind is None)
+    judged = lru_cache(maxsize=2)(partial(_judged, run.called))
+    found = look_ahead(
+        run.ran, last, known, lambda one, other: _are_alike(judged(one)[1], judged(other)[1]),
+        all_turn=verdict.left_behind is None,
+    )  # fmt: skip
     if found is None:
         return verdict
-    ahead = Run(found, run.called)
-    later = ahead.judge(ahead.stretches[-1])
+    ahead, later = judged(found)
     if not last.steady and later.outcome in _OPEN and ahead.stretches[-1].steady:
         later = _looked_ahead(ahead, later, ahead.stretches[-1])  # from a speed that is kept
         if later.revolutions is not None:

@@ -8,10 +8,12 @@ import numpy as np
 import pytest
 
 from autobalancer.harness import Scene, cosimulate
+from autobalancer.harness.master.two_tolerances import TwoTolerances
 from autobalancer.harness.result.verdict import Outcome
 from autobalancer.harness.result.verdict.lasting import part_sizes, quiet_spells
 from autobalancer.harness.result.verdict.verdict import Verdict
 from tests.harness.result.verdict.test_verdict import ROTOR, drum, verdict
+from tests.studies.verdict_scenes import drawn
 
 FRICTION = {"rotor__friction": [{"support": 1, "limit": 20.0}]}
 WEAK = {"rotor__friction": [{"support": 1, "limit": 0.5}]}
@@ -55,6 +57,40 @@ def test_the_rotor_alone_is_run_no_more_often_and_no_longer_than_it_needs(monkey
     assert found.revolutions > 12
     assert len(lengths) <= 6
     assert max(lengths) < 2000
+
+
+def test_a_motion_that_amplifies_every_error_is_looked_ahead_at_by_two_runs(monkeypatch):
+    """Weights left behind on dry friction: however small the errors of steps, runs part.
+
+    Their angles differ by hundreds of revolutions, and both runs show the same.
+    """
+    lengths, recorded = [], TwoTolerances._recorded
+
+    def counted(runs, share, *others):
+        if runs._run.scene.balancer:
+            lengths.append(runs._run.scene.revolutions)
+        return recorded(runs, share, *others)
+
+    scene = Scene.from_document(drawn("dry friction", 5, 1))
+    result = cosimulate(scene)
+    monkeypatch.setattr(TwoTolerances, "_recorded", counted)
+    monkeypatch.setattr("autobalancer.harness.result.verdict.ahead.MOST_PASSES", 2e4)
+    found = result.summary()
+    assert found.outcome is Outcome.ANOTHER_MOTION
+    assert found.left_behind[0] == pytest.approx(22.85, rel=0.01)
+    assert len(lengths) == 2
+    assert min(lengths) > 1000.0
+
+
+def test_a_look_ahead_at_weights_that_collide_is_run_no_more_often_for_its_error(monkeypatch):
+    """Runs from neighbouring starts, and with other impacts, tell nothing but the error."""
+    changes = {"balls__weight_radius": 0.01, "balls__speeds": [-150.0] * 3}
+    result = cosimulate(drum(turns=12, **changes))
+    others = []
+    for name in ("_compare_with_neighbours", "_compare_with_grains"):
+        monkeypatch.setattr(TwoTolerances, name, lambda *_: others.append(1))
+    assert "set run.revolutions = " in result.summary().reason
+    assert not others
 
 
 @pytest.mark.parametrize("turns", [0.5, 30.0])
