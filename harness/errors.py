@@ -42,6 +42,7 @@ class LoopError(SimulationError):
     """Corrector passes, or steps however short, do not bring forces and motion into agreement."""
 
 
+SMALLEST_SCATTER = 1e-6  # of a measured difference
 MOST_STARTS = 100_000_000  # of runs that are asked for: a day of 1 ms each
 
 

@@ -110,6 +110,9 @@ COMMANDS = [
     ("scatter {f}/drum.toml -n 9", "--vary"),
     ("run {f}/drum.toml -o --quiet", "-o: requires a value: -o FILE.csv. Write the signals as"),
     ("motions {f}/drum.toml -n --sweep", "-n: requires a value: -n NUMBER. Random starts"),
+    ("run {f}/drum.toml --movie-seconds 5", "give --movie FILE.gif too"),
+    ("run {f}/drum.toml --set rotor.mass=3 --set rotor.mass=4", "--set rotor.mass: given 2 times"),
+    ("build {f}/drum.toml --fmi two", "--fmi two: must be a whole number in digits, 2 to 3"),
     # numbers of things: what is allowed is said
     ("scatter {f}/drum.toml -n 1e11 --vary x=1", "-n 1e11: must be a whole number in digits, 1 to"),
     ("motions {f}/drum.toml -n 100000000000", "-n 100000000000: must be a whole number in digits"),

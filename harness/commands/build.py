@@ -8,6 +8,7 @@ from typing import Annotated, Any
 import typer
 
 from ..errors import UserError
+from ..output import options
 from ..output.terminal import progress_bar, say, show
 from .changes import changed_scene, set_option
 
@@ -21,7 +22,7 @@ def command(
         Path,
         typer.Option("--output", "-o", metavar="PATH", help="Folder; of one file also its name."),
     ] = Path(),
-    fmi: Annotated[int, typer.Option("--fmi", metavar="2|3", help="Version of FMI.")] = 2,
+    fmi: Annotated[int, options.whole("Version of FMI", "--fmi", least=2, most=3)] = 2,
     platform: Annotated[
         list[str] | None,
         typer.Option(

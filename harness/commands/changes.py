@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import typer
 
+from ..errors import UserError
 from ..scene.changes import parse_change
 
 if TYPE_CHECKING:
@@ -50,8 +51,9 @@ def with_changes(scene: AnyScene, changes: list[str] | None) -> AnyScene:
 
 def _settings(texts: list[str] | None) -> list[str] | None:
     """Refuse what is no KEY=VALUE before the words after it are refused as further arguments."""
-    for text in texts or ():
-        parse_change(text)
+    keys = [parse_change(text)[0] for text in texts or ()]
+    if twice := next((key for key in keys if keys.count(key) > 1), ""):
+        raise UserError(f"--set {twice}: given {keys.count(twice)} times; give it once")
     return texts
 
 

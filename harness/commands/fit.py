@@ -7,8 +7,7 @@ from typing import Annotated, Any
 
 import typer
 
-from ..errors import MOST_STARTS
-from ..fit.parameters import SMALLEST_SCATTER
+from ..errors import MOST_STARTS, SMALLEST_SCATTER
 from ..output import options
 from ..output.terminal import progress_bar, say, show
 from .changes import changed_scene, set_option

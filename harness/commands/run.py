@@ -18,6 +18,8 @@ if TYPE_CHECKING:
     from ..result.result import Result
     from ..scene import Scene
 
+MOVIE_SECONDS = 8.0
+
 
 def command(
     scene: Annotated[str, options.SCENE],
@@ -66,8 +68,9 @@ def command(
         ),
     ] = None,
     movie_seconds: Annotated[
-        float, options.quantity("s", "Length of the movie, s.", "--movie-seconds")
-    ] = 8.0,
+        float | None,
+        options.quantity("s", "Length of the movie, s; default: 8.", "--movie-seconds"),
+    ] = None,
 ) -> None:
     """Run a scene, a system of FMUs of any origin, an SSP, or one FMU.
 
@@ -91,10 +94,13 @@ def command(
     if one_file:
         refuse_separate(loaded, fmus)
         say("NOTE: --one-file is the default now, and deprecated", style="bold yellow", error=True)
+    if movie is None and movie_seconds is not None:
+        raise UserError("--movie-seconds: is the length of a movie: give --movie FILE.gif too")
     if movie is not None:
         from ..result.movie import refuse_unseen
 
-        refuse_unseen(loaded, movie_seconds)
+        length = MOVIE_SECONDS if movie_seconds is None else movie_seconds
+        refuse_unseen(loaded, length)
     drawings.refuse_pictures(loaded, pictures)
     record = drawings.record(loaded) if pictures or movie else loaded.run.record
     if plot is not None and record == ():
@@ -116,7 +122,7 @@ def command(
     drawings.draw(result, pictures)
     if movie is not None:
         with progress_bar(f"drawing {movie.name}") as progress:
-            result.movie(movie, movie_seconds, progress)
+            result.movie(movie, length, progress)
         say(f"Movie: {movie}")
 
 

@@ -9,13 +9,12 @@ from dataclasses import dataclass, replace
 from numbers import Real
 from typing import Any
 
-from ..errors import SceneError, UserError, texts_of
+from ..errors import SMALLEST_SCATTER, SceneError, UserError, texts_of
 from ..result.alike import refuse_unvaried
 from ..scene import Scene
 from ..scene.replace import in_full
 from ..units import si_number
 
-SMALLEST_SCATTER = 1e-6
 SCATTER = 0.1  # of a measured difference, where nobody says
 FARTHEST = 1e6  # times the start: as good as no limit
 _LIMIT_HALVINGS = 60  # of the way to a value that the scene refuses

@@ -183,7 +183,7 @@ def test_what_is_warned_of_is_a_line_without_its_place_in_the_code(tmp_path):
     command = [sys.executable, "-m", "autobalancer.harness", "rotor", "traced.toml"]
     done = subprocess.run(command, capture_output=True, text=True, cwd=tmp_path)
     assert done.returncode == 0, done.stderr
-    assert "WARNING: measured.csv: 3 readings are approximated by 2 lines" in done.stderr
+    assert "WARNING: measured.csv: 3 readings lie on 2 lines" in done.stderr
     assert "TraceNote" not in done.stderr
 
 
