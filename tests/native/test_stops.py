@@ -236,6 +236,22 @@ def test_model_exchange_has_touches_and_largest_force_whatever_the_steps(bouncin
     assert bouncing("ModelExchange", interval) == pytest.approx(expected, rel=2e-5)
 
 
+def test_a_solver_of_the_tool_is_told_where_a_stop_is_touched_and_left(tmp_path):
+    """Three events a touch; two of them at the gap, on the way out and back inside."""
+    scene = ab.Scene.from_document({**BOUNCING, "coupling": {"tolerance": 1e-8}})
+    path = build_composite(composition(scene), tmp_path, name="one", platforms=[platform_tuple])
+    solved = fmpy.simulate_fmu(str(path), fmi_type="ModelExchange", output=XY, solver="CVode",
+                               relative_tolerance=1e-9, stop_time=0.25, output_interval=1e-4,
+                               record_events=True)  # fmt: skip
+    events = solved[1:][np.diff(solved["time"]) == 0.0]
+    beyond = np.hypot(events["rotor.x"], events["rotor.y"]) / 1e-3 - 1.0
+    outwards = events["rotor.x"] * events["rotor.vx"] + events["rotor.y"] * events["rotor.vy"] > 0.0
+    at_gap = abs(beyond) < 1e-9
+    assert len(events) == 3 * 22 + 1
+    assert np.count_nonzero(at_gap & outwards) == 23
+    assert np.count_nonzero(at_gap & ~outwards) == 22
+
+
 def test_the_largest_force_of_model_exchange_is_not_beyond_that_of_a_hard_damper(tmp_path):
     """It falls to nothing, with a time of 1/21, in a step of the solver, from the touch on."""
     stops = [{"gap": 0.5, "stiffness": 100.0, "damping": 2000.0}]
