@@ -41,7 +41,7 @@ def compared_motion(scene: Scene, meets_events: bool) -> Compared:
     """Of a scene's runs.
 
     Args:
-        meets_events: whether steps end where weights collide or stick, or supports stick.
+        meets_events: whether steps end where a stop is touched, or weights or supports stick.
     """
 
     def least(recorder: Recorder) -> dict[str, float]:

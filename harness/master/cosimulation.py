@@ -6,32 +6,25 @@ decides whether they are compared with the prediction and the step is taken agai
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from contextlib import ExitStack
+from functools import partial
 from pathlib import Path
-
-import numpy as np
 
 from ..errors import SimulationError
 from ..scene import Scene
 from .compared import Compared, compared_motion
 from .coupled import FINER_FIRST, Coupled
+from .event_steps import SHORT, before_events, cover_events, stopping_parameters
 from .facts import Facts, advice
+from .first_steps import divided_doubling, steep_halvings
 from .fmu import Fmu
-from .limits import (
-    FEWEST_CHOSEN,
-    FIRST_CHANGE,
-    FORCE_ROUNDING,
-    KINK_STEP,
-    MOST_HALVINGS,
-    STEEP_FORCE_CHANGE,
-)
+from .limits import FEWEST_CHOSEN, FORCE_ROUNDING, KINK_STEP
 from .loop import consistent_start, value_eigenvalues
 from .plan import plan
 from .runtime import runtime
 from .scales import largest_force
-from .schedule import brief_step, milestones, schedule, step_size
+from .schedule import brief_step, meets_events, milestones, schedule, step_size
 from .schemes import choose
 from .simulation import refuse_loose_tolerance
 from .system import System
@@ -52,7 +45,7 @@ class CoSimulation(Coupled):
 
     Attributes:
         coupled: whether there is a loop.
-        meets_events: whether steps end where weights collide or stick, or supports stick.
+        meets_events: whether steps end where a stop is touched, or weights or supports stick.
         time: reached so far [s]; may be set to where a step was to end.
 
     Raises:
@@ -76,8 +69,9 @@ class CoSimulation(Coupled):
             stack.callback(self.system.free_states)
             self._stack = stack.pop_all()
         self.coupled = self.system.coupled
+        self.meets_events = self.coupled and meets_events(scene)
         self.gain = self.amplification = self.worst_residual = self.time = 0.0
-        self._largest_force = largest_force(scene)
+        self._largest_force, self._brief = largest_force(scene), brief_step(scene)
 
     def like(self, scene: Scene) -> CoSimulation:
         """A simulation of another scene with the same units, which differs in start values."""
@@ -104,6 +98,7 @@ class CoSimulation(Coupled):
         self.steps = self.unconverged = 0
         first, self._parts = None, parts
         self._first_steps: list[list[float]] = []
+        self._behind_event = False
         if self.scene.coupling.tolerance is not None and self.coupled:
             first = FEWEST_CHOSEN * FINER_FIRST ** (attempt or 0)
         self._schedule = schedule(self.scene, first)
@@ -118,7 +113,8 @@ class CoSimulation(Coupled):
         self.system.most = RUNAWAY * self._largest_force * max(1.0, faster) ** 2
 
     def _restart(self, changes: Mapping[str, Mapping[str, float | bool]]) -> None:
-        self.system.restart(changes)
+        told = stopping_parameters(self.scene, self._brief) if self.meets_events else {}
+        self.system.restart({n: {**told.get(n, {}), **changes.get(n, {})} for n in self.units})
 
     def _leave_initialisation(self) -> None:
         for unit in self.units.values():
@@ -156,7 +152,7 @@ class CoSimulation(Coupled):
 
     def _cover(self, step: float) -> None:
         """A communication step: behind a jump of the drive, and divided where there is no past."""
-        started, begin = self.system.has_no_past, self.time
+        started, begin = self.system.has_no_past and not self._behind_event, self.time
         left = step - self._cross_jump(step)
         halvings = self.scheme.startup_halvings
         if self.system.has_no_past and (started or halvings):
@@ -168,8 +164,26 @@ class CoSimulation(Coupled):
                 self._drive_jumps()
             self._advance_part(share * left)
         if started and len(shares) > 1:
-            self.scheme.after_start(self.system, self.time, step)
+            before_events(step, partial(self.scheme.after_start, self.system, self.time))
         self.time = begin + step
+
+    def _advance_part(self, step: float) -> None:
+        """A part of a communication step, in steps that end at the rotor's events."""
+        if not self.meets_events:
+            self._advance(step)
+            return
+        begin = self.time
+
+        def advance(part: float, at_event: bool, tolerant: bool = False) -> bool:
+            if self.time != begin:
+                self._drive_jumps()
+            self._behind_event = at_event or part < SHORT * step
+            agrees = self._advance(part, self._behind_event, tolerant)
+            if self._behind_event:
+                self.system.drop_past()
+            return agrees
+
+        cover_events(step, self._brief, advance)
 
     def _drive_jumps(self) -> bool:
         """Write changing speed and unbalance to the units; whether a force jumps with them."""
@@ -203,43 +217,3 @@ class CoSimulation(Coupled):
             unconverged=self.unconverged,
             worst_residual=self.worst_residual,
         )
-
-
-def steep_halvings(system: System, step: float, halvings: int = 0) -> int:
-    """How often the first step [s] is halved; `halvings` where no force starts steeply.
-
-    Weights under heavy drag d are pulled into the rotor's motion within 1/d: a cubic over a whole
-    first step with the slope of that instant is wrong by d times the step, while its loop
-    converges.
-
-    Args:
-        halvings: wanted in any case.
-    """
-    if system.order == 0 or not system.coupled:
-        return 0
-    for kind in system.kinds:
-        largest, slope = np.abs(system.forces.now[kind]).max(axis=0).tolist()
-        change = step * slope
-        if change > STEEP_FORCE_CHANGE * largest > 0.0:
-            steep = math.ceil(math.log2(change / (FIRST_CHANGE * largest)))
-            halvings = max(halvings, min(MOST_HALVINGS, steep))
-    return halvings
-
-
-def divided_doubling(halvings: int, parts: int) -> list[list[float]]:
-    """Steps that double up to the first one of a run, each divided into parts.
-
-    A finer run divides them as it divides all others: were they the same in both, their errors
-    would be, and the difference of the two runs would not show them.
-
-    Returns:
-        Of each of the `parts` communication steps that take the place of the first one, the lengths
-        of its steps over its own; they add up to 1.
-    """
-    shares: list[list[float]] = [[] for _ in range(parts)]
-    at, end = 0, 1 << halvings  # of the present communication step, in the shortest step
-    for doubling in (0, *range(halvings)):
-        for _ in range(parts):
-            shares[at // end].append(math.ldexp(1.0, doubling - halvings))
-            at += 1 << doubling
-    return shares

@@ -25,7 +25,7 @@ class Coupled(Closing):
 
     Attributes:
         coupled: whether there is a loop.
-        meets_events: whether steps end where weights collide or stick, or supports stick.
+        meets_events: whether steps end where a stop is touched, or weights or supports stick.
         system: the units with their signals; `scheme` couples them.
         time: reached so far [s]; may be set to where a step was to end.
         gain: of the loop; `amplification` what the scheme makes of an error in a step.
@@ -73,14 +73,25 @@ class Coupled(Closing):
         return 0.0
 
     def _advance_part(self, step: float) -> None:
-        """A part of a communication step, judged and counted."""
-        residual = self.scheme.step(self.system, self.time, step)
-        self.worst_residual = max(self.worst_residual, residual)
-        if not self.scheme.check_agreement(self.system, self.time, residual):
-            self.unconverged += 1
+        """A part of a communication step."""
+        self._advance(step)
+
+    def _advance(self, step: float, jump: bool = False, tolerant: bool = False) -> bool:
+        """A step of the scheme, over a jump or without, judged and counted; whether forces agree.
+
+        Args:
+            tolerant: where they do not, that is no error, and not counted.
+        """
+        residual = self.scheme.step(self.system, self.time, step, jump)
+        agrees = self.scheme.agrees(residual)
+        if agrees or not tolerant:
+            self.worst_residual = max(self.worst_residual, residual)
+            if not self.scheme.check_agreement(self.system, self.time, residual):
+                self.unconverged += 1
         self.system.follow(self.time, step)
         self.time += step
         self.steps += 1
+        return agrees
 
     def run(self) -> Iterator[float]:
         """Step through the scene's run; yields the finished fraction after every step.

@@ -46,13 +46,12 @@ def expectation(scene: Scene, meets_events: bool) -> Expectation:
     """Of a scene's runs.
 
     Args:
-        meets_events: whether steps end where weights collide or stick, supports stick, or a motor
-            meets a corner of its characteristic.
+        meets_events: whether steps end where a stop is touched, or weights or supports stick.
     """
     can_collide = any(balancer.can_meet for balancer in scene.balancer)
     motor = scene.operation.motor
     has_corners = motor is not None and len(motor.table or ()) > 2
-    jumps = can_collide or ((scene.has_events or has_corners) and not meets_events)
+    jumps = can_collide or has_corners or (scene.has_events and not meets_events)
     order = ORDER_OF_JUMPS if jumps else ORDER
     return Expectation(
         order=order,

@@ -24,12 +24,25 @@ from .library import STATUS, Library, callbacks_to
 from .unit_files import described
 
 _WARNING = fmi2.fmi2Warning
+_LAST_SUCCESSFUL_TIME = 2  # of fmi2StatusKind
 _LOADED = (f"binaries/{fmpy.platform}/", "resources/")
 
 
 def _is_loaded(name: str) -> bool:
     """Whether an instance needs this file: a hundred files of C cost more than many a run."""
     return name.startswith(_LOADED)
+
+
+class EndedEarly(SimulationError):
+    """A step that ended at an event, as the unit was told to.
+
+    Attributes:
+        made: length of the step as far as it came [s].
+    """
+
+    def __init__(self, name: str, time: float, made: float) -> None:
+        super().__init__(f"{name}: an event {made:g} s behind t = {time:g} s")
+        self.made = made
 
 
 class Variables:
@@ -157,12 +170,21 @@ class Fmu(Closing):
             self._check(status, f"setting {', '.join(group.names[:4])}")
 
     def step(self, time: float, step: float) -> None:
-        """Advance by `step` [s] from `time` [s]."""
+        """Advance by `step` [s] from `time` [s].
+
+        Raises:
+            EndedEarly: the step ended at an event; the unit is there.
+        """
         self.calls["step"] += 1
         self.time = self._begin.value = time
         self._length.value = step
         status = self._step(self._component, self._begin, self._length, self._final)
         if status > _WARNING:
+            if status == fmi2.fmi2Discard and not self.fmu.runs_python:  # one of Python has failed
+                reached = c_double()
+                kind = _LAST_SUCCESSFUL_TIME
+                self.fmu.dll.fmi2GetRealStatus(self._component, kind, byref(reached))
+                raise EndedEarly(self.name, time, reached.value - time)
             self._check(status, f"a step of {step:g} s")
 
     def exchange(self, inputs: Variables, outputs: Variables, time: float, step: float) -> None:

@@ -24,13 +24,14 @@ def _in_one_piece(scene: Scene) -> Scene:
 
 
 def meets_events(scene: Scene) -> bool:
-    """Whether steps end where weights collide, stick or slide, or a dry support turns round.
+    """Whether steps of separate units end where a stop is touched or a weight or support sticks.
 
-    That takes native units, and steps that are taken back.  A motor's scene is stepped through its
-    events: its units are told the mean over a step.
+    That takes native units, and steps that are taken back.  Corners of a motor's characteristic lie
+    within steps all the same.
     """
-    corrects = scene.coupling.scheme not in UNCORRECTED and scene.operation.motor is None
-    return corrects and runtime(scene.coupling.units).backend == "native"
+    corrects = scene.coupling.scheme not in UNCORRECTED
+    native = runtime(scene.coupling.units).backend == "native"
+    return scene.has_events and corrects and native
 
 
 def brief_step(scene: Scene) -> float:

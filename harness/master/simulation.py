@@ -50,7 +50,7 @@ class CoupledRun(Simulation, Protocol):
     """Coupled units, whose steps can be chosen and repeated.
 
     Attributes:
-        meets_events: whether steps end where weights collide or stick, or supports stick.
+        meets_events: whether steps end where a stop is touched, or weights or supports stick.
     """
 
     meets_events: bool

@@ -71,6 +71,10 @@ class Scheme:
     def after_start(self, system: System, time: float, step: float) -> None:
         """Nothing: no Jacobian is used."""
 
+    def agrees(self, residual: float) -> bool:
+        """Whether a step left no more than what the scheme iterates to."""
+        return True
+
     def check_agreement(self, system: System, time: float, residual: float) -> bool:
         """Always converged: there is nothing to iterate."""
         return True

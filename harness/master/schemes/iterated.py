@@ -8,12 +8,17 @@ gain below 1).  Broyden's update refines it where the loop changes along the run
 
 from __future__ import annotations
 
+import math
+from copy import copy
 from typing import Any
 
 import numpy as np
 
 from ...errors import LoopError
+from ..fmu import EndedEarly
 from ..limits import (
+    BRIEF_FOR_LOOP,
+    CLOSED,
     CONVERGED_FORCES,
     GAIN_ROUNDING,
     JACOBIAN_CHANGE,
@@ -50,6 +55,7 @@ class Iterated(Scheme):
             values = of_values(jacobian)
             jacobian = np.where(np.outer(values, values), jacobian, 0.0)
         self.newton = QuasiNewton(jacobian, step)
+        self._at_once, self._usual = copy(self.newton), step  # of the start, where no step acts
         self.tolerance = max(CONVERGED_FORCES, GAIN_ROUNDING * self.newton.gain)
         asked = self.tolerance if corrections is None else LOOSE_RESIDUAL
         self.largest = self._least(rounding / asked)
@@ -60,7 +66,8 @@ class Iterated(Scheme):
         passes = MAX_PASSES
         if not (jump or self.corrections is None or (system.has_no_past and self.corrections)):
             passes = self.corrections + 1
-        self.newton.rescale(step)
+        newton = self._solver(step) if jump else self.newton
+        newton.rescale(step)
         u = self._used(system.forces.ends(system.forces.predicted(system.order), step), step)
         before: tuple[Vector, Vector, float] | None = None
         system.save()
@@ -71,11 +78,14 @@ class Iterated(Scheme):
             # of passes that are taken back none counts: they can be far too large
             largest = self._grown(packed)
             error = self._share(residual, largest)
-            if before and error > max(self.tolerance, SLOW_CONVERGENCE * before[2]):
-                self.newton.learn(before[0], before[1], residual)
-            if number == passes or not error > self.tolerance:
+            slow = before is not None and error > SLOW_CONVERGENCE * before[2]
+            if before and slow and error > self.tolerance:
+                newton.learn(before[0], before[1], residual)
+            # a jump is crossed in a brief step, where what is left of a force makes a steep slope
+            enough = error <= (CLOSED if jump and not slow else self.tolerance)
+            if number == passes or enough or math.isnan(error):
                 break
-            du = self.newton.correction(residual)
+            du = newton.correction(residual)
             before = du, residual, error
             u = u + du
             system.restore()
@@ -84,11 +94,26 @@ class Iterated(Scheme):
         return error
 
     def _pass(self, system: System, u: Vector, time: float, step: float) -> tuple[Knots, Knots]:
-        """Step all units once under assumed ends of the forces; accelerations and answers."""
+        """Step all units once under assumed ends of the forces; accelerations and answers.
+
+        Raises:
+            EndedEarly: a unit ended the step at an event; all are rolled back.
+        """
         forces = system.forces.to(unpack(u, step), step, self.order)
-        motion = system.rotor_pass(forces, time, step)
-        accelerations = system.accelerations.to(motion, step, self.order)
-        return motion, system.balancer_pass(accelerations, time, step)
+        try:
+            motion = system.rotor_pass(forces, time, step)
+            accelerations = system.accelerations.to(motion, step, self.order)
+            return motion, system.balancer_pass(accelerations, time, step)
+        except EndedEarly:
+            system.restore()
+            raise
+
+    def _solver(self, step: float) -> QuasiNewton:
+        """Of the loop in a step over a jump or up to one, from which other steps do not learn.
+
+        A brief step acts as the start does, without a step.
+        """
+        return copy(self._at_once if step < BRIEF_FOR_LOOP * self._usual else self.newton)
 
     def _least(self, force: float) -> Any:
         """What residuals are compared with at least, of forces [N]."""
@@ -131,6 +156,9 @@ class Iterated(Scheme):
         g_u = respond(u)
         self.jacobian = jacobian(respond, u, g_u, self._disturbance(u, g_u))
         self.newton = QuasiNewton(self.jacobian, step)
+
+    def agrees(self, residual: float) -> bool:
+        return not residual > self.tolerance
 
     def check_agreement(self, system: System, time: float, residual: float) -> bool:
         """Whether the forces agree well enough.

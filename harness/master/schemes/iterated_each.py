@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from ...errors import LoopError
 from ..limits import GAIN_ROUNDING, JACOBIAN_CHANGE
-from ..loop import Vector
+from ..loop import QuasiNewton, Vector
 from ..system import System
 from .iterated import Iterated
 
@@ -51,6 +51,9 @@ class IteratedEach(Iterated):
                 "corrections"
             )
         return False
+
+    def _solver(self, step: float) -> QuasiNewton:
+        return self.newton
 
     def _grown(self, answers: Vector) -> NDArray[np.float64]:
         return np.asarray(np.maximum(self.largest, _parts(answers)))

@@ -18,7 +18,8 @@ from autobalancer.harness.accuracy.stress.cases_weights import two_pendulums
 from autobalancer.harness.accuracy.stress.run import run_case, stress
 from autobalancer.harness.errors import SimulationError
 from autobalancer.harness.master import facts
-from autobalancer.harness.master.cosimulation import CoSimulation, divided_doubling, steep_halvings
+from autobalancer.harness.master.cosimulation import CoSimulation
+from autobalancer.harness.master.first_steps import divided_doubling, steep_halvings
 from autobalancer.harness.master.recorder import recorded
 from autobalancer.harness.result.run import cosimulate
 from autobalancer.models.monolith import reference
