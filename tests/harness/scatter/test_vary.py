@@ -119,5 +119,5 @@ def test_a_value_is_drawn_alike_whatever_else_varies_after_it():
 
 @pytest.mark.parametrize("count", [10**14, 10**19])
 def test_more_machines_than_memory_are_refused_with_their_number(count):
-    with pytest.raises(UserError, match=f"n = {count}: so many do not fit in the memory"):
+    with pytest.raises(UserError, match=f"n = {count}: must be a whole number from 1 to 100000000"):
         drawn([frozen("rotor.unbalance", stats.norm(1.0, 0.1))], count, 1)
