@@ -138,3 +138,25 @@ def test_what_lies_between_the_points_of_an_uneven_step_is_found(core, number):
     found = case.advance(core, angles, [0.0, 0.0])
     for k, angle in enumerate(angles):
         case.check(found, k, *case.integrated(angle, 0.0), 3.0 * BOUND)
+
+
+def turning(number):
+    """A case of a plane with a steady acceleration, whose rotor alone changes the load."""
+    draw = random.Random(f"turn {number}")
+    fast, fall = 10 ** draw.uniform(3, 5), 10 ** draw.uniform(0.7, 2.7)
+    resistance, strength = 10 ** draw.uniform(-2.5, -0.3), 10 ** draw.uniform(-1, 2.5)
+    case = Case(fast, fall, resistance, [strength + 0j, 0j, 0j, 0j], draw.uniform(-100, 100))
+    shares = [draw.gauss(0, 1) * draw.choice([0, 0.02, 0.1, 0.3]) for _ in range(3)]
+    case.rates = [case.speed * math.factorial(k + 1) * share / case.step ** (k + 1)
+                  for k, share in enumerate(shares)] + [0.0]  # fmt: skip
+    return case, draw.uniform(0, 6.28), draw.random() < 0.5
+
+
+def test_a_load_that_the_rotor_s_turning_bends_takes_more_points(core):
+    """Drawn from 44,000: the one that errs by more than its bound with the points of a line."""
+    case, angle, rests = turning(13999)
+    push = case.push(0.0, angle)
+    left = max(0.0, abs(push) - case.limit(0.0, angle, 0.0))
+    rate = 0.0 if rests else math.copysign(left, push) / case.fast
+    found = case.advance(core, [angle], [rate])
+    case.check(found, 0, *case.integrated(angle, rate))
