@@ -29,7 +29,7 @@ typedef struct {
 typedef struct {
     const struct LaneFunctions *by;
     int weights;
-    int *track_of;               /* (weights,) number of the track; 0 behind, up to a multiple of LANES */
+    int *track_of;               /* (weights,) number of the track; behind, up to a multiple of LANES, that of the last */
     double *known, *pull, *moved; /* (tracks, 2) of the order to come: MachineTrack, and its acceleration less `known` */
     double *found;               /* (weights, 2): directions at the start, or forces */
     void *fours;

@@ -18,6 +18,9 @@ static IN_LINE void start_beside(Machine *m, double angle)
             beside->track_of[w] = t;
         }
     }
+    for (w = m->weight_count; w % LANES; w++) {
+        beside->track_of[w] = beside->track_of[w - 1];
+    }
     beside->weights = m->weight_count;
     beside->by->start_beside(beside, &m->weights->moment, sizeof *m->weights / sizeof(double), angle, m->speed[0],
                              (const double *)(m->motion + m->stations), (const double *)(m->velocity + m->stations));

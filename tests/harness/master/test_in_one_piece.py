@@ -72,3 +72,34 @@ def test_events_are_those_of_an_independent_integration(family, numbers):
             expected = right.signal(name)
             size = max(np.abs(expected).max(), 1.0 if name.endswith("angle") else 0.0)
             assert np.abs(result[name] - expected).max() <= 1e-6 * size
+
+
+@pytest.mark.parametrize(
+    "counts", [(2, 1), (1, 2), (1, 1, 1), (5, 1), (5, 2), (6, 1), (3, 3), (4, 1, 1), (1, 8)]
+)
+def test_weights_belong_to_their_track_however_many_there_are(counts):
+    """A plain machine expands four weights at once, also of several tracks; by SciPy."""
+    balancers = [
+        {
+            "kind": "balls", "name": f"b{k}", "at": 1 + k % 2, "count": count, "mass": 0.01,
+            "drag": 0.5, "track_radius": 0.05 + 0.01 * k,
+            "angles": [0.7 * k + 5.0 * j / count for j in range(count)],
+        }
+        for k, count in enumerate(counts)
+    ]  # fmt: skip
+    rotor = {
+        "kind": "two_support", "mass": 1.5, "com": 0.3, "inertia": 0.05, "polar_inertia": 0.03,
+        "span": 0.7, "planes": [0.2, 0.5], "stiffness": [3e4, 4e4], "damping": [15.0, 20.0],
+        "unbalances": [{"amount": 1e-3, "angle": 2.4, "position": 0.1}],
+    }  # fmt: skip
+    scene = Scene.from_document(
+        {
+            "rotor": rotor, "balancer": balancers, "operation": {"speed": 300.0},
+            "coupling": {"tolerance": 1e-7}, "run": {"revolutions": 3.0},
+        }
+    )  # fmt: skip
+    run = cosimulate(scene)
+    drive, start = scene.operation.drive(), scene.run.initial.motion()
+    right = simulate(scene.assembly(), drive, run.time, initial=start, rtol=1e-11)
+    for name in motion_signals(scene):
+        assert np.abs(run[name] - right[name]).max() <= 1e-6 * np.abs(right[name]).max()
