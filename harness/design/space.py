@@ -14,6 +14,7 @@ MATERIALS = {
     "glass": 2500.0, "aluminium": 2700.0,
 }  # kg/m^3  # fmt: skip
 LARGEST = 10.0  # m: of a race, and of the space along the axis
+DENSEST = 1e5  # kg/m^3: above every solid
 
 
 @dataclass(frozen=True)
@@ -99,6 +100,8 @@ def _density(material: float | str) -> float:
 
         known = did_you_mean(material, list(MATERIALS))
         raise UserError(f"{error}, or one of {', '.join(MATERIALS)}{known}") from None
-    if not 0.0 < density < math.inf:
-        raise UserError(f"--material {material}: must be above 0")
+    if not 0.0 < density < DENSEST:
+        raise UserError(
+            f"--material {material}: must be above 0 and below {DENSEST:g} kg/m^3; such as 7800"
+        )
     return density

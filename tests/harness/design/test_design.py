@@ -265,6 +265,7 @@ def test_details_of_a_rotor_without_balls_name_the_fewest_that_hold_its_unbalanc
         (["--race", "80"], 'write "80 mm" if it is in mm'),
         (["--unbalance", "3 kg"], "an unbalance is expected"),
         (["--material", "stel"], 'did you mean "steel"'),
+        (["--material", "1e20"], "must be above 0 and below 100000 kg/m^3"),
         (["--reserve", "0.5"], "must be 1 or more"),
         (["--set", "rotor.unbalance=300 g mm", "--width", "0"], "must be above 0"),
     ],

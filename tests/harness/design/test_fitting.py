@@ -183,7 +183,7 @@ def test_details_refuse_what_they_do_not_ask_for(invoke):
     outcome = invoke("design", "goncharov_balls", "--details", "--starts", "rest")
     assert "--starts rest: not with --details" in outcome.stderr
     outcome = invoke("design", "goncharov_balls", "--details", "--starts", "0")
-    assert "0 starts are too few" in outcome.stderr
+    assert "starts = 0: must be a whole number from 1 to" in outcome.stderr
 
 
 def test_balls_that_are_left_behind_are_not_recommended(fan):
@@ -228,7 +228,7 @@ def test_unknown_drag_is_tried_from_the_bound_of_the_oil_to_ten_times_it(fan):
         ({"run_up": "-4 s"}, "--run-up"),
         ({"start": "rest", "run_up": "4 s"}, "belongs to --starts run-up"),
         ({"clearance": "20 mm"}, "--clearance"),
-        ({"n": 0}, "at least 1"),
+        ({"n": 0}, "n = 0: must be a whole number from 1 to"),
     ],
 )
 def test_wrong_values_are_refused_by_name(fan, given, word):
