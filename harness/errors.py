@@ -1,5 +1,6 @@
 """What can go wrong, by whose hand: wrong input by the user, or a run that cannot be right."""
 
+import math
 import sys
 from collections.abc import Iterable
 from numbers import Integral
@@ -52,11 +53,7 @@ def refuse_count(value: object, name: str, least: int = 1, most: int = MOST_STAR
     Args:
         name: of the argument.
     """
-    if (
-        isinstance(value, bool)
-        or not isinstance(value, Integral)
-        or not least <= int(value) <= most
-    ):
+    if not _is_whole(value, least, most):
         raise UserError(f"{name} = {value!r}: must be a whole number from {least} to {most}")
 
 
@@ -91,5 +88,11 @@ def outer_level() -> int:
 
 def refuse_seed(seed: object) -> None:
     """Raise UserError for what no random numbers can be drawn from."""
-    if isinstance(seed, bool) or not isinstance(seed, Integral) or seed < 0:
+    if not _is_whole(seed, 0):
         raise UserError(f"seed {seed!r}: must be a whole number, 0 or more")
+
+
+def _is_whole(value: object, least: int, most: float = math.inf) -> bool:
+    if isinstance(value, bool) or not isinstance(value, Integral):
+        return False
+    return least <= int(value) <= most

@@ -19,6 +19,18 @@ def browser(tmp_path_factory):
     found.quit()
 
 
+@pytest.fixture
+def phone(browser):
+    """Give the page as much room as a phone has, in pixels, until the test ends."""
+
+    def held(width: int, height: int) -> None:
+        of = {"width": width, "height": height, "deviceScaleFactor": 2, "mobile": True}
+        browser.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", of)
+
+    yield held
+    browser.execute_cdp_cmd("Emulation.clearDeviceMetricsOverride", {})
+
+
 @cache
 def bundled_page(name: str) -> str:
     """Page of a bundled scene."""

@@ -267,25 +267,20 @@ def test_keys_do_what_the_buttons_do(opened):
     shown.wait("return page.view.running && machine.time < 5")
 
 
-def test_the_page_fits_a_phone(opened, browser):
-    phone = {"width": 390, "height": 844, "deviceScaleFactor": 2, "mobile": True}
-    browser.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", phone)
-    try:
-        shown = opened("three_mass_shaft", running=True)
-        shown.wait("return page.frames > 4")
-        assert shown("return document.documentElement.scrollWidth") <= 390
-        sizes = shown(
-            "return [...document.querySelectorAll('button, input')].map((e) => e.offsetHeight)"
-        )
-        assert min(sizes) >= 32
-    finally:
-        browser.execute_cdp_cmd("Emulation.clearDeviceMetricsOverride", {})
+def test_the_page_fits_a_phone(opened, phone):
+    phone(390, 844)
+    shown = opened("three_mass_shaft", running=True)
+    shown.wait("return page.frames > 4")
+    assert shown("return document.documentElement.scrollWidth") <= 390
+    sizes = shown(
+        "return [...document.querySelectorAll('button, input')].map((e) => e.offsetHeight)"
+    )
+    assert min(sizes) >= 32
 
 
-def test_a_finger_that_scrolls_the_page_leaves_the_sliders_as_they_were(opened, browser):
+def test_a_finger_that_scrolls_the_page_leaves_the_sliders_as_they_were(opened, browser, phone):
     """It touches one on its way; along a slider it moves that."""
-    phone = {"width": 360, "height": 740, "deviceScaleFactor": 2, "mobile": True}
-    browser.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", phone)
+    phone(360, 740)
     browser.execute_cdp_cmd("Emulation.setTouchEmulationEnabled", {"enabled": True})
 
     def touch(kind, *points):
@@ -316,7 +311,6 @@ def test_a_finger_that_scrolls_the_page_leaves_the_sliders_as_they_were(opened, 
         assert 1.0 < shown(factors)[1] < 4.0
     finally:
         browser.execute_cdp_cmd("Emulation.setTouchEmulationEnabled", {"enabled": False})
-        browser.execute_cdp_cmd("Emulation.clearDeviceMetricsOverride", {})
 
 
 def test_left_and_right_change_the_speed_also_behind_a_button(opened):
@@ -400,27 +394,23 @@ def test_space_opens_a_summary_and_a_held_key_acts_once(opened):
 @pytest.mark.parametrize(
     ("name", "speed"), [("two_balls", 0.5), ("oval_fan", 0.5), ("two_balls", 1.0)]
 )
-def test_words_in_the_pictures_fit_a_narrow_phone(opened, browser, name, speed):
+def test_words_in_the_pictures_fit_a_narrow_phone(opened, phone, name, speed):
     """What is written within each canvas, by its own measure, 320 pixels wide."""
-    phone = {"width": 320, "height": 640, "deviceScaleFactor": 2, "mobile": True}
-    browser.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", phone)
-    try:
-        shown = opened(name)
-        shown.slide("speed", speed)
-        shown(
-            "machine.advance(60, 1e9); window.beyond = [];"
-            "const of = CanvasRenderingContext2D.prototype;"
-            "const fill = of.fillText; of.fillText = function (text, x, y, most = Infinity) {"
-            "const wide = Math.min(most, this.measureText(text).width);"
-            "const end = x + wide * { left: 1, center: 0.5, right: 0 }[this.textAlign];"
-            "if (end > this.canvas.clientWidth || end - wide < 2) window.beyond.push(text);"
-            "fill.call(this, text, x, y, most); };"
-        )
-        frames = shown("return page.frames")
-        shown.wait(f"return page.frames > {frames} + 8")
-        assert shown("return window.beyond") == []
-    finally:
-        browser.execute_cdp_cmd("Emulation.clearDeviceMetricsOverride", {})
+    phone(320, 640)
+    shown = opened(name)
+    shown.slide("speed", speed)
+    shown(
+        "machine.advance(60, 1e9); window.beyond = [];"
+        "const of = CanvasRenderingContext2D.prototype;"
+        "const fill = of.fillText; of.fillText = function (text, x, y, most = Infinity) {"
+        "const wide = Math.min(most, this.measureText(text).width);"
+        "const end = x + wide * { left: 1, center: 0.5, right: 0 }[this.textAlign];"
+        "if (end > this.canvas.clientWidth || end - wide < 2) window.beyond.push(text);"
+        "fill.call(this, text, x, y, most); };"
+    )
+    frames = shown("return page.frames")
+    shown.wait(f"return page.frames > {frames} + 8")
+    assert shown("return window.beyond") == []
 
 
 WRITTEN = (
@@ -472,22 +462,18 @@ PLACED = (
 @pytest.mark.parametrize(
     ("name", "end"), [("drum", 5.0), ("washing_machine", 8.0), ("washing_machine_stops", 8.0)]
 )
-def test_axes_of_a_narrow_page_have_numbers_enough(opened, browser, name, end):
+def test_axes_of_a_narrow_page_have_numbers_enough(opened, phone, name, end):
     """Across two, beyond 0; up and down three, without which 0 says nothing of the scale."""
-    phone = {"width": 360, "height": 740, "deviceScaleFactor": 2, "mobile": True}
-    browser.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", phone)
-    try:
-        shown = opened(name)
-        shown(f"machine.advance({end}, 1e9);{PLACED}")
-        shown.wait("return more()")
-        for canvas in ("vibration", "spectrum"):
-            words = shown("return placed[arguments[0]]", canvas)
-            across = {text for text, align, *_ in words if align == "center"}
-            upwards = {text for text, align, x, _ in words if align == "right" and x < 70}
-            assert len(across) >= 2
-            assert len(upwards) >= 3
-    finally:
-        browser.execute_cdp_cmd("Emulation.clearDeviceMetricsOverride", {})
+    phone(360, 740)
+    shown = opened(name)
+    shown(f"machine.advance({end}, 1e9);{PLACED}")
+    shown.wait("return more()")
+    for canvas in ("vibration", "spectrum"):
+        words = shown("return placed[arguments[0]]", canvas)
+        across = {text for text, align, *_ in words if align == "center"}
+        upwards = {text for text, align, x, _ in words if align == "right" and x < 70}
+        assert len(across) >= 2
+        assert len(upwards) >= 3
 
 
 @pytest.mark.parametrize("name", ["three_mass_shaft", "drum"])
